@@ -1,0 +1,55 @@
+// Many goal-conditioned environments of one kind, stepped together.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+namespace manyhands {
+
+/// What an environment id means: sizes and limits, the same for every world of a batch.
+struct EnvSpec {
+  std::string id;         ///< for example "PandaReach-v3"
+  int observation_dim{};  ///< length of one observation row
+  int goal_dim{};         ///< length of an achieved or desired goal row
+  int action_dim{};       ///< length of an action row; every component lies in [-1, 1]
+  int max_episode_steps{};
+  double dt{};  ///< simulated seconds of one environment step
+};
+
+/// The batch API on which the Gymnasium environments and the trainers rest.
+///
+/// Rows are worlds: an array written (n, k) is row-major, n = num_envs(), float32. The views returned by the getters
+/// stay valid and are overwritten by the next `step` or `reset`. A batch never resets a world by itself: after `step`,
+/// the views hold the true last observation of a finished episode, and the caller resets what it wants by mask.
+/// World i is the same bits whatever the batch size, the number of threads or its place in the batch.
+class EnvBatch {
+ public:
+  virtual ~EnvBatch() = default;
+
+  [[nodiscard]] virtual const EnvSpec& spec() const = 0;
+  [[nodiscard]] virtual int num_envs() const = 0;
+
+  /// Starts a new episode in every world whose mask byte is not 0 (all of them if `mask` is empty). With `seeds` (n),
+  /// world i's random stream restarts from seeds[i]; without, each stream continues.
+  /// Throws std::invalid_argument on a wrong length.
+  virtual void reset(std::span<const std::uint8_t> mask, std::span<const std::uint64_t> seeds = {}) = 0;
+
+  /// One environment step of every world under `action` (n, action_dim), clipped to [-1, 1].
+  /// Throws std::invalid_argument on a wrong length or a non-finite component.
+  virtual void step(std::span<const float> action) = 0;
+
+  [[nodiscard]] virtual std::span<const float> observation() const = 0;        ///< (n, observation_dim)
+  [[nodiscard]] virtual std::span<const float> achieved_goal() const = 0;      ///< (n, goal_dim)
+  [[nodiscard]] virtual std::span<const float> desired_goal() const = 0;       ///< (n, goal_dim)
+  [[nodiscard]] virtual std::span<const float> reward() const = 0;             ///< (n), of the last step
+  [[nodiscard]] virtual std::span<const std::uint8_t> is_success() const = 0;  ///< (n), 0 or 1
+  [[nodiscard]] virtual std::span<const std::uint8_t> terminated() const = 0;  ///< (n), success ended the episode
+  [[nodiscard]] virtual std::span<const std::uint8_t> truncated() const = 0;   ///< (n), the step limit ended it
+
+  /// The task's reward for k pairs of goals (k, goal_dim), k = reward.size(): what hindsight replay asks.
+  virtual void compute_reward(std::span<const float> achieved_goal, std::span<const float> desired_goal,
+                              std::span<float> reward) const = 0;
+};
+
+}  // namespace manyhands
