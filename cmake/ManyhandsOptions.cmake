@@ -1,0 +1,76 @@
+# Options, compiler flags and the helpers that give every target the same ones.
+include(CMakeDependentOption)
+
+cmake_dependent_option(MANYHANDS_TESTS "Build the C++ tests" ON PROJECT_IS_TOP_LEVEL OFF)
+cmake_dependent_option(MANYHANDS_BENCHMARKS "Build the benchmarks" ON PROJECT_IS_TOP_LEVEL OFF)
+cmake_dependent_option(MANYHANDS_EXAMPLES "Build the C++ examples" ON PROJECT_IS_TOP_LEVEL OFF)
+cmake_dependent_option(MANYHANDS_INSTALL "Install the C++ package" ON PROJECT_IS_TOP_LEVEL OFF)
+cmake_dependent_option(MANYHANDS_PYTHON "Build the Python extension" OFF PROJECT_IS_TOP_LEVEL OFF)
+
+set(MANYHANDS_ISA native CACHE STRING "Instruction set the library is built for")
+set_property(CACHE MANYHANDS_ISA PROPERTY STRINGS native x86-64-v3 x86-64-v4 armv8)
+set(MANYHANDS_SANITIZE "" CACHE STRING "Sanitizers for every target, for example address,undefined")
+
+if(PROJECT_IS_TOP_LEVEL)
+  if(NOT CMAKE_BUILD_TYPE)
+    set(CMAKE_BUILD_TYPE Release CACHE STRING "Build type" FORCE)
+  endif()
+  set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+  find_program(CCACHE_PROGRAM ccache)
+  if(CCACHE_PROGRAM AND NOT DEFINED CMAKE_CXX_COMPILER_LAUNCHER)
+    set(CMAKE_CXX_COMPILER_LAUNCHER "${CCACHE_PROGRAM}")
+  endif()
+endif()
+
+set(isa_flags_native -march=native)
+set(isa_flags_x86-64-v3 -march=x86-64-v3)
+set(isa_flags_x86-64-v4 -march=x86-64-v4)
+set(isa_flags_armv8 -march=armv8-a)
+if(NOT DEFINED isa_flags_${MANYHANDS_ISA})
+  message(FATAL_ERROR "MANYHANDS_ISA=${MANYHANDS_ISA} is not known: use native, x86-64-v3, x86-64-v4 or armv8")
+endif()
+
+# What every program that includes our headers must be compiled with: the lane width follows from the instruction set,
+# and the promise of equal bits from the rounding flags. Exported with the library.
+add_library(manyhands_flags INTERFACE)
+target_compile_features(manyhands_flags INTERFACE cxx_std_20)
+target_compile_options(manyhands_flags INTERFACE ${isa_flags_${MANYHANDS_ISA}} -ffp-contract=off -fno-math-errno)
+
+# What our own targets are compiled with besides.
+add_library(manyhands_options INTERFACE)
+target_link_libraries(manyhands_options INTERFACE manyhands_flags)
+target_compile_options(manyhands_options INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror)
+if(MANYHANDS_SANITIZE)
+  set(sanitize -fsanitize=${MANYHANDS_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_compile_options(manyhands_options INTERFACE ${sanitize})
+  target_link_options(manyhands_options INTERFACE ${sanitize})
+endif()
+
+# Tests, benchmarks and examples also know where the source tree lies.
+add_library(manyhands_developer INTERFACE)
+target_link_libraries(manyhands_developer INTERFACE manyhands_options)
+target_compile_definitions(manyhands_developer INTERFACE MANYHANDS_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+
+# manyhands_add_library(name sources...): a static library, fit for the Python extension.
+function(manyhands_add_library name)
+  if(NOT ARGN)
+    file(WRITE "${PROJECT_BINARY_DIR}/empty.cpp" "")
+    set(ARGN "${PROJECT_BINARY_DIR}/empty.cpp")
+  endif()
+  add_library(${name} STATIC ${ARGN})
+  add_library(manyhands::${name} ALIAS ${name})
+  set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON CXX_EXTENSIONS OFF)
+  target_include_directories(${name} PUBLIC "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>" "$<INSTALL_INTERFACE:include>")
+  target_link_libraries(${name} PUBLIC manyhands_flags PRIVATE "$<BUILD_INTERFACE:manyhands_options>")
+endfunction()
+
+# manyhands_add_programs(folder): each .cpp that lies directly in the folder becomes a program of its name.
+function(manyhands_add_programs folder)
+  file(GLOB sources CONFIGURE_DEPENDS ${folder}/*.cpp)
+  foreach(source IN LISTS sources)
+    cmake_path(GET source STEM name)
+    add_executable(${name} ${source})
+    target_link_libraries(${name} PRIVATE manyhands_learn manyhands_developer)
+    set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/${folder}")
+  endforeach()
+endfunction()

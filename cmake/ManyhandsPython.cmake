@@ -1,0 +1,21 @@
+# The extension module manyhands._core, its type stubs, and the files that go into the wheel with it.
+find_package(Python 3.10 REQUIRED COMPONENTS Interpreter Development.Module)
+execute_process(COMMAND "${Python_EXECUTABLE}" -m nanobind --cmake_dir OUTPUT_STRIP_TRAILING_WHITESPACE
+                OUTPUT_VARIABLE nanobind_ROOT RESULT_VARIABLE nanobind_result ERROR_QUIET)
+if(nanobind_result)
+  message(FATAL_ERROR "nanobind is missing. Install it: ${Python_EXECUTABLE} -m pip install nanobind==3.1.0")
+endif()
+find_package(nanobind CONFIG REQUIRED)
+
+file(GLOB binding_sources CONFIGURE_DEPENDS bindings/*.cpp)
+if(binding_sources)
+  nanobind_add_module(_core NB_STATIC NB_DOMAIN manyhands ${binding_sources})
+  target_include_directories(_core SYSTEM PRIVATE "${NB_DIR}/include")
+  target_link_libraries(_core PRIVATE manyhands_learn manyhands_options)
+  install(TARGETS _core LIBRARY DESTINATION manyhands)
+
+  nanobind_add_stub(core_stub MODULE _core RECURSIVE OUTPUT_PATH "${PROJECT_BINARY_DIR}/stubs"
+                    PYTHON_PATH $<TARGET_FILE_DIR:_core> DEPENDS _core)
+  install(DIRECTORY "${PROJECT_BINARY_DIR}/stubs/" DESTINATION manyhands)
+endif()
+install(DIRECTORY assets DESTINATION manyhands)
