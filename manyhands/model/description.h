@@ -1,0 +1,118 @@
+// The parts of a robot or scene as people describe them: links, joints, geoms and meshes.
+#pragma once
+
+#include <array>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "manyhands/base/ids.h"
+#include "manyhands/math/spatial.h"
+
+namespace manyhands {
+
+enum class JointType {
+  kFixed,       ///< nq 0, nv 0
+  kRevolute,    ///< nq 1, nv 1: angle about the axis [rad], limited
+  kContinuous,  ///< nq 1, nv 1: angle about the axis [rad], unlimited
+  kPrismatic,   ///< nq 1, nv 1: shift along the axis [m]
+  kSpherical,   ///< nq 4, nv 3: quaternion xyzw; angular velocity in the joint frame F [rad/s]
+  kPlanar,      ///< nq 3, nv 3: (x, y) in the plane across the axis and the angle about it; v is their rate
+  kFloating,    ///< nq 7, nv 6: position and quaternion xyzw; (omega, velocity of the origin), both in F
+};
+
+[[nodiscard]] const char* to_string(JointType type);
+[[nodiscard]] int configuration_size(JointType type);  ///< nq
+[[nodiscard]] int velocity_size(JointType type);       ///< nv
+
+/// Mass properties of a link: rotational inertia about the centre of mass, in the link frame's axes.
+struct Inertial {
+  double mass{};               ///< [kg]
+  Vec3<double> com{};          ///< centre of mass in the link frame [m]
+  SymMat3<double> inertia{};   ///< about the centre of mass [kg m^2]
+
+  [[nodiscard]] RigidInertia<double> about_origin() const;
+};
+
+/// A rigid part with a name. Its frame L is the frame of the joint that moves it, at q = 0.
+struct Link {
+  std::string name;
+  Inertial inertial;
+  LinkId parent;            ///< invalid for a root
+  JointId joint;            ///< the joint to the parent; invalid for a root
+  BodyId body;              ///< the moving body that carries the link (set by build)
+  Transform<double> X_BL = Transform<double>::identity();  ///< pose on that body (set by build)
+};
+
+/// One joint drives another: q = multiplier * q_driver + offset.
+struct Mimic {
+  std::string joint;
+  double multiplier = 1;
+  double offset = 0;  ///< [rad or m]
+};
+
+struct JointLimits {
+  double lower = -std::numeric_limits<double>::infinity();    ///< [rad or m]
+  double upper = std::numeric_limits<double>::infinity();     ///< [rad or m]
+  double effort = std::numeric_limits<double>::infinity();    ///< [N m or N]
+  double velocity = std::numeric_limits<double>::infinity();  ///< [rad/s or m/s]
+};
+
+/// A joint between a parent link P and a child link. Frame F is fixed in P; at q = 0 the child's frame is F.
+struct Joint {
+  std::string name;
+  JointType type = JointType::kFixed;
+  LinkId parent;
+  LinkId child;
+  Transform<double> X_PF = Transform<double>::identity();
+  Vec3<double> axis{0, 0, 1};  ///< unit, in F; of revolute, continuous, prismatic; the normal of planar
+  JointLimits limits;
+  double damping = 0;    ///< [N m s/rad or N s/m]
+  double friction = 0;   ///< dry friction [N m or N]
+  double armature = 0;   ///< rotor inertia seen at the joint [kg m^2 or kg]
+  std::optional<Mimic> mimic;
+  int iq = -1;  ///< first index in q; -1 for fixed joints (set by build)
+  int iv = -1;  ///< first index in v; -1 for fixed joints (set by build)
+};
+
+/// A triangle mesh, shared by the geoms that show or use it.
+struct Mesh {
+  std::string source;                          ///< the file it came from, or a description
+  std::vector<Vec3<float>> vertices;           ///< [m], the file's scale applied
+  std::vector<std::array<int, 3>> triangles;   ///< counter-clockwise seen from outside
+};
+
+enum class ShapeType { kSphere, kCapsule, kCylinder, kBox, kPlane, kMesh };
+
+/// A shape: along z where it has an axis.
+struct Shape {
+  ShapeType type = ShapeType::kSphere;
+  Vec3<double> size{};  ///< sphere: r; capsule, cylinder: r, half length; box: half extents [m]
+  MeshId mesh;          ///< for kMesh
+};
+
+enum class GeomRole { kVisual, kCollision };
+
+/// How a link touches others; PyBullet's <contact> block where a URDF has one.
+struct SurfaceMaterial {
+  double lateral_friction = 0.5;
+  double spinning_friction = 0;   ///< [m]
+  double rolling_friction = 0;    ///< [m]
+  double restitution = 0;
+  std::optional<double> stiffness;  ///< [N/m]; only where somebody asked for softness
+  std::optional<double> damping;    ///< [N s/m]
+};
+
+struct Geom {
+  std::string name;
+  GeomRole role = GeomRole::kCollision;
+  LinkId link;
+  Transform<double> X_LG = Transform<double>::identity();
+  Shape shape;
+  std::array<float, 4> rgba{0.7f, 0.7f, 0.7f, 1.0f};
+  SurfaceMaterial surface;
+};
+
+}  // namespace manyhands

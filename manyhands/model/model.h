@@ -1,0 +1,101 @@
+// The immutable description that every world of a robot or scene shares.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "manyhands/model/description.h"
+
+namespace manyhands {
+
+/// What a kernel needs of one moving body. Links joined by fixed joints are one body; body 0 is the world.
+///
+/// The body frame B sits at its joint's origin and is turned so that the joint axis is +z: a kernel then rotates about
+/// z and slides along z only. Where the described axis is already +z, B is the frame of the joint's child link.
+struct Body {
+  BodyId parent;
+  JointId joint;  ///< the joint as described; invalid for the world
+  JointType type = JointType::kFixed;
+  Transform<double> X_PF = Transform<double>::identity();  ///< joint frame in the parent's body frame, axis on z
+  int iq{}, nq{};
+  int iv{}, nv{};
+  RigidInertia<double> inertia = RigidInertia<double>::zero();  ///< of all its links about B's origin, in B's axes
+};
+
+/// A named pose fixed on a body. Every link is a frame of the same name and index.
+struct Frame {
+  std::string name;
+  BodyId body;
+  Transform<double> X_BF = Transform<double>::identity();
+};
+
+/// Thrown when a description cannot become a model; the message names the part and what to change.
+class ModelError : public std::invalid_argument {
+ public:
+  using std::invalid_argument::invalid_argument;
+};
+
+/// A robot or scene, made only by `ModelBuilder::build`, never changed afterwards, shared by any number of worlds and
+/// threads. Links and joints keep the order in which they were added; bodies, and with them q and v, run depth first,
+/// so that a body's parent precedes it.
+class Model {
+ public:
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] int nq() const { return nq_; }  ///< length of q
+  [[nodiscard]] int nv() const { return nv_; }  ///< length of v, tau
+
+  [[nodiscard]] std::span<const Link> links() const { return links_; }
+  [[nodiscard]] std::span<const Joint> joints() const { return joints_; }
+  [[nodiscard]] std::span<const Body> bodies() const { return bodies_; }
+  [[nodiscard]] std::span<const Frame> frames() const { return frames_; }
+  [[nodiscard]] std::span<const Geom> geoms() const { return geoms_; }
+  [[nodiscard]] std::span<const Mesh> meshes() const { return meshes_; }
+
+  [[nodiscard]] const Link& link(LinkId id) const { return links_[id.index()]; }
+  [[nodiscard]] const Joint& joint(JointId id) const { return joints_[id.index()]; }
+  [[nodiscard]] const Body& body(BodyId id) const { return bodies_[id.index()]; }
+  [[nodiscard]] const Frame& frame(FrameId id) const { return frames_[id.index()]; }
+  [[nodiscard]] int num_bodies() const { return static_cast<int>(bodies_.size()); }
+
+  /// Finds a part by name. Throws std::out_of_range that lists the names there are.
+  [[nodiscard]] LinkId link_id(std::string_view name) const;
+  [[nodiscard]] JointId joint_id(std::string_view name) const;
+  [[nodiscard]] FrameId frame_id(std::string_view name) const;
+
+  /// For every velocity index, the next one towards the root that moves the same body, or -1: the sparsity of M.
+  [[nodiscard]] std::span<const int> dof_parent() const { return dof_parent_; }
+  [[nodiscard]] std::span<const int> dof_body() const { return dof_body_; }
+  [[nodiscard]] std::span<const int> dof_joint() const { return dof_joint_; }
+
+  /// Limits, damping and so on by velocity index (nv); infinite or 0 for dofs of joints that have none.
+  [[nodiscard]] std::span<const JointLimits> dof_limits() const { return dof_limits_; }
+  [[nodiscard]] std::span<const double> dof_damping() const { return dof_damping_; }
+  [[nodiscard]] std::span<const double> dof_armature() const { return dof_armature_; }
+  /// The index in q that a velocity index integrates, for dofs with a single coordinate; else -1.
+  [[nodiscard]] std::span<const int> dof_q() const { return dof_q_; }
+
+  [[nodiscard]] Vec3<double> gravity() const { return gravity_; }  ///< [m/s^2], in the world frame
+  [[nodiscard]] std::vector<double> neutral_configuration() const;  ///< q with joints at 0, quaternions at identity
+
+ private:
+  friend class ModelBuilder;
+
+  std::string name_;
+  int nq_ = 0, nv_ = 0;
+  std::vector<Link> links_;
+  std::vector<Joint> joints_;
+  std::vector<Body> bodies_;
+  std::vector<Frame> frames_;
+  std::vector<Geom> geoms_;
+  std::vector<Mesh> meshes_;
+  std::vector<int> dof_parent_, dof_body_, dof_joint_, dof_q_;
+  std::vector<JointLimits> dof_limits_;
+  std::vector<double> dof_damping_, dof_armature_;
+  Vec3<double> gravity_{0, 0, -9.81};
+};
+
+}  // namespace manyhands

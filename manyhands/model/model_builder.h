@@ -1,0 +1,71 @@
+// The only way to make a Model: loaders and user code add parts, `build` checks and compiles them.
+#pragma once
+
+#include <map>
+
+#include "manyhands/model/load_report.h"
+#include "manyhands/model/model.h"
+
+namespace manyhands {
+
+/// Collects links, joints, geoms and meshes. A link without a joint to a parent is a root and is welded to the world;
+/// for a free body, join it by a floating joint to `world()`.
+///
+///     ModelBuilder builder("pendulum");
+///     LinkId rod = builder.add_link("rod", {.mass = 1, .com = {0, 0, -0.5}});
+///     builder.add_joint({.name = "hinge", .type = JointType::kContinuous, .parent = builder.world(), .child = rod,
+///                        .axis = {0, 1, 0}});
+///     Model model = builder.build();
+class ModelBuilder {
+ public:
+  explicit ModelBuilder(std::string name = "model");
+
+  /// The world as a link: the parent of whatever is fixed to or floats in it. Its name is "world".
+  [[nodiscard]] LinkId world() const { return LinkId(0); }
+
+  /// Adds a link. Throws ModelError if the name is taken or empty, or the inertial is not physical.
+  LinkId add_link(std::string name, const Inertial& inertial = {});
+  /// Adds a joint; parent and child must be added before. Throws ModelError on a taken name, a second parent, a zero
+  /// axis, or limits out of order.
+  JointId add_joint(Joint joint);
+  GeomId add_geom(Geom geom);
+  MeshId add_mesh(Mesh mesh);
+  /// Adds a named frame on a link, besides the links' own.
+  void add_frame(std::string name, LinkId link, const Transform<double>& X_LF);
+  void set_gravity(const Vec3<double>& gravity) { gravity_ = gravity; }
+
+  [[nodiscard]] LoadReport& report() { return report_; }
+  [[nodiscard]] const std::vector<Link>& links() const { return links_; }
+  [[nodiscard]] const std::vector<Joint>& joints() const { return joints_; }
+  [[nodiscard]] Link& link(LinkId id) { return links_[id.index()]; }
+  [[nodiscard]] Joint& joint(JointId id) { return joints_[id.index()]; }
+
+  /// Joints whose motion, at the neutral configuration, meets neither inertia nor armature: their acceleration would
+  /// be infinite. A loader repairs these; `build` refuses them.
+  [[nodiscard]] std::vector<JointId> joints_without_inertia() const;
+
+  /// Checks the whole and compiles it. Throws ModelError on a cycle, an unknown mimic driver, or a joint without inertia.
+  [[nodiscard]] Model build() const;
+
+ private:
+  struct NamedFrame {
+    std::string name;
+    LinkId link;
+    Transform<double> X_LF;
+  };
+
+  [[nodiscard]] std::vector<LinkId> depth_first() const;
+  [[nodiscard]] Model compile() const;
+
+  std::string name_;
+  std::vector<Link> links_;
+  std::vector<Joint> joints_;
+  std::vector<Geom> geoms_;
+  std::vector<Mesh> meshes_;
+  std::vector<NamedFrame> frames_;
+  std::map<std::string, int, std::less<>> link_names_, joint_names_;
+  Vec3<double> gravity_{0, 0, -9.81};
+  LoadReport report_;
+};
+
+}  // namespace manyhands
