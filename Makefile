@@ -1,0 +1,79 @@
+# Everything a person does here. Each target sets up what it needs: system packages, .venv, the build.
+SHELL := /bin/bash
+.DELETE_ON_ERROR:
+.DEFAULT_GOAL := help
+.PHONY: help train test asan tsan bench lint format build clean
+
+TASK ?= PandaReach
+SEED ?= 0
+PYTHON ?= python3
+JOBS ?= $(shell nproc)
+export PYTHON JOBS
+
+VENV := .venv
+export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
+
+help:  ## This list
+	@echo "manyhands: robot manipulation, simulation and reinforcement learning"
+	@echo
+	@sed -nE 's/^([a-z]+):.*## (.*)/  make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 16
+	@echo
+	@echo "  Variables: TASK=PandaReach SEED=0 PYTHON=python3 JOBS=$(JOBS)"
+
+train: $(VENV)/.train $(VENV)/.installed  ## Learn a task from nothing: make train TASK=PandaReach SEED=0
+	manyhands train $(TASK) --seed $(SEED)
+
+test: $(VENV)/.test $(VENV)/.installed $(VENV)/.cpp  ## C++ and Python tests, formatting, types, layers
+	tools/test.sh
+
+asan: $(VENV)/.cpp  ## C++ tests under address and undefined-behaviour sanitizers
+	tools/cpp_tests.sh asan
+
+tsan: $(VENV)/.cpp  ## C++ tests under the thread sanitizer
+	tools/cpp_tests.sh tsan
+
+bench: $(VENV)/.test $(VENV)/.installed $(VENV)/.cpp  ## Benchmarks: a table, and build/bench.json
+	cmake --preset release >build/configure.log || { cat build/configure.log; exit 1; }
+	cmake --build --preset release -j $(JOBS)
+	python benchmarks/run.py
+
+lint: $(VENV)/.test $(VENV)/.installed $(VENV)/.cpp  ## All checks that run no program, with clang-tidy (slow)
+	tools/lint.sh --tidy
+
+format: $(VENV)/.test  ## Format C++ and Python
+	tools/lint.sh --fix
+
+build: $(VENV)/.installed  ## The Python package, built and installed into .venv
+
+clean:  ## Remove what was built; .venv too
+	rm -rf build $(VENV)
+
+# ---- Set-up, each step once ------------------------------------------------------------------------------------
+LIBRARIES := libeigen3-dev libpugixml-dev libassimp-dev ccache
+SOURCES := CMakeLists.txt $(shell find cmake manyhands bindings python assets -type f -not -path '*/__pycache__/*')
+
+$(VENV)/.build: tools/setup.sh
+	@tools/setup.sh system $(LIBRARIES)
+	@tools/setup.sh venv
+	@touch $@
+
+$(VENV)/.cpp: $(VENV)/.build
+	@tools/setup.sh system $(LIBRARIES) libgtest-dev
+	@touch $@
+
+$(VENV)/.core: $(VENV)/.build pyproject.toml
+	@tools/setup.sh python build core
+	@touch $@
+
+$(VENV)/.train: $(VENV)/.core pyproject.toml
+	@tools/setup.sh python core train
+	@touch $@
+
+$(VENV)/.test: $(VENV)/.train pyproject.toml
+	@tools/setup.sh python core test dev
+	@touch $@
+
+$(VENV)/.installed: $(VENV)/.core $(SOURCES)
+	@echo "==> Building the Python package"
+	@CMAKE_BUILD_PARALLEL_LEVEL=$(JOBS) pip install --quiet --no-build-isolation --no-deps .
+	@touch $@

@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# Builds the C++ tests of a preset and runs them: tools/cpp_tests.sh [dev|asan|tsan] [ctest arguments...]
+set -euo pipefail
+cd "$(dirname "$0")/.."
+preset=${1:-dev}
+shift || true
+jobs=${JOBS:-$(nproc)}
+
+mkdir -p build
+cmake --preset "$preset" >build/configure.log || { cat build/configure.log; exit 1; }
+cmake --build --preset "$preset" -j "$jobs"
+ctest --preset "$preset" -j "$jobs" "$@"

@@ -1,0 +1,39 @@
+#!/usr/bin/env bash
+# Checks that run no program of ours: formatting, Python lint and types, layers.
+#   tools/lint.sh          check        tools/lint.sh --fix     format in place
+#   tools/lint.sh --tidy   check, with clang-tidy over every C++ source too
+set -uo pipefail
+cd "$(dirname "$0")/.."
+mode=${1:-}
+jobs=${JOBS:-$(nproc)}
+failed=0
+
+step() {
+  printf -- '--- %s\n' "$1"
+  shift
+  "$@" || failed=1
+}
+
+cpp_files() { find manyhands bindings tests benchmarks examples -name '*.h' -o -name '*.cpp' | sort; }
+
+clang_format() { cpp_files | xargs -r clang-format "$@"; }
+
+clang_tidy() {
+  cmake --preset dev >/dev/null && cpp_files | grep '\.cpp$' | grep -E '^(manyhands|tests)/' |
+    xargs -r -P "$jobs" -n 1 clang-tidy --quiet -p build/dev
+}
+
+if [ "$mode" = --fix ]; then
+  step clang-format clang_format -i
+  step 'ruff check' ruff check --quiet --fix .
+  step 'ruff format' ruff format --quiet .
+  exit $failed
+fi
+
+step layers python tools/check_layers.py
+step clang-format clang_format --dry-run -Werror
+step 'ruff check' ruff check --quiet .
+step 'ruff format' ruff format --quiet --check .
+step pyright pyright
+[ "$mode" != --tidy ] || step clang-tidy clang_tidy
+exit $failed
