@@ -38,17 +38,17 @@ struct Inertial {
 
 /// A rigid part with a name. Its frame L is the frame of the joint that moves it, at q = 0.
 struct Link {
-  std::string name;
-  Inertial inertial;
-  LinkId parent;            ///< invalid for a root
-  JointId joint;            ///< the joint to the parent; invalid for a root
-  BodyId body;              ///< the moving body that carries the link (set by build)
+  std::string name{};
+  Inertial inertial{};
+  LinkId parent{};  ///< invalid for a root
+  JointId joint{};  ///< the joint to the parent; invalid for a root
+  BodyId body{};    ///< the moving body that carries the link (set by build)
   Transform<double> X_BL = Transform<double>::identity();  ///< pose on that body (set by build)
 };
 
 /// One joint drives another: q = multiplier * q_driver + offset.
 struct Mimic {
-  std::string joint;
+  std::string joint{};
   double multiplier = 1;
   double offset = 0;  ///< [rad or m]
 };
@@ -62,26 +62,26 @@ struct JointLimits {
 
 /// A joint between a parent link P and a child link. Frame F is fixed in P; at q = 0 the child's frame is F.
 struct Joint {
-  std::string name;
+  std::string name{};
   JointType type = JointType::kFixed;
-  LinkId parent;
-  LinkId child;
+  LinkId parent{};
+  LinkId child{};
   Transform<double> X_PF = Transform<double>::identity();
   Vec3<double> axis{0, 0, 1};  ///< unit, in F; of revolute, continuous, prismatic; the normal of planar
-  JointLimits limits;
+  JointLimits limits{};
   double damping = 0;    ///< [N m s/rad or N s/m]
   double friction = 0;   ///< dry friction [N m or N]
   double armature = 0;   ///< rotor inertia seen at the joint [kg m^2 or kg]
-  std::optional<Mimic> mimic;
+  std::optional<Mimic> mimic{};
   int iq = -1;  ///< first index in q; -1 for fixed joints (set by build)
   int iv = -1;  ///< first index in v; -1 for fixed joints (set by build)
 };
 
 /// A triangle mesh, shared by the geoms that show or use it.
 struct Mesh {
-  std::string source;                          ///< the file it came from, or a description
-  std::vector<Vec3<float>> vertices;           ///< [m], the file's scale applied
-  std::vector<std::array<int, 3>> triangles;   ///< counter-clockwise seen from outside
+  std::string source{};                         ///< the file it came from, or a description
+  std::vector<Vec3<float>> vertices{};          ///< [m], the file's scale applied
+  std::vector<std::array<int, 3>> triangles{};  ///< counter-clockwise seen from outside
 };
 
 enum class ShapeType { kSphere, kCapsule, kCylinder, kBox, kPlane, kMesh };
@@ -90,7 +90,7 @@ enum class ShapeType { kSphere, kCapsule, kCylinder, kBox, kPlane, kMesh };
 struct Shape {
   ShapeType type = ShapeType::kSphere;
   Vec3<double> size{};  ///< sphere: r; capsule, cylinder: r, half length; box: half extents [m]
-  MeshId mesh;          ///< for kMesh
+  MeshId mesh{};        ///< for kMesh
 };
 
 enum class GeomRole { kVisual, kCollision };
@@ -101,18 +101,18 @@ struct SurfaceMaterial {
   double spinning_friction = 0;   ///< [m]
   double rolling_friction = 0;    ///< [m]
   double restitution = 0;
-  std::optional<double> stiffness;  ///< [N/m]; only where somebody asked for softness
-  std::optional<double> damping;    ///< [N s/m]
+  std::optional<double> stiffness{};  ///< [N/m]; only where somebody asked for softness
+  std::optional<double> damping{};    ///< [N s/m]
 };
 
 struct Geom {
-  std::string name;
+  std::string name{};
   GeomRole role = GeomRole::kCollision;
-  LinkId link;
+  LinkId link{};
   Transform<double> X_LG = Transform<double>::identity();
-  Shape shape;
+  Shape shape{};
   std::array<float, 4> rgba{0.7f, 0.7f, 0.7f, 1.0f};
-  SurfaceMaterial surface;
+  SurfaceMaterial surface{};
 };
 
 }  // namespace manyhands

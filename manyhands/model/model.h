@@ -17,8 +17,8 @@ namespace manyhands {
 /// The body frame B sits at its joint's origin and is turned so that the joint axis is +z: a kernel then rotates about
 /// z and slides along z only. Where the described axis is already +z, B is the frame of the joint's child link.
 struct Body {
-  BodyId parent;
-  JointId joint;  ///< the joint as described; invalid for the world
+  BodyId parent{};
+  JointId joint{};  ///< the joint as described; invalid for the world
   JointType type = JointType::kFixed;
   Transform<double> X_PF = Transform<double>::identity();  ///< joint frame in the parent's body frame, axis on z
   int iq{}, nq{};
@@ -28,8 +28,8 @@ struct Body {
 
 /// A named pose fixed on a body. Every link is a frame of the same name and index.
 struct Frame {
-  std::string name;
-  BodyId body;
+  std::string name{};
+  BodyId body{};
   Transform<double> X_BF = Transform<double>::identity();
 };
 

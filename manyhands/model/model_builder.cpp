@@ -1,0 +1,257 @@
+#include "manyhands/model/model_builder.h"
+
+#include <algorithm>
+
+namespace manyhands {
+
+namespace {
+
+bool finite(double a) { return is_finite(a); }
+bool finite(const Vec3<double>& a) { return finite(a.x) && finite(a.y) && finite(a.z); }
+
+void check_inertial(const std::string& name, const Inertial& inertial) {
+  const SymMat3<double>& I = inertial.inertia;
+  const bool all_finite = finite(inertial.mass) && finite(inertial.com) && finite(I.xx + I.yy + I.zz) &&
+                          finite(I.xy + I.xz + I.yz);
+  if (!all_finite) throw ModelError("link '" + name + "': mass, com and inertia must be finite numbers");
+  if (inertial.mass < 0) {
+    throw ModelError("link '" + name + "': mass is " + std::to_string(inertial.mass) + " kg; expected 0 or more");
+  }
+  const double det = I.xx * (I.yy * I.zz - I.yz * I.yz) - I.xy * (I.xy * I.zz - I.yz * I.xz) +
+                     I.xz * (I.xy * I.yz - I.yy * I.xz);
+  const double scale = I.xx + I.yy + I.zz;
+  const double minor = std::min({I.xx * I.yy - I.xy * I.xy, I.xx * I.zz - I.xz * I.xz, I.yy * I.zz - I.yz * I.yz});
+  const double slack = 1e-9 * scale;
+  const bool positive = std::min({I.xx, I.yy, I.zz}) >= 0 && minor >= -slack * scale && det >= -slack * scale * scale;
+  if (!positive) throw ModelError("link '" + name + "': the inertia matrix is not positive semi-definite");
+}
+
+/// The smallest rotation that takes z to the unit vector `axis`; the identity, exactly, if they are equal.
+Mat3<double> rotation_from_z_to(const Vec3<double>& axis) {
+  if (axis.z < -0.999999) {
+    // Half a turn about x, then what remains.
+    const Mat3<double> flip{{1, 0, 0}, {0, -1, 0}, {0, 0, -1}};
+    return flip * rotation_from_z_to({axis.x, -axis.y, -axis.z});
+  }
+  const double k = 1.0 / (1.0 + axis.z);
+  const double xy = -k * axis.x * axis.y;
+  return {{1.0 - k * axis.x * axis.x, xy, -axis.x}, {xy, 1.0 - k * axis.y * axis.y, -axis.y}, axis};
+}
+
+}  // namespace
+
+ModelBuilder::ModelBuilder(std::string name) : name_(std::move(name)) {
+  links_.push_back({.name = "world"});
+  link_names_.emplace("world", 0);
+}
+
+LinkId ModelBuilder::add_link(std::string name, const Inertial& inertial) {
+  if (name.empty()) throw ModelError("a link needs a name");
+  check_inertial(name, inertial);
+  const LinkId id(links_.size());
+  if (!link_names_.emplace(name, id.value()).second) throw ModelError("there is a link '" + name + "' already");
+  links_.push_back({.name = std::move(name), .inertial = inertial});
+  return id;
+}
+
+JointId ModelBuilder::add_joint(Joint joint) {
+  const std::string what = "joint '" + joint.name + "'";
+  if (joint.name.empty()) throw ModelError("a joint needs a name");
+  for (const LinkId id : {joint.parent, joint.child}) {
+    if (!id.is_valid() || id.index() >= links_.size()) throw ModelError(what + ": parent and child must be added first");
+  }
+  Link& child = links_[joint.child.index()];
+  if (joint.child == world()) throw ModelError(what + ": the world cannot be a child");
+  if (joint.child == joint.parent) throw ModelError(what + ": parent and child are both '" + child.name + "'");
+  if (child.joint.is_valid()) {
+    const std::string& other = joints_[child.joint.index()].name;
+    throw ModelError(what + ": link '" + child.name + "' has a parent already, by joint '" + other + "'");
+  }
+  const double length = norm(joint.axis);
+  if (!finite(joint.axis) || length < 1e-9) throw ModelError(what + ": the axis must be a finite vector other than 0");
+  joint.axis = (1.0 / length) * joint.axis;
+  if (!(joint.limits.lower <= joint.limits.upper)) {
+    throw ModelError(what + ": lower limit " + std::to_string(joint.limits.lower) + " is above the upper limit " +
+                     std::to_string(joint.limits.upper));
+  }
+  if (!(joint.damping >= 0) || !(joint.friction >= 0) || !(joint.armature >= 0)) {
+    throw ModelError(what + ": damping, friction and armature must be 0 or more");
+  }
+  const JointId id(joints_.size());
+  if (!joint_names_.emplace(joint.name, id.value()).second) throw ModelError("there is a " + what + " already");
+  child.parent = joint.parent;
+  child.joint = id;
+  joints_.push_back(std::move(joint));
+  return id;
+}
+
+GeomId ModelBuilder::add_geom(Geom geom) {
+  if (!geom.link.is_valid() || geom.link.index() >= links_.size()) throw ModelError("a geom needs a link added before");
+  geoms_.push_back(std::move(geom));
+  return GeomId(geoms_.size() - 1);
+}
+
+MeshId ModelBuilder::add_mesh(Mesh mesh) {
+  meshes_.push_back(std::move(mesh));
+  return MeshId(meshes_.size() - 1);
+}
+
+void ModelBuilder::add_frame(std::string name, LinkId link, const Transform<double>& X_LF) {
+  if (!link.is_valid() || link.index() >= links_.size()) {
+    throw ModelError("frame '" + name + "' needs a link added before");
+  }
+  const auto same = [&](const NamedFrame& frame) { return frame.name == name; };
+  if (link_names_.contains(name) || std::ranges::any_of(frames_, same)) {
+    throw ModelError("there is a frame '" + name + "' already");
+  }
+  frames_.push_back({std::move(name), link, X_LF});
+}
+
+std::vector<LinkId> ModelBuilder::depth_first() const {
+  std::vector<std::vector<LinkId>> children(links_.size());
+  for (const Joint& joint : joints_) children[joint.parent.index()].push_back(joint.child);
+  for (std::size_t i = 1; i < links_.size(); ++i) {
+    if (!links_[i].joint.is_valid()) children[0].push_back(LinkId(i));
+  }
+  std::vector<LinkId> order, stack{world()};
+  while (!stack.empty()) {
+    const LinkId link = stack.back();
+    stack.pop_back();
+    order.push_back(link);
+    stack.insert(stack.end(), children[link.index()].rbegin(), children[link.index()].rend());
+  }
+  if (order.size() != links_.size()) {
+    std::vector<bool> reached(links_.size(), false);
+    for (const LinkId link : order) reached[link.index()] = true;
+    const auto lost = static_cast<std::size_t>(std::ranges::find(reached, false) - reached.begin());
+    throw ModelError("link '" + links_[lost].name + "' is its own ancestor: the joints form a cycle");
+  }
+  return order;
+}
+
+Model ModelBuilder::compile() const {
+  Model model;
+  model.name_ = name_;
+  model.gravity_ = gravity_;
+  model.links_ = links_;
+  model.joints_ = joints_;
+  model.geoms_ = geoms_;
+  model.meshes_ = meshes_;
+  model.bodies_.push_back({});
+  for (const LinkId id : depth_first()) {
+    Link& link = model.links_[id.index()];
+    if (id == world()) {
+      link.body = BodyId(0);
+      continue;
+    }
+    if (!link.joint.is_valid()) {
+      link.body = BodyId(0);
+      link.parent = world();
+    } else {
+      Joint& joint = model.joints_[link.joint.index()];
+      const Link& parent = model.links_[joint.parent.index()];
+      const Transform<double> X_BF = parent.X_BL * joint.X_PF;
+      if (joint.type == JointType::kFixed) {
+        link.body = parent.body;
+        link.X_BL = X_BF;
+      } else {
+        const Mat3<double> R_FZ =
+            joint.type == JointType::kSpherical || joint.type == JointType::kFloating ? Mat3<double>::identity()
+                                                                                      : rotation_from_z_to(joint.axis);
+        Body body;
+        body.parent = parent.body;
+        body.joint = link.joint;
+        body.type = joint.type;
+        body.X_PF = {X_BF.R * R_FZ, X_BF.p};
+        body.iq = joint.iq = model.nq_;
+        body.iv = joint.iv = model.nv_;
+        body.nq = configuration_size(joint.type);
+        body.nv = velocity_size(joint.type);
+        model.nq_ += body.nq;
+        model.nv_ += body.nv;
+        link.body = BodyId(model.bodies_.size());
+        link.X_BL = {transpose(R_FZ), Vec3<double>::zero()};
+        model.bodies_.push_back(body);
+      }
+    }
+    Body& body = model.bodies_[link.body.index()];
+    body.inertia = body.inertia + transformed(link.X_BL, link.inertial.about_origin());
+  }
+  for (const Link& link : model.links_) model.frames_.push_back({link.name, link.body, link.X_BL});
+  for (const NamedFrame& frame : frames_) {
+    const Link& link = model.link(frame.link);
+    model.frames_.push_back({frame.name, link.body, link.X_BL * frame.X_LF});
+  }
+  std::vector<int> last_dof(model.bodies_.size(), -1);
+  for (std::size_t b = 1; b < model.bodies_.size(); ++b) {
+    const Body& body = model.bodies_[b];
+    const Joint& joint = model.joint(body.joint);
+    int previous = last_dof[body.parent.index()];
+    for (int k = 0; k < body.nv; ++k) {
+      model.dof_parent_.push_back(previous);
+      model.dof_body_.push_back(static_cast<int>(b));
+      model.dof_joint_.push_back(body.joint.value());
+      model.dof_q_.push_back(body.nq == body.nv ? body.iq + k : -1);
+      model.dof_limits_.push_back(body.nv == 1 ? joint.limits : JointLimits{});
+      model.dof_damping_.push_back(joint.damping);
+      model.dof_armature_.push_back(joint.armature);
+      previous = body.iv + k;
+    }
+    last_dof[b] = previous;
+  }
+  return model;
+}
+
+std::vector<JointId> ModelBuilder::joints_without_inertia() const {
+  const Model model = compile();
+  // Composite inertias at the neutral configuration, each about its own body's origin.
+  std::vector<RigidInertia<double>> composite(model.bodies_.size(), RigidInertia<double>::zero());
+  std::vector<JointId> found;
+  for (std::size_t b = model.bodies_.size() - 1; b > 0; --b) {
+    const Body& body = model.bodies_[b];
+    composite[b] = composite[b] + body.inertia;
+    composite[body.parent.index()] = composite[body.parent.index()] + transformed(body.X_PF, composite[b]);
+    const RigidInertia<double>& I = composite[b];
+    const double translation = I.m, about_z = I.I.zz;
+    const double rotation = std::min({I.I.xx, I.I.yy, I.I.zz});
+    double least = 0;
+    switch (body.type) {
+      case JointType::kRevolute:
+      case JointType::kContinuous:
+        least = about_z;
+        break;
+      case JointType::kPrismatic:
+        least = translation;
+        break;
+      case JointType::kSpherical:
+        least = rotation;
+        break;
+      case JointType::kPlanar:
+        least = std::min(translation, about_z);
+        break;
+      default:
+        least = std::min(translation, rotation);
+        break;
+    }
+    if (least + model.joint(body.joint).armature < 1e-12) found.push_back(body.joint);
+  }
+  std::ranges::reverse(found);
+  return found;
+}
+
+Model ModelBuilder::build() const {
+  for (const Joint& joint : joints_) {
+    if (joint.mimic && !joint_names_.contains(joint.mimic->joint)) {
+      throw ModelError("joint '" + joint.name + "' mimics '" + joint.mimic->joint + "', which does not exist");
+    }
+  }
+  Model model = compile();
+  const std::vector<JointId> massless = joints_without_inertia();
+  if (!massless.empty()) {
+    throw ModelError("joint '" + joints_[massless.front().index()].name +
+                     "' moves no inertia: give a link beyond it mass and inertia, or the joint an armature");
+  }
+  return model;
+}
+
+}  // namespace manyhands
