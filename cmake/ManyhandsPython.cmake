@@ -10,12 +10,15 @@ find_package(nanobind CONFIG REQUIRED)
 file(GLOB binding_sources CONFIGURE_DEPENDS bindings/*.cpp)
 if(binding_sources)
   nanobind_add_module(_core NB_STATIC NB_DOMAIN manyhands ${binding_sources})
+  # In a folder of the package's name, so that the stubs refer to each other as manyhands._core.
+  set_target_properties(_core PROPERTIES LIBRARY_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/package/manyhands")
   target_include_directories(_core SYSTEM PRIVATE "${NB_DIR}/include")
   target_link_libraries(_core PRIVATE manyhands_learn manyhands_options)
   install(TARGETS _core LIBRARY DESTINATION manyhands)
 
-  nanobind_add_stub(core_stub MODULE _core RECURSIVE OUTPUT_PATH "${PROJECT_BINARY_DIR}/stubs"
-                    PYTHON_PATH $<TARGET_FILE_DIR:_core> DEPENDS _core)
-  install(DIRECTORY "${PROJECT_BINARY_DIR}/stubs/" DESTINATION manyhands)
+  nanobind_add_stub(core_stub MODULE manyhands._core RECURSIVE OUTPUT_PATH "${PROJECT_BINARY_DIR}/stubs"
+                    MARKER_FILE "${PROJECT_BINARY_DIR}/stubs.stamp"
+                    PYTHON_PATH "${PROJECT_BINARY_DIR}/package" DEPENDS _core)
+  install(DIRECTORY "${PROJECT_BINARY_DIR}/stubs/" DESTINATION manyhands FILES_MATCHING PATTERN "*.pyi")
 endif()
 install(DIRECTORY assets DESTINATION manyhands)
