@@ -33,7 +33,7 @@ fi
 step layers python tools/check_layers.py
 step clang-format clang_format --dry-run -Werror
 step 'ruff check' ruff check --quiet .
-step 'ruff format' ruff format --quiet --check .
+step 'ruff format' ruff format --quiet --check --output-format concise .
 step pyright pyright
 [ "$mode" != --tidy ] || step clang-tidy clang_tidy
 exit $failed
