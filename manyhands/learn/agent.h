@@ -1,0 +1,87 @@
+// The actor-critic update: deterministic policy gradient with target networks and, if wanted, TD3's three additions.
+//
+// DDPG: Lillicrap et al., "Continuous control with deep reinforcement learning", 2016.
+// TD3: Fujimoto, van Hoof, Meger, "Addressing function approximation error in actor-critic methods", 2018.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "manyhands/learn/archive.h"
+#include "manyhands/learn/halves.h"
+#include "manyhands/learn/mlp.h"
+#include "manyhands/learn/trainer_config.h"
+
+namespace manyhands::learn {
+
+/// Half of a mini-batch as the networks see it, one transition per column.
+struct AgentBatch {
+  Matrix<float> state, next_state;  ///< (state_dim, n), normalised
+  Matrix<float> action;             ///< (action_dim, n)
+  Vector<float> reward;             ///< (n)
+  Vector<float> discount;           ///< (n), gamma, or 0 where nothing follows
+};
+
+/// Bounds of any return, so of any sensible target value.
+struct ValueBounds {
+  float low{}, high{};
+};
+
+/// Means over the mini-batch.
+struct UpdateStats {
+  float critic_loss{};  ///< squared Bellman error, averaged over the critics
+  float q{};            ///< value of the sampled actions under the first critic
+  bool policy_updated{};
+  float policy_q{};  ///< value of the policy's own actions under the first critic, if the policy was updated
+};
+
+/// Actor, critics, their targets and optimisers. Knows nothing of environments, goals or replay.
+class Agent {
+ public:
+  Agent(int state_dim, int action_dim, const TrainerConfig& config);
+
+  [[nodiscard]] const Mlp<float>& actor() const { return actor_; }
+
+  /// The two halves, to be filled before `update`; a half owns its columns, so each may be filled on its own thread.
+  [[nodiscard]] AgentBatch& half(int index) { return halves_[static_cast<std::size_t>(index)].batch; }
+
+  /// One gradient step on both halves: critics always, policy and targets every `policy_delay` steps.
+  UpdateStats update(Halves& halves, const ValueBounds& bounds);
+
+  [[nodiscard]] std::int64_t gradient_steps() const { return gradient_steps_; }
+
+  void save(ArchiveWriter& out) const;
+  void load(ArchiveReader& in);
+
+ private:
+  struct Critic {
+    Mlp<float> net, target;
+    Adam<float> optimiser;
+  };
+  /// What one half needs and leaves; the gradients of both are summed in fixed order.
+  struct Half {
+    AgentBatch batch;
+    MlpTape<float> actor, critic;
+    Vector<float> target_value;
+    std::vector<Vector<float>> critic_gradient;  // per critic
+    Vector<float> actor_gradient;
+    double squared_error{}, q_sum{}, policy_q_sum{};
+  };
+
+  void compute_targets(Half& half, int index, const ValueBounds& bounds) const;
+  void compute_critic_gradients(Half& half) const;
+  void compute_actor_gradient(Half& half) const;
+  void apply_critics(int part, bool move_targets);
+  void apply_actor(int part);
+
+  TrainerConfig config_;
+  int state_dim_ = 0, action_dim_ = 0;
+  Mlp<float> actor_, actor_target_;
+  Adam<float> actor_optimiser_;
+  std::vector<Critic> critics_;
+  std::array<Half, 2> halves_;
+  std::int64_t gradient_steps_ = 0;
+};
+
+}  // namespace manyhands::learn

@@ -1,0 +1,71 @@
+// Runs the worlds of a batch through episode after episode and hands over each finished one whole.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "manyhands/envs/env_batch.h"
+#include "manyhands/learn/archive.h"
+#include "manyhands/learn/replay.h"
+
+namespace manyhands::learn {
+
+/// Every episode starts from a seed that is a function of (seed, world, episode number), so an unfinished episode is
+/// saved as its number and actions, and `load` brings the batch to the same state by playing them again.
+class Collector {
+ public:
+  /// Starts episode 0 in every world. `envs` is borrowed.
+  Collector(EnvBatch& envs, std::uint64_t seed);
+
+  [[nodiscard]] const EnvBatch& envs() const { return envs_; }
+
+  /// Steps all worlds under `action` (n, action_dim) and records what comes of it.
+  void step(std::span<const float> action);
+
+  /// Worlds whose episode ended with the last `step`, ascending.
+  [[nodiscard]] std::span<const int> finished() const { return finished_; }
+  [[nodiscard]] EpisodeView episode(int world) const;
+  [[nodiscard]] bool succeeded(int world) const;
+
+  /// Starts the next episode in the finished worlds.
+  void restart_finished();
+
+  /// The running episodes: what it takes to play them again, and where that must lead.
+  struct Running {
+    std::uint64_t seed{};
+    std::vector<std::uint64_t> number;               // (worlds)
+    std::vector<int> length;                         // (worlds)
+    std::vector<float> action;                       // (worlds, max_episode_steps, action_dim)
+    std::vector<float> observation, desired_goal;    // (worlds, ...)
+  };
+
+  void save(ArchiveWriter& out) const;
+  [[nodiscard]] Running read(ArchiveReader& in) const;
+  /// Brings the batch to `running`. False if it did not come to the saved observations (another version or machine of
+  /// the environment): then every world has started a new episode instead.
+  [[nodiscard]] bool restore(const Running& running);
+
+ private:
+  struct Track {
+    std::uint64_t number = 0;  // of the episode in this world
+    int length = 0;
+    bool terminated = false, success = false;
+  };
+
+  [[nodiscard]] std::uint64_t episode_seed(std::size_t world) const;
+  void begin(std::span<const std::uint8_t> mask);
+  void record_state(std::size_t world);
+  void play_again(const Running& running);
+
+  EnvBatch& envs_;
+  std::uint64_t seed_ = 0;
+  std::size_t worlds_, no_, ng_, na_, max_steps_;
+  std::vector<Track> tracks_;
+  std::vector<float> observation_, achieved_, desired_, action_, reward_;  // per world, rows as in EpisodeView
+  std::vector<std::uint8_t> mask_;
+  std::vector<std::uint64_t> seeds_;
+  std::vector<int> finished_;
+};
+
+}  // namespace manyhands::learn

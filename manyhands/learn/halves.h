@@ -1,0 +1,47 @@
+// Work in two fixed halves, on one or two threads, with the same result to the bit.
+#pragma once
+
+#include <atomic>
+#include <thread>
+
+namespace manyhands::learn {
+
+/// Runs body(0) and body(1), each exactly once: the second on a helper thread if there is one.
+///
+/// What a half does must not depend on the other, so the number of threads never shows in the results.
+class Halves {
+ public:
+  /// `num_threads` 1: both halves run in turn on the calling thread; 2 or more: a helper thread takes the second.
+  explicit Halves(int num_threads);
+  ~Halves();
+  Halves(const Halves&) = delete;
+  Halves& operator=(const Halves&) = delete;
+
+  /// Returns when both halves are done. `body` must not throw.
+  template <class Body>
+  void run(Body&& body) {
+    if (!helper_.joinable()) {
+      body(0);
+      body(1);
+      return;
+    }
+    context_ = &body;
+    call_ = [](void* context) { (*static_cast<std::remove_reference_t<Body>*>(context))(1); };
+    post();
+    body(0);
+    wait();
+  }
+
+ private:
+  void post();
+  void wait();
+  void serve();
+
+  void* context_ = nullptr;
+  void (*call_)(void*) = nullptr;
+  std::atomic<unsigned> posted_ = 0, finished_ = 0;
+  std::atomic<bool> stop_ = false;
+  std::thread helper_;
+};
+
+}  // namespace manyhands::learn

@@ -1,0 +1,44 @@
+// What the networks see: observation, desired goal and the way to the goal, scaled by running statistics.
+#pragma once
+
+#include <span>
+
+#include "manyhands/learn/archive.h"
+#include "manyhands/learn/mlp.h"
+
+namespace manyhands::learn {
+
+/// Network input z = clip((x - mean) * scale, -clip, clip) of x = [observation, desired_goal, desired_goal -
+/// achieved_goal], with mean and 1/scale the mean and standard deviation of all x added so far.
+///
+/// The difference costs nothing to learn from and is what goal tasks turn on; it is folded into the exported policy.
+class InputNormaliser {
+ public:
+  InputNormaliser() = default;
+  InputNormaliser(int observation_dim, int goal_dim, float clip);
+
+  [[nodiscard]] int dim() const { return static_cast<int>(mean_.size()); }
+
+  /// Adds one sample to the statistics; `mean` and `scale` change at the next `refresh`.
+  void add(const float* observation, const float* achieved_goal, const float* desired_goal);
+  void refresh();
+
+  /// Writes z (dim()) for one sample.
+  void write(const float* observation, const float* achieved_goal, const float* desired_goal, float* z) const;
+
+  [[nodiscard]] const Vector<float>& mean() const { return mean_; }
+  [[nodiscard]] const Vector<float>& scale() const { return scale_; }
+  [[nodiscard]] float clip() const { return clip_; }
+
+  void save(ArchiveWriter& out) const;
+  void load(ArchiveReader& in);
+
+ private:
+  int observation_dim_ = 0, goal_dim_ = 0;
+  float clip_ = 5;
+  double count_ = 0;
+  Vector<double> running_mean_, sum_of_squares_;  // Welford, 1962
+  Vector<float> mean_, scale_, raw_;
+};
+
+}  // namespace manyhands::learn

@@ -1,0 +1,138 @@
+#include "manyhands/learn/replay.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace manyhands::learn {
+
+namespace {
+
+/// Copies `n` floats and returns where the source goes on.
+const float* take(const float* from, Eigen::Index n, float* to) {
+  std::copy_n(from, n, to);
+  return from + n;
+}
+
+float* put(std::span<const float> from, int begin, int n, float* to) {
+  return std::copy_n(from.data() + begin, n, to);
+}
+
+}  // namespace
+
+ReplayBuffer::ReplayBuffer(const EnvSpec& spec, int capacity) : spec_(spec), capacity_(capacity) {
+  if (spec.max_episode_steps <= 0 || capacity < spec.max_episode_steps) {
+    throw std::invalid_argument("ReplayBuffer: capacity " + std::to_string(capacity) + " cannot hold one episode of " +
+                                std::to_string(spec.max_episode_steps) + " steps");
+  }
+  row_ = 2 * spec.observation_dim + 3 * spec.goal_dim + spec.action_dim + 1;
+  data_.resize(static_cast<std::size_t>(capacity) * static_cast<std::size_t>(row_));
+  steps_to_end_.resize(static_cast<std::size_t>(capacity));
+  terminated_.resize(static_cast<std::size_t>(capacity));
+}
+
+void ReplayBuffer::add(const EpisodeView& episode) {
+  const int no = spec_.observation_dim, ng = spec_.goal_dim, na = spec_.action_dim, length = episode.length;
+  const auto has = [&](std::span<const float> rows, int count, int width) {
+    return rows.size() == static_cast<std::size_t>(count) * static_cast<std::size_t>(width);
+  };
+  if (length <= 0 || length > capacity_ || !has(episode.observation, length + 1, no) ||
+      !has(episode.achieved_goal, length + 1, ng) || !has(episode.desired_goal, 1, ng) ||
+      !has(episode.action, length, na) || !has(episode.reward, length, 1)) {
+    throw std::invalid_argument("ReplayBuffer::add: the arrays do not fit an episode of " + std::to_string(length) +
+                                " steps of " + spec_.id);
+  }
+  for (int t = 0; t < length; ++t) {
+    const auto at = static_cast<std::size_t>(next_);
+    float* to = data_.data() + at * static_cast<std::size_t>(row_);
+    to = put(episode.observation, t * no, no, to);
+    to = put(episode.achieved_goal, t * ng, ng, to);
+    to = put(episode.observation, (t + 1) * no, no, to);
+    to = put(episode.achieved_goal, (t + 1) * ng, ng, to);
+    to = put(episode.desired_goal, 0, ng, to);
+    to = put(episode.action, t * na, na, to);
+    const float reward = episode.reward[static_cast<std::size_t>(t)];
+    *to = reward;
+    steps_to_end_[at] = length - 1 - t;
+    terminated_[at] = episode.terminated && t == length - 1;
+    lowest_reward_ = std::min(lowest_reward_, reward);
+    highest_reward_ = std::max(highest_reward_, reward);
+    if (terminated_[at]) success_reward_ = std::min(success_reward_, reward);
+    next_ = (next_ + 1) % capacity_;
+    size_ = std::min(size_ + 1, capacity_);
+  }
+}
+
+Minibatch ReplayBuffer::make_minibatch(int n) const {
+  Minibatch batch;
+  for (Matrix<float>* m : {&batch.observation, &batch.next_observation}) m->setZero(spec_.observation_dim, n);
+  for (Matrix<float>* m : {&batch.achieved_goal, &batch.next_achieved_goal, &batch.desired_goal}) {
+    m->setZero(spec_.goal_dim, n);
+  }
+  batch.action.setZero(spec_.action_dim, n);
+  batch.reward.setZero(n);
+  batch.done.assign(static_cast<std::size_t>(n), 0);
+  return batch;
+}
+
+void ReplayBuffer::sample(const EnvBatch& task, const Hindsight& hindsight, Random random, Minibatch& batch) const {
+  const int no = spec_.observation_dim, ng = spec_.goal_dim, na = spec_.action_dim, n = batch.size();
+  const int relabelled = static_cast<int>(std::lround(hindsight.fraction * n));
+  const auto row = [&](std::size_t at) { return data_.data() + at * static_cast<std::size_t>(row_); };
+  for (int i = 0; i < n; ++i) {
+    const auto at = static_cast<std::size_t>(random.below(static_cast<std::uint32_t>(size_)));
+    const float* from = row(at);
+    from = take(from, no, batch.observation.col(i).data());
+    from = take(from, ng, batch.achieved_goal.col(i).data());
+    from = take(from, no, batch.next_observation.col(i).data());
+    from = take(from, ng, batch.next_achieved_goal.col(i).data());
+    from = take(from, ng, batch.desired_goal.col(i).data());
+    from = take(from, na, batch.action.col(i).data());
+    batch.reward[i] = *from;
+    batch.done[static_cast<std::size_t>(i)] = terminated_[at];
+    if (i < relabelled) {
+      const std::uint32_t ahead = random.below(static_cast<std::uint32_t>(steps_to_end_[at]) + 1);
+      const std::size_t later = (at + ahead) % static_cast<std::size_t>(capacity_);
+      take(row(later) + 2 * no + ng, ng, batch.desired_goal.col(i).data());
+    }
+  }
+  if (relabelled == 0) return;
+  const auto goals = static_cast<std::size_t>(relabelled * ng);
+  task.compute_reward({batch.next_achieved_goal.data(), goals}, {batch.desired_goal.data(), goals},
+                      {batch.reward.data(), static_cast<std::size_t>(relabelled)});
+  for (int i = 0; i < relabelled; ++i) {
+    batch.done[static_cast<std::size_t>(i)] = hindsight.success_terminates && batch.reward[i] >= success_reward_;
+  }
+}
+
+void ReplayBuffer::save(ArchiveWriter& out) const {
+  const auto n = static_cast<std::size_t>(size_);
+  out.value(capacity_);
+  out.value(size_);
+  out.value(next_);
+  out.value(lowest_reward_);
+  out.value(highest_reward_);
+  out.value(success_reward_);
+  out.array(std::span(data_).first(n * static_cast<std::size_t>(row_)));
+  out.array(std::span(steps_to_end_).first(n));
+  out.array(std::span(terminated_).first(n));
+}
+
+void ReplayBuffer::load(ArchiveReader& in) {
+  in.expect("replay capacity", capacity_);
+  in.value(size_);
+  in.value(next_);
+  in.check(size_ >= 0 && size_ <= capacity_ && next_ >= 0 && next_ < capacity_, "replay indices out of range");
+  in.value(lowest_reward_);
+  in.value(highest_reward_);
+  in.value(success_reward_);
+  const auto n = static_cast<std::size_t>(size_);
+  in.array(std::span(data_).first(n * static_cast<std::size_t>(row_)));
+  in.array(std::span(steps_to_end_).first(n));
+  in.array(std::span(terminated_).first(n));
+  for (const std::int32_t steps : std::span(steps_to_end_).first(n)) {
+    in.check(steps >= 0 && steps < spec_.max_episode_steps, "a replay episode is longer than the task's");
+  }
+}
+
+}  // namespace manyhands::learn

@@ -1,0 +1,82 @@
+// Experience replay that relabels goals in hindsight (Andrychowicz et al., "Hindsight Experience Replay", 2017).
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "manyhands/envs/env_batch.h"
+#include "manyhands/learn/archive.h"
+#include "manyhands/learn/mlp.h"
+#include "manyhands/learn/random.h"
+
+namespace manyhands::learn {
+
+/// One finished episode of `length` steps; row t of `observation` and `achieved_goal` is the state before step t.
+struct EpisodeView {
+  int length{};
+  bool terminated{};                     ///< ended by success; otherwise by the step limit
+  std::span<const float> observation;    ///< (length + 1, observation_dim)
+  std::span<const float> achieved_goal;  ///< (length + 1, goal_dim)
+  std::span<const float> desired_goal;   ///< (goal_dim)
+  std::span<const float> action;         ///< (length, action_dim)
+  std::span<const float> reward;         ///< (length)
+};
+
+/// A mini-batch, one transition per column. Sized by `ReplayBuffer::make_minibatch`.
+struct Minibatch {
+  Matrix<float> observation, next_observation;      ///< (observation_dim, n)
+  Matrix<float> achieved_goal, next_achieved_goal;  ///< (goal_dim, n)
+  Matrix<float> desired_goal;                       ///< (goal_dim, n), relabelled in the first columns
+  Matrix<float> action;                             ///< (action_dim, n)
+  Vector<float> reward;                             ///< (n)
+  std::vector<std::uint8_t> done;                   ///< (n), 1: nothing follows, do not bootstrap
+
+  [[nodiscard]] int size() const { return static_cast<int>(reward.size()); }
+};
+
+/// How hindsight changes a mini-batch.
+struct Hindsight {
+  double fraction = 0.8;           ///< of the mini-batch gets a new goal: k/(k+1) for k new goals per old one
+  bool success_terminates = true;  ///< whether reaching a goal ends an episode
+};
+
+/// A ring of transitions that knows where episodes end, in one block allocated at construction.
+///
+/// A new goal is what the same episode achieves at a uniformly drawn later step ("future"). Its reward comes from
+/// `EnvBatch::compute_reward`. A relabelled transition is done exactly when that reward is a success reward (at least
+/// the lowest with which an episode has ended so far, at first 0), because reaching the goal would have ended the
+/// episode there; the flag that the environment gave belongs to the old goal. Truncation never makes it done.
+class ReplayBuffer {
+ public:
+  /// Throws std::invalid_argument unless capacity >= spec.max_episode_steps > 0.
+  ReplayBuffer(const EnvSpec& spec, int capacity);
+
+  [[nodiscard]] int capacity() const { return capacity_; }
+  [[nodiscard]] int size() const { return size_; }  ///< transitions held
+  [[nodiscard]] float lowest_reward() const { return lowest_reward_; }
+  [[nodiscard]] float highest_reward() const { return highest_reward_; }
+  [[nodiscard]] float success_reward() const { return success_reward_; }
+
+  /// Appends an episode, overwriting the oldest transitions. Throws std::invalid_argument on wrong lengths.
+  void add(const EpisodeView& episode);
+
+  [[nodiscard]] Minibatch make_minibatch(int n) const;
+
+  /// Fills every column with a transition drawn uniformly. Does not allocate. Requires size() > 0.
+  void sample(const EnvBatch& task, const Hindsight& hindsight, Random random, Minibatch& batch) const;
+
+  void save(ArchiveWriter& out) const;
+  void load(ArchiveReader& in);
+
+ private:
+  EnvSpec spec_;
+  int capacity_ = 0, size_ = 0, next_ = 0;
+  int row_ = 0;                 // floats per transition: observation, achieved, next of both, desired, action, reward
+  std::vector<float> data_;     // (capacity, row_)
+  std::vector<std::int32_t> steps_to_end_;  // (capacity), 0 at the last step of an episode
+  std::vector<std::uint8_t> terminated_;    // (capacity)
+  float lowest_reward_ = 0, highest_reward_ = 0, success_reward_ = 0;
+};
+
+}  // namespace manyhands::learn

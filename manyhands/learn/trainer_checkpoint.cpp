@@ -1,0 +1,103 @@
+// What a trainer's checkpoint holds, in order.
+#include "manyhands/learn/random.h"
+#include "manyhands/learn/trainer.h"
+
+namespace manyhands::learn {
+
+namespace {
+
+/// Counters and the stop state; losses and wall times belong to the process.
+void save_counters(const TrainMetrics& metrics, ArchiveWriter& out) {
+  out.value(metrics.iterations);
+  out.value(metrics.env_steps);
+  out.value(metrics.gradient_steps);
+  out.value(metrics.episodes);
+  out.value(metrics.success_rate);
+  out.value(metrics.evaluation_success_rate);
+  out.value(metrics.evaluations);
+  out.value(metrics.streak);
+}
+
+TrainMetrics load_counters(ArchiveReader& in) {
+  TrainMetrics metrics;
+  in.value(metrics.iterations);
+  in.value(metrics.env_steps);
+  in.value(metrics.gradient_steps);
+  in.value(metrics.episodes);
+  in.value(metrics.success_rate);
+  in.value(metrics.evaluation_success_rate);
+  in.value(metrics.evaluations);
+  in.value(metrics.streak);
+  return metrics;
+}
+
+}  // namespace
+
+/// What must agree for the arrays to mean the same.
+void Trainer::save_shape(ArchiveWriter& out) const {
+  out.text(spec_.id);
+  for (const int dim : {spec_.observation_dim, spec_.goal_dim, spec_.action_dim, spec_.max_episode_steps,
+                        collector_.envs().num_envs(), config_.num_critics}) {
+    out.value(dim);
+  }
+  out.value(static_cast<int>(config_.hidden_layers.size()));
+  for (const int units : config_.hidden_layers) out.value(units);
+}
+
+void Trainer::expect_shape(ArchiveReader& in) const {
+  in.expect("task", spec_.id);
+  in.expect("observation length", spec_.observation_dim);
+  in.expect("goal length", spec_.goal_dim);
+  in.expect("action length", spec_.action_dim);
+  in.expect("episode step limit", spec_.max_episode_steps);
+  in.expect("number of worlds", collector_.envs().num_envs());
+  in.expect("number of critics", config_.num_critics);
+  in.expect("number of hidden layers", static_cast<int>(config_.hidden_layers.size()));
+  for (const int units : config_.hidden_layers) in.expect("hidden layer size", units);
+}
+
+void Trainer::save(const std::filesystem::path& path, bool with_replay) const {
+  ArchiveWriter out;
+  save_shape(out);
+  out.value(config_.seed);
+  save_counters(metrics_, out);
+  out.value(static_cast<int>(recent_successes_.size()));
+  out.array(std::span(recent_successes_));
+  normaliser_.save(out);
+  agent_.save(out);
+  out.value(with_replay);
+  if (with_replay) replay_.save(out);
+  collector_.save(out);
+  out.commit(path);
+}
+
+bool Trainer::load(const std::filesystem::path& path) {
+  ArchiveReader in(path);
+  expect_shape(in);
+  TrainerConfig config = config_;
+  in.value(config.seed);
+  const TrainMetrics metrics = load_counters(in);
+  const int recent = in.value<int>();
+  in.check(recent >= 0 && recent <= kRecentEpisodes, "it counts too many recent episodes");
+  std::vector<std::uint8_t> recent_successes(static_cast<std::size_t>(recent));
+  in.array(std::span(recent_successes));
+  InputNormaliser normaliser = normaliser_;
+  normaliser.load(in);
+  Agent agent(normaliser.dim(), spec_.action_dim, config);
+  agent.load(in);
+  ReplayBuffer replay(spec_, config.replay_capacity);
+  if (in.value<bool>()) replay.load(in);
+  const Collector::Running running = collector_.read(in);
+  in.finish();
+
+  config_ = config;
+  metrics_ = metrics;
+  metrics_.solved = config_.stop_streak > 0 && metrics_.streak >= config_.stop_streak;
+  recent_successes_ = std::move(recent_successes);
+  normaliser_ = std::move(normaliser);
+  agent_ = std::move(agent);
+  replay_ = std::move(replay);
+  return collector_.restore(running);
+}
+
+}  // namespace manyhands::learn

@@ -1,0 +1,62 @@
+#include "manyhands/learn/trainer_config.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+namespace manyhands::learn {
+
+namespace {
+
+template <class T>
+void require(bool holds, const char* field, T value, const char* wanted) {
+  if (holds) return;
+  std::ostringstream message;
+  message << "TrainerConfig: " << field << " is " << value << ", it must be " << wanted;
+  throw std::invalid_argument(message.str());
+}
+
+template <class T>
+void require_range(const char* field, T value, T low, T high) {
+  std::ostringstream wanted;
+  wanted << "in [" << low << ", " << high << "]";
+  require(std::isfinite(value) && value >= low && value <= high, field, value, wanted.str().c_str());
+}
+
+void require_at_least(const char* field, int value, int least) {
+  require(value >= least, field, value, ("at least " + std::to_string(least)).c_str());
+}
+
+}  // namespace
+
+void TrainerConfig::validate() const {
+  require_at_least("num_threads", num_threads, 1);
+  require(!hidden_layers.empty(), "the number of hidden_layers", hidden_layers.size(), "at least 1");
+  for (const int units : hidden_layers) require(units >= 1 && units <= 8192, "a hidden layer", units, "in [1, 8192]");
+  require(num_critics == 1 || num_critics == 2, "num_critics", num_critics, "1 or 2");
+  require(batch_size >= 2 && batch_size % 2 == 0, "batch_size", batch_size, "even and at least 2");
+  require(gamma >= 0 && gamma < 1, "gamma", gamma, "in [0, 1)");
+  require(target_rate > 0 && target_rate <= 1, "target_rate", target_rate, "in (0, 1]");
+  require(actor_learning_rate > 0 && actor_learning_rate <= 1, "actor_learning_rate", actor_learning_rate, "in (0, 1]");
+  require(critic_learning_rate > 0 && critic_learning_rate <= 1, "critic_learning_rate", critic_learning_rate,
+          "in (0, 1]");
+  require_at_least("policy_delay", policy_delay, 1);
+  require_range("target_noise", target_noise, 0.0f, 10.0f);
+  require_range("target_noise_clip", target_noise_clip, 0.0f, 10.0f);
+  require_range("action_penalty", action_penalty, 0.0f, 1e6f);
+  require(input_clip > 0 && std::isfinite(input_clip), "input_clip", input_clip, "positive");
+  require_at_least("updates_per_iteration", updates_per_iteration, 0);
+  require_at_least("replay_capacity", replay_capacity, 1);
+  require(warmup_transitions >= 1 && warmup_transitions <= replay_capacity, "warmup_transitions", warmup_transitions,
+          "at least 1 and at most replay_capacity");
+  require_range("hindsight_fraction", hindsight_fraction, 0.0, 1.0);
+  require_range("exploration_noise", exploration_noise, 0.0f, 10.0f);
+  require_range("random_action_rate", random_action_rate, 0.0, 1.0);
+  require_at_least("evaluation_interval", evaluation_interval, 1);
+  require_at_least("evaluation_episodes", evaluation_episodes, 1);
+  require_range("stop_success_rate", stop_success_rate, 0.0, 1.0);
+  require_at_least("stop_streak", stop_streak, 0);
+}
+
+}  // namespace manyhands::learn
