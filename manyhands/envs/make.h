@@ -1,0 +1,29 @@
+// Environments by name.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "manyhands/envs/env_batch.h"
+
+namespace manyhands {
+
+struct EnvOptions {
+  int num_threads = 0;      ///< 0: the variable MANYHANDS_THREADS, else as many as the machine has cores
+  int n_substeps = 20;      ///< physics steps of one environment step
+  double time_step = 0.002; ///< of the physics [s]
+  bool terminate_on_success = true;
+  double distance_threshold = 0.05;  ///< success is nearer than this [m]
+  int lanes = 0;            ///< 0: the fastest for this build, or scalars for a single world; else 1, 4, 8 or 16
+};
+
+/// The ids that `make_env_batch` knows, for example "PandaReachDense-v3".
+[[nodiscard]] std::vector<std::string> env_ids();
+
+/// `num_envs` worlds of the environment `id`, reset with fresh random streams.
+/// Throws std::invalid_argument on an unknown id (the message lists the ids) or an option out of range.
+[[nodiscard]] std::unique_ptr<EnvBatch> make_env_batch(const std::string& id, int num_envs,
+                                                       const EnvOptions& options = {});
+
+}  // namespace manyhands

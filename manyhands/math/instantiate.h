@@ -1,0 +1,25 @@
+// The closed list of number types for which the physics is instantiated.
+#pragma once
+
+#include "manyhands/math/lanes.h"
+
+namespace manyhands {
+
+using Lanes4 = Lanes<float, 4>;
+using Lanes8 = Lanes<float, 8>;
+using Lanes16 = Lanes<float, 16>;
+
+/// The lane type that runs fastest on the instruction set of this build.
+#if defined(__AVX512F__)
+using NativeLanes = Lanes16;
+#elif defined(__AVX__)
+using NativeLanes = Lanes8;
+#else
+using NativeLanes = Lanes4;
+#endif
+
+}  // namespace manyhands
+
+#define MANYHANDS_FOR_EACH_NUMBER(macro)                                             \
+  macro(double) macro(float) macro(manyhands::Lanes4) macro(manyhands::Lanes8) macro( \
+      manyhands::Lanes16)

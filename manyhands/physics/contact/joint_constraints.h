@@ -1,0 +1,186 @@
+// Joint motors and joint limits, solved together and exactly at the velocity level. See README.md in this folder.
+//
+// Each dof obeys a staircase: below its target velocity the motor pushes with +F, above it with -F, at it with whatever
+// is needed in between; at a position limit any impulse back inside is allowed. The solver finds, for every dof, its
+// place on the staircase (the `stance`), by pivoting: solve the linear system that the stances imply, move the dofs
+// whose answer contradicts their stance, repeat (Júdice and Pires 1994, block principal pivoting for strictly convex
+// box problems, with Murty's single pivots as the safeguard that makes it finite).
+#pragma once
+
+#include "manyhands/math/control_flow.h"
+#include "manyhands/physics/dynamics/ltdl.h"
+#include "manyhands/physics/dynamics/workspace.h"
+#include "manyhands/physics/step/state.h"
+
+namespace manyhands {
+
+/// Scratch of the joint constraints; one row per dof. Velocities are changes over the step, forces are impulses.
+template <Number T>
+struct JointConstraints {
+  explicit JointConstraints(int nv)
+      : rhs(static_cast<std::size_t>(nv)), dv(rhs), held(rhs), impulse(rhs), max_impulse(rhs), target(rhs), lower(rhs),
+        upper(rhs), least(rhs), most(rhs), forced(rhs) {}
+
+  std::vector<T> rhs;          ///< h (tau - bias - damping v): the impulse that acts without constraints
+  std::vector<T> dv;           ///< the answer: M dv = rhs + impulse
+  std::vector<T> held;         ///< dv where the stance prescribes it, else 0
+  std::vector<T> impulse;      ///< of motor and limit
+  std::vector<T> max_impulse;  ///< F = h max_force
+  std::vector<T> target;       ///< dv that brings the dof to its motor's velocity, kept within the limits
+  std::vector<T> lower, upper; ///< dv that brings the dof just to a position limit by the step's end
+  std::vector<T> least, most;  ///< the impulses that can hold the dof at `target`
+  std::vector<T> forced;       ///< 1 where the stance prescribes the impulse, 0 where it prescribes dv
+};
+
+namespace internal {
+
+// Stances. Between limits: pushed (|stance| = 1) or held at the motor's target (0).
+inline constexpr int kHeld = 0, kPushedUp = 1, kPushedDown = -1, kAtLower = 2, kAtUpper = -2;
+
+/// How much of a limit's violation a step removes, as PyBullet does.
+inline constexpr double kLimitRecovery = 0.2;
+
+inline constexpr int kBlockPivots = 6;
+inline constexpr int kMaxPivots = 60;
+
+template <Number T>
+inline constexpr real_t<T> kPivotTolerance = std::same_as<real_t<T>, float> ? real_t<T>(1e-5) : real_t<T>(1e-12);
+
+/// dv that brings the dof from `gap` outside (> 0) or inside (< 0) its limit to the limit, or part of the way.
+template <Number T>
+MANYHANDS_INLINE T limit_velocity(T gap, T inverse_h) {
+  const T recovery = T(static_cast<real_t<T>>(kLimitRecovery));
+  return select(gap > T(real_t<T>(0)), recovery * gap, gap) * inverse_h;
+}
+
+}  // namespace internal
+
+/// Fills the rows from the state, after bias_and_mass_matrix, and adds h damping to M's diagonal: damping is implicit.
+/// A motor wants v* = kp (target_q - q) / h + v' + kd (target_v - v'), where v' is the velocity that the step would
+/// reach without constraints, and pushes with at most max_force (PyBullet's position and velocity control).
+template <Number T>
+MANYHANDS_INLINE void prepare_joint_constraints(const Tree<real_t<T>>& tree, const Params<T>& params, real_t<T> h,
+                                                State<T>& state, Workspace<T>& ws, JointConstraints<T>& jc) {
+  using R = real_t<T>;
+  const T step(h), inverse_h(R(1) / h), zero(R(0)), one(R(1)), infinity(std::numeric_limits<R>::infinity());
+  const auto nv = static_cast<std::size_t>(tree.nv);
+  mask_t<T> needs_free_velocity(false);
+  for (std::size_t i = 0; i < nv; ++i) {
+    jc.rhs[i] = step * (state.tau()[i] - ws.bias[i] - params.damping[i] * state.v()[i]);
+    ws.M[i * nv + i] = fma(step, params.damping[i], ws.M[i * nv + i]);
+    jc.max_impulse[i] = step * params.motor_max_force[i];
+    needs_free_velocity = needs_free_velocity | ((params.motor_kd[i] != one) & (params.motor_max_force[i] > zero));
+    jc.dv[i] = zero;
+  }
+  when(needs_free_velocity, [&] {
+    ws.L = ws.M;
+    jc.dv = jc.rhs;
+    factor_ltdl<T>(tree, ws.L.data());
+    solve_ltdl<T>(tree, ws.L.data(), jc.dv.data());
+  });
+  for (std::size_t i = 0; i < nv; ++i) {
+    const T v = state.v()[i];
+    const T kd = params.motor_kd[i], F = jc.max_impulse[i];
+    const auto motor = F > zero;
+    T wanted = fma(kd, state.target_v()[i], select(kd == one, zero, (one - kd) * (v + jc.dv[i])));
+    jc.lower[i] = -infinity;
+    jc.upper[i] = infinity;
+    if (tree.dof_q[i] >= 0) {
+      const T q = state.q()[static_cast<std::size_t>(tree.dof_q[i])];
+      const T goal = tree.dof_limited[i] ? clamp(state.target_q()[i], params.lower[i], params.upper[i])
+                                         : state.target_q()[i];
+      wanted = fma(params.motor_kp[i] * inverse_h, goal - q, wanted);
+      if (tree.dof_limited[i]) {
+        jc.lower[i] = internal::limit_velocity(params.lower[i] - q, inverse_h) - v;
+        jc.upper[i] = -internal::limit_velocity(q - params.upper[i], inverse_h) - v;
+      }
+    }
+    const T free_target = select(motor, wanted - v, infinity);
+    jc.target[i] = clamp(free_target, jc.lower[i], jc.upper[i]);
+    jc.most[i] = select(free_target < jc.lower[i], infinity, F);
+    jc.least[i] = select(free_target > jc.upper[i], -infinity, -F);
+    T& stance = state.stance()[i];
+    stance = select(motor, stance, select(stance == zero, T(R(internal::kPushedUp)), stance));
+  }
+}
+
+namespace internal {
+
+/// dv and impulses that the stances imply.
+template <Number T>
+MANYHANDS_INLINE void solve_stances(const Tree<real_t<T>>& tree, const T* stances, Workspace<T>& ws,
+                                    JointConstraints<T>& jc) {
+  using R = real_t<T>;
+  const T zero(R(0)), one(R(1));
+  const auto nv = static_cast<std::size_t>(tree.nv);
+  mask_t<T> any_forced(false);
+  for (std::size_t i = 0; i < nv; ++i) {
+    const T s = stances[i];
+    const auto forced = abs(s) == one;
+    any_forced = any_forced | forced;
+    jc.forced[i] = select(forced, one, zero);
+    const T at_limit = select(s == T(R(kAtLower)), jc.lower[i], jc.upper[i]);
+    jc.held[i] = select(forced, zero, select(s == zero, jc.target[i], at_limit));
+    jc.dv[i] = jc.held[i];
+  }
+  when(any_forced, [&] {
+    multiply_tree_matrix<T>(tree, ws.M.data(), jc.held.data(), jc.impulse.data());
+    for (std::size_t i = 0; i < nv; ++i) {
+      const T push = fma(stances[i], jc.max_impulse[i], jc.rhs[i]) - jc.impulse[i];
+      jc.dv[i] = select(jc.forced[i] == one, push, zero);
+      T* L = &ws.L[i * nv];
+      const T* M = &ws.M[i * nv];
+      L[i] = select(jc.forced[i] == one, M[i], one);
+      for (int j = tree.dof_parent[i]; j >= 0; j = tree.dof_parent[static_cast<std::size_t>(j)]) {
+        L[j] = M[j] * (jc.forced[i] * jc.forced[static_cast<std::size_t>(j)]);
+      }
+    }
+    factor_ltdl<T>(tree, ws.L.data());
+    solve_ltdl<T>(tree, ws.L.data(), jc.dv.data());
+    for (std::size_t i = 0; i < nv; ++i) jc.dv[i] = select(jc.forced[i] == one, jc.dv[i], jc.held[i]);
+  });
+  multiply_tree_matrix<T>(tree, ws.M.data(), jc.dv.data(), jc.impulse.data());
+  for (std::size_t i = 0; i < nv; ++i) jc.impulse[i] = jc.impulse[i] - jc.rhs[i];
+}
+
+/// The stance to which dof i should move, given what its present one led to.
+template <Number T>
+MANYHANDS_INLINE T better_stance(T s, std::size_t i, const JointConstraints<T>& jc) {
+  using R = real_t<T>;
+  const T tolerance(kPivotTolerance<T>), one(R(1)), F = jc.max_impulse[i], impulse = jc.impulse[i], dv = jc.dv[i];
+  const T slack = tolerance * (F + abs(jc.rhs[i])), speed_slack = tolerance * (one + abs(dv));
+  const T held = select(impulse > jc.most[i] + slack, T(R(kPushedUp)),
+                        select(impulse < jc.least[i] - slack, T(R(kPushedDown)), T(R(kHeld))));
+  const T pushed_up = select(dv > jc.target[i] + speed_slack, T(R(kHeld)),
+                             select(dv < jc.lower[i] - speed_slack, T(R(kAtLower)), s));
+  const T pushed_down = select(dv < jc.target[i] - speed_slack, T(R(kHeld)),
+                               select(dv > jc.upper[i] + speed_slack, T(R(kAtUpper)), s));
+  const T at_lower = select(impulse < F - slack, T(R(kPushedUp)), s);
+  const T at_upper = select(impulse > slack - F, T(R(kPushedDown)), s);
+  return select(s == T(R(kHeld)), held,
+                select(s == one, pushed_up, select(s == -one, pushed_down, select(s > one, at_lower, at_upper))));
+}
+
+}  // namespace internal
+
+/// dv and impulses of all dofs after `prepare_joint_constraints`. The answer depends on the state and the stances it
+/// starts from (kept in the state), not on the other lanes.
+template <Number T>
+MANYHANDS_INLINE void solve_joint_constraints(const Tree<real_t<T>>& tree, State<T>& state, Workspace<T>& ws,
+                                              JointConstraints<T>& jc) {
+  const auto nv = static_cast<std::size_t>(tree.nv);
+  T* stances = state.stance();
+  for (int pivot = 0; pivot < internal::kMaxPivots; ++pivot) {
+    internal::solve_stances(tree, stances, ws, jc);
+    mask_t<T> moved(false);
+    for (std::size_t i = 0; i < nv; ++i) {
+      const T better = internal::better_stance(stances[i], i, jc);
+      const auto moves = pivot < internal::kBlockPivots ? better != stances[i] : (better != stances[i]) & !moved;
+      stances[i] = select(moves, better, stances[i]);
+      moved = moved | moves;
+    }
+    if (none(moved)) break;
+  }
+}
+
+}  // namespace manyhands

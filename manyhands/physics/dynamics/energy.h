@@ -1,0 +1,58 @@
+// Energy, momentum and centre of mass: the invariants that tests watch.
+#pragma once
+
+#include "manyhands/physics/dynamics/rnea.h"
+
+namespace manyhands {
+
+template <Number T>
+struct Energy {
+  T kinetic;    ///< rotors included [J]
+  T potential;  ///< of gravity; 0 at the world's origin [J]
+};
+
+/// Total energy in the state q (nq), v (nv).
+template <Number T>
+Energy<T> energy(const Tree<real_t<T>>& tree, const Params<T>& params, const T* q, const T* v, Workspace<T>& ws) {
+  const T half(real_t<T>(0.5));
+  Energy<T> sum{T(real_t<T>(0)), T(real_t<T>(0))};
+  for (std::size_t b = 1; b < tree.bodies.size(); ++b) {
+    place(tree, b, q, ws);
+    move(tree, b, v, ws);
+    internal::place_inertia(b, params, ws);
+    sum.kinetic = fma(half, dot(ws.V[b], ws.I[b] * ws.V[b]), sum.kinetic);
+    const Vec3<T> first_moment = fma(ws.I[b].m, ws.p_WO[b], ws.I[b].h);
+    sum.potential = sum.potential - dot(params.gravity, first_moment);
+  }
+  for (std::size_t i = 0; i < static_cast<std::size_t>(tree.nv); ++i) {
+    sum.kinetic = fma(half * params.armature[i], v[i] * v[i], sum.kinetic);
+  }
+  return sum;
+}
+
+template <Number T>
+struct MassProperties {
+  T mass;           ///< [kg]
+  Vec3<T> com;      ///< centre of mass in the world [m]
+  Force<T> momentum;  ///< about the world's origin: n angular [kg m^2/s], f linear [kg m/s]
+};
+
+/// Mass, centre of mass and momentum of all moving bodies in the state q (nq), v (nv).
+template <Number T>
+MassProperties<T> mass_properties(const Tree<real_t<T>>& tree, const Params<T>& params, const T* q, const T* v,
+                                  Workspace<T>& ws) {
+  MassProperties<T> sum{T(real_t<T>(0)), Vec3<T>::zero(), Force<T>::zero()};
+  for (std::size_t b = 1; b < tree.bodies.size(); ++b) {
+    place(tree, b, q, ws);
+    move(tree, b, v, ws);
+    internal::place_inertia(b, params, ws);
+    const Force<T> momentum = ws.I[b] * ws.V[b];
+    sum.mass += ws.I[b].m;
+    sum.com += fma(ws.I[b].m, ws.p_WO[b], ws.I[b].h);
+    sum.momentum = sum.momentum + Force<T>{momentum.n + cross(ws.p_WO[b], momentum.f), momentum.f};
+  }
+  sum.com = (T(real_t<T>(1)) / sum.mass) * sum.com;
+  return sum;
+}
+
+}  // namespace manyhands

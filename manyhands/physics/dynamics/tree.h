@@ -1,0 +1,47 @@
+// The model's kinematic tree in the precision of a kernel, and the numbers that may differ from world to world.
+#pragma once
+
+#include <vector>
+
+#include "manyhands/math/spatial.h"
+#include "manyhands/model/model.h"
+
+namespace manyhands {
+
+/// What a kernel reads of one body: uniform, the same for every world.
+template <Real R>
+struct TreeBody {
+  int parent{};  ///< 0 is the world
+  JointType type{};
+  int iq{}, iv{}, nv{};
+  bool aligned{};  ///< whether X_PF has no rotation
+  Transform<R> X_PF = Transform<R>::identity();
+};
+
+/// The uniform part of a model for kernels of real type R.
+template <Real R>
+struct Tree {
+  explicit Tree(const Model& model);
+
+  int nb{};  ///< bodies, the world included
+  int nq{}, nv{};
+  std::vector<TreeBody<R>> bodies;  ///< (nb)
+  std::vector<int> dof_parent;      ///< (nv) next dof towards the root, or -1
+  std::vector<int> dof_q;           ///< (nv) the coordinate that the dof integrates, or -1
+  std::vector<bool> dof_limited;    ///< (nv) whether the joint has position limits
+};
+
+/// What may differ from world to world: set from the model, then randomised at will.
+template <Number T>
+struct Params {
+  explicit Params(const Model& model);
+
+  Vec3<T> gravity;                        ///< [m/s^2], in the world frame
+  std::vector<RigidInertia<T>> inertia;   ///< (nb) about the body's origin, in its axes
+  std::vector<T> damping, armature;       ///< (nv) [N m s/rad or N s/m], [kg m^2 or kg]
+  std::vector<T> lower, upper;            ///< (nv) position limits [rad or m]; infinite where there are none
+  std::vector<T> motor_kp, motor_kd;      ///< (nv) motor gains, per step and dimensionless (see motors.h)
+  std::vector<T> motor_max_force;         ///< (nv) [N m or N]; 0 where there is no motor
+};
+
+}  // namespace manyhands

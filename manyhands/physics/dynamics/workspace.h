@@ -1,0 +1,53 @@
+// Everything the dynamics derives from a state, and scratch: allocated once, never saved.
+#pragma once
+
+#include <vector>
+
+#include "manyhands/physics/dynamics/articulated_inertia.h"
+#include "manyhands/physics/dynamics/tree.h"
+
+namespace manyhands {
+
+/// Quantities of a body or dof are in world axes about O, the origin of the first body of its tree: for a robot far
+/// from the world's origin, single precision loses nothing. Motions and forces of one tree add without transforms.
+template <Number T>
+struct Workspace {
+  explicit Workspace(const Tree<real_t<T>>& tree)
+      : R_WB(size(tree.nb), Mat3<T>::identity()),
+        p_OB(size(tree.nb), Vec3<T>::zero()),
+        p_WO(size(tree.nb), Vec3<T>::zero()),
+        V(size(tree.nb), Motion<T>::zero()),
+        c(size(tree.nb), Motion<T>::zero()),
+        A(size(tree.nb), Motion<T>::zero()),
+        F(size(tree.nb), Force<T>::zero()),
+        I(size(tree.nb), RigidInertia<T>::zero()),
+        I_A(size(tree.nb)),
+        S(size(tree.nv), Motion<T>::zero()),
+        U(size(tree.nv), Force<T>::zero()),
+        D_inverse(size(tree.nv)),
+        u(size(tree.nv)),
+        bias(size(tree.nv)),
+        M(size(tree.nv * tree.nv), T(real_t<T>(0))),
+        L(size(tree.nv * tree.nv), T(real_t<T>(0))) {}
+
+  std::vector<Mat3<T>> R_WB;         ///< (nb)
+  std::vector<Vec3<T>> p_OB;         ///< (nb) body origin from its tree's origin O [m]
+  std::vector<Vec3<T>> p_WO;         ///< (nb) the tree's origin in the world [m]
+  std::vector<Motion<T>> V;          ///< (nb) velocity
+  std::vector<Motion<T>> c;          ///< (nb) acceleration due to velocities alone
+  std::vector<Motion<T>> A;          ///< (nb) acceleration
+  std::vector<Force<T>> F;           ///< (nb) force on, or bias force of, the subtree
+  std::vector<RigidInertia<T>> I;    ///< (nb) of the body; of the subtree after crba
+  std::vector<ArticulatedInertia<T>> I_A;  ///< (nb)
+  std::vector<Motion<T>> S;          ///< (nv) joint axes
+  std::vector<Force<T>> U;           ///< (nv) I_A S
+  std::vector<T> D_inverse, u;       ///< (nv)
+  std::vector<T> bias;               ///< (nv) C(q, v) v + g(q) [N m or N]
+  std::vector<T> M;                  ///< (nv, nv) lower triangle, row-major
+  std::vector<T> L;                  ///< (nv, nv) its factors
+
+ private:
+  static std::size_t size(int n) { return static_cast<std::size_t>(n); }
+};
+
+}  // namespace manyhands

@@ -1,0 +1,50 @@
+// The minimum from which a run continues bit for bit.
+#pragma once
+
+#include <span>
+
+#include "manyhands/physics/dynamics/tree.h"
+
+namespace manyhands {
+
+/// One world, or one block of worlds if T is lanes. Plain memory: copy it to save a world, compare or hash its numbers.
+template <Number T>
+class State {
+ public:
+  State(int nq, int nv)
+      : nq_(static_cast<std::size_t>(nq)), nv_(static_cast<std::size_t>(nv)), numbers_(nq_ + 5 * nv_, T(real_t<T>(0))) {}
+  explicit State(const Model& model) : State(model.nq(), model.nv()) {
+    const std::vector<double> neutral = model.neutral_configuration();
+    for (std::size_t i = 0; i < nq_; ++i) numbers_[i] = T(static_cast<real_t<T>>(neutral[i]));
+  }
+
+  [[nodiscard]] T* q() { return numbers_.data(); }                         ///< (nq) configuration
+  [[nodiscard]] T* v() { return q() + nq_; }                               ///< (nv) velocity
+  [[nodiscard]] T* tau() { return v() + nv_; }                             ///< (nv) applied joint force [N m or N]
+  [[nodiscard]] T* target_q() { return tau() + nv_; }                      ///< (nv) motor target [rad or m]
+  [[nodiscard]] T* target_v() { return target_q() + nv_; }                 ///< (nv) motor target [rad/s or m/s]
+  [[nodiscard]] T* stance() { return target_v() + nv_; }                   ///< (nv) warm start of the joint constraints
+  [[nodiscard]] const T* q() const { return numbers_.data(); }
+  [[nodiscard]] const T* v() const { return q() + nq_; }
+  [[nodiscard]] const T* tau() const { return v() + nv_; }
+  [[nodiscard]] const T* target_q() const { return tau() + nv_; }
+  [[nodiscard]] const T* target_v() const { return target_q() + nv_; }
+  [[nodiscard]] const T* stance() const { return target_v() + nv_; }
+
+  [[nodiscard]] std::span<T> numbers() { return numbers_; }
+  [[nodiscard]] std::span<const T> numbers() const { return numbers_; }
+
+ private:
+  std::size_t nq_, nv_;
+  std::vector<T> numbers_;  // q, v, tau, target_q, target_v, stance
+};
+
+/// Copies lane `from_lane` of one state into lane `to_lane` of another of the same model.
+template <Number T>
+void copy_lane(const State<T>& from, int from_lane, State<T>& to, int to_lane) {
+  for (std::size_t i = 0; i < from.numbers().size(); ++i) {
+    set_lane(to.numbers()[i], to_lane, lane(from.numbers()[i], from_lane));
+  }
+}
+
+}  // namespace manyhands
