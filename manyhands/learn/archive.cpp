@@ -92,8 +92,8 @@ ArchiveReader::ArchiveReader(const std::filesystem::path& path) : path_(path) {
   check(!error && file_bytes >= sizeof header && file.read(reinterpret_cast<char*>(&header), sizeof header),
         "it is not a checkpoint of this program (too short)");
   check(header.magic == kMagic, "it is not a checkpoint of this program");
-  check(header.version == kVersion, "it has format version " + std::to_string(header.version) +
-                                        ", this program reads " + std::to_string(kVersion));
+  check(header.version == kVersion,
+        "it has format version " + std::to_string(header.version) + ", this program reads " + std::to_string(kVersion));
   check(header.byte_order == Header{}.byte_order, "it was written on a machine of another byte order");
   check(header.payload_bytes == file_bytes - sizeof header,
         "it is cut off or has bytes too many (" + std::to_string(file_bytes) + " bytes, " +

@@ -34,10 +34,10 @@ class Collector {
   /// The running episodes: what it takes to play them again, and where that must lead.
   struct Running {
     std::uint64_t seed{};
-    std::vector<std::uint64_t> number;               // (worlds)
-    std::vector<int> length;                         // (worlds)
-    std::vector<float> action;                       // (worlds, max_episode_steps, action_dim)
-    std::vector<float> observation, desired_goal;    // (worlds, ...)
+    std::vector<std::uint64_t> number;             // (worlds)
+    std::vector<int> length;                       // (worlds)
+    std::vector<float> action;                     // (worlds, max_episode_steps, action_dim)
+    std::vector<float> observation, desired_goal;  // (worlds, ...)
   };
 
   void save(ArchiveWriter& out) const;

@@ -14,9 +14,7 @@ const float* take(const float* from, Eigen::Index n, float* to) {
   return from + n;
 }
 
-float* put(std::span<const float> from, int begin, int n, float* to) {
-  return std::copy_n(from.data() + begin, n, to);
-}
+float* put(std::span<const float> from, int begin, int n, float* to) { return std::copy_n(from.data() + begin, n, to); }
 
 }  // namespace
 

@@ -110,7 +110,7 @@ class Trainer {
   Agent agent_;
   std::unique_ptr<Halves> halves_;
   MlpTape<float> acting_;
-  Matrix<float> actions_;                      // (action_dim, worlds)
+  Matrix<float> actions_;                       // (action_dim, worlds)
   std::vector<std::uint8_t> recent_successes_;  // ring of the last training episodes
   TrainMetrics metrics_;
 };

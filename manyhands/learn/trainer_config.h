@@ -25,19 +25,19 @@ struct TrainerConfig {
   float input_clip = 5.0f;         ///< largest normalised network input, in standard deviations
 
   // Experience
-  int updates_per_iteration = 8;      ///< gradient steps after each step of the batch
-  int replay_capacity = 1'000'000;    ///< transitions
-  int warmup_transitions = 2000;      ///< in the replay before learning starts; until then actions are random
-  double hindsight_fraction = 0.8;    ///< of a mini-batch gets a goal achieved later in the same episode; 0: no HER
-  bool success_terminates = true;     ///< whether the task ends an episode at its goal
-  float exploration_noise = 0.2f;     ///< standard deviation of the noise on actions
-  double random_action_rate = 0.2;    ///< probability of a uniform action instead
+  int updates_per_iteration = 8;    ///< gradient steps after each step of the batch
+  int replay_capacity = 1'000'000;  ///< transitions
+  int warmup_transitions = 2000;    ///< in the replay before learning starts; until then actions are random
+  double hindsight_fraction = 0.8;  ///< of a mini-batch gets a goal achieved later in the same episode; 0: no HER
+  bool success_terminates = true;   ///< whether the task ends an episode at its goal
+  float exploration_noise = 0.2f;   ///< standard deviation of the noise on actions
+  double random_action_rate = 0.2;  ///< probability of a uniform action instead
 
   // Stopping: evaluations of the noise-free policy on fresh episodes, if the trainer has an evaluation batch
-  int evaluation_interval = 25;     ///< iterations between evaluations
-  int evaluation_episodes = 250;    ///< episodes of each
-  double stop_success_rate = 1.0;   ///< an evaluation at or above this counts towards stopping
-  int stop_streak = 2;              ///< this many in a row end the training; 0: never
+  int evaluation_interval = 25;    ///< iterations between evaluations
+  int evaluation_episodes = 250;   ///< episodes of each
+  double stop_success_rate = 1.0;  ///< an evaluation at or above this counts towards stopping
+  int stop_streak = 2;             ///< this many in a row end the training; 0: never
 
   /// Throws std::invalid_argument naming the first field that makes no sense, its value and what would.
   void validate() const;

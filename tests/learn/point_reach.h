@@ -19,8 +19,8 @@ class PointReach final : public EnvBatch {
  public:
   explicit PointReach(int worlds, double reproducibility = 1.0)
       : worlds_(worlds), reproducibility_(reproducibility), states_(static_cast<std::size_t>(worlds)) {
-    spec_ = {.id = "PointReach", .observation_dim = 6, .goal_dim = 3, .action_dim = 3, .max_episode_steps = 50,
-             .dt = 0.04};
+    spec_ = {
+        .id = "PointReach", .observation_dim = 6, .goal_dim = 3, .action_dim = 3, .max_episode_steps = 50, .dt = 0.04};
     const auto n = states_.size();
     observation_.resize(n * 6);
     achieved_.resize(n * 3);
@@ -83,7 +83,8 @@ class PointReach final : public EnvBatch {
                       std::span<float> reward) const override {
     for (std::size_t i = 0; i < reward.size(); ++i) {
       float squared = 0;
-      for (std::size_t k = 3 * i; k < 3 * i + 3; ++k) squared += (achieved[k] - desired[k]) * (achieved[k] - desired[k]);
+      for (std::size_t k = 3 * i; k < 3 * i + 3; ++k)
+        squared += (achieved[k] - desired[k]) * (achieved[k] - desired[k]);
       reward[i] = std::sqrt(squared) < 0.05f ? 0.0f : -1.0f;
     }
   }
