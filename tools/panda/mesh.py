@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -140,10 +140,7 @@ def _relax(field: Field, p: Array, quads: Index, rounds: int) -> Array:
     degree = np.bincount(a, minlength=len(p)) + np.bincount(b, minlength=len(p))
     for _ in range(rounds):
         mean = np.stack(
-            [
-                np.bincount(a, p[b, i], minlength=len(p)) + np.bincount(b, p[a, i], minlength=len(p))
-                for i in range(3)
-            ],
+            [np.bincount(a, p[b, i], minlength=len(p)) + np.bincount(b, p[a, i], minlength=len(p)) for i in range(3)],
             axis=-1,
         )
         p = _project(field, 0.5 * p + 0.5 * mean / degree[:, None], 1)
@@ -154,7 +151,7 @@ def from_field(field: Field, low: tuple[float, float, float], high: tuple[float,
     """Mesh of {field = 0}, which must lie inside the box, by surface nets (Gibson 1998) with `cell` spacing."""
     # A shift of the grid by an odd fraction of a cell keeps flat faces away from grid points.
     origin = np.asarray(low) - cell * np.array([1.37, 1.43, 1.41])
-    counts = [math.ceil((h - l) / cell) + 4 for l, h in zip(low, high, strict=True)]
+    counts = [math.ceil((b - a) / cell) + 4 for a, b in zip(low, high, strict=True)]
     grid = [origin[i] + cell * np.arange(counts[i]) for i in range(3)]
     values = field(*np.meshgrid(*grid, indexing="ij"))
     cells, number = _net_vertices(values)
@@ -196,7 +193,9 @@ def shade(vertices: Array, faces: Index, crease_degrees: float = 35.0) -> Mesh:
     return Mesh(vertices, faces, np.array(normals), corner)
 
 
-def lathe(axis: str, profile: list[tuple[float, float]], centre: tuple[float, float, float], segments: int = 40) -> Mesh:
+def lathe(
+    axis: str, profile: list[tuple[float, float]], centre: tuple[float, float, float], segments: int = 32
+) -> Mesh:
     """Solid of revolution about `axis` through `centre`.
 
     `profile` lists (radius, height along the axis) with the solid on its left. It starts and ends on the axis (radius
@@ -217,7 +216,7 @@ def lathe(axis: str, profile: list[tuple[float, float]], centre: tuple[float, fl
             ring.append(len(vertices))
             vertices.append(p)
         rings.append(ring if radius > 0 else ring * segments)
-    pairs = list(zip(rings[:-1], rings[1:], strict=True))
+    pairs = list(pairwise(rings))
     if profile[0][0] > 0:
         pairs.append((rings[-1], rings[0]))
     faces = []
@@ -228,19 +227,35 @@ def lathe(axis: str, profile: list[tuple[float, float]], centre: tuple[float, fl
     return shade(np.array(vertices), np.array(faces))
 
 
-def disc(axis: str, low: float, high: float, radius: float, bevel: float, centre: tuple[float, float, float]) -> Mesh:
+def disc(
+    axis: str,
+    low: float,
+    high: float,
+    radius: float,
+    bevel: float,
+    centre: tuple[float, float, float],
+    segments: int = 32,
+) -> Mesh:
     """Cylinder with both rims rounded by an arc of radius `bevel`."""
-    arc = [(math.sin(a), math.cos(a)) for a in (math.radians(d) for d in (0, 30, 60, 90))]
+    arc = [(math.sin(a), math.cos(a)) for a in (math.radians(d) for d in (0, 45, 90))]
     lower = [(radius - bevel + bevel * s, low + bevel - bevel * c) for s, c in arc]
     upper = [(radius - bevel + bevel * s, high - bevel + bevel * c) for s, c in reversed(arc)]
-    return lathe(axis, [(0.0, low), *lower, *upper, (0.0, high)], centre)
+    return lathe(axis, [(0.0, low), *lower, *upper, (0.0, high)], centre, segments)
 
 
-def band(axis: str, low: float, high: float, inner: float, outer: float, centre: tuple[float, float, float]) -> Mesh:
-    """Ring with a slightly rounded outer face."""
-    b = 0.25 * (high - low)
-    profile = [(inner, low), (outer - b, low), (outer, low + b), (outer, high - b), (outer - b, high), (inner, high)]
-    return lathe(axis, profile, centre)
+def band(
+    axis: str,
+    low: float,
+    high: float,
+    inner: float,
+    outer: float,
+    centre: tuple[float, float, float],
+    bevel: float = 0.0008,
+) -> Mesh:
+    """Ring with bevelled edges."""
+    b = bevel
+    profile = [(inner + b, low), (outer - b, low), (outer, low + b), (outer, high - b), (outer - b, high)]
+    return lathe(axis, [*profile, (inner + b, high), (inner, high - b), (inner, low + b)], centre)
 
 
 def prism(outline: list[tuple[float, float]], half_width: float, bevel: float) -> Mesh:
@@ -293,7 +308,8 @@ def convex_hull(points: Array) -> Mesh:
         middle = points[ids].mean(axis=0)
         u = points[ids[0]] - middle
         v = cross(n, u)
-        angle = [math.atan2(float(((points[i] - middle) * v).sum()), float(((points[i] - middle) * u).sum())) for i in ids]
+        arms = points[ids] - middle
+        angle = np.arctan2((arms * v).sum(axis=1), (arms * u).sum(axis=1))
         loop = [i for _, i in sorted(zip(angle, ids, strict=True))]
         faces += [[loop[0], loop[s], loop[s + 1]] for s in range(1, len(loop) - 1)]
     used = sorted({i for f in faces for i in f})

@@ -22,7 +22,9 @@ def _rounded_corner(a: Array, b: Array, fillet: float) -> Array:
     return np.minimum(np.maximum(a, b), 0.0) + outside - fillet
 
 
-def cylinder(axis: str, low: float, high: float, radius: float, fillet: float, centre: Point = (0.0, 0.0, 0.0)) -> Field:
+def cylinder(
+    axis: str, low: float, high: float, radius: float, fillet: float, centre: Point = (0.0, 0.0, 0.0)
+) -> Field:
     """Cylinder along `axis` from `low` to `high` (absolute coordinates on that axis) with filleted rims."""
     i = "xyz".index(axis)
     j, k = (i + 1) % 3, (i + 2) % 3
@@ -41,10 +43,7 @@ def box(low: Point, high: Point, fillet: float) -> Field:
     """Axis-aligned box between two corners with rounded edges."""
 
     def field(x: Array, y: Array, z: Array) -> Array:
-        q = [
-            np.abs(p - 0.5 * (a + b)) - (0.5 * (b - a) - fillet)
-            for p, a, b in zip((x, y, z), low, high, strict=True)
-        ]
+        q = [np.abs(p - 0.5 * (a + b)) - (0.5 * (b - a) - fillet) for p, a, b in zip((x, y, z), low, high, strict=True)]
         inside = np.minimum(np.maximum(q[0], np.maximum(q[1], q[2])), 0.0)
         outside = np.sqrt(sum(np.maximum(c, 0.0) ** 2 for c in q))
         return inside + outside - fillet

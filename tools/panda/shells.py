@@ -1,7 +1,7 @@
 """Visual shapes of every link, in its link frame: soft white shells, graphite joints, an orange line at each elbow.
 
-Neighbouring links always meet in surfaces of revolution about the joint axis, with a graphite core of the parent inside,
-so that no joint angle opens a gap.
+Neighbouring links meet in surfaces of revolution about the joint axis, with a graphite core of the parent inside, so
+that no joint angle opens a gap.
 """
 
 from __future__ import annotations
@@ -9,14 +9,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from panda.mesh import Mesh, band, disc, from_field, join, lathe, prism
+from panda.mesh import Mesh, band, disc, from_field, join, prism
 from panda.sdf import box, cone, cut, cylinder, plate, quadrant, union
 
 Point = tuple[float, float, float]
 Parts = dict[str, Mesh]  # material -> mesh
 
 R = 0.056  # radius of the arm's tubes and of the large elbows
-CELL = 0.0068  # spacing of the surface nets
+CELL = 0.0082  # spacing of the surface nets
 
 
 def _collar(z: float) -> Mesh:
@@ -24,25 +24,27 @@ def _collar(z: float) -> Mesh:
     return disc("z", z - 0.016, z + 0.016, R - 0.005, 0.003, (0.0, 0.0, 0.0))
 
 
+def _inlay(axis: str, sign: float, face: float, radius: float, at: Point = (0.0, 0.0, 0.0)) -> Mesh:
+    """Graphite ring let into an end face at height `face`, standing 2 mm proud."""
+    low, high = sorted((sign * (face - 0.012), sign * (face + 0.002)))
+    return band(axis, low, high, radius - 0.008, radius, at, 0.0008)
+
+
 def _elbow(axis: str, sign: float, radius: float, cap: float, at: Point = (0.0, 0.0, 0.0)) -> tuple[Mesh, Mesh]:
-    """Graphite core and end cap, and the accent line, of an elbow on the side `sign` of its joint plane."""
+    """Graphite core and end inlay, and the accent line, of an elbow on the side `sign` of its joint plane."""
     core = disc(axis, -0.012, 0.012, radius - 0.006, 0.003, at)
-    c = radius - 0.019
-    end = cap + 0.001
-    profile = [(0.0, end - 0.012), (c, end - 0.012), (c, end), (c - 0.002, end + 0.0015), (c - 0.011, end + 0.0018)]
-    profile += [(c - 0.013, end + 0.0006), (0.0, end + 0.0006)]
-    if sign < 0:
-        profile = [(r, -h) for r, h in reversed(profile)]
-    return join([core, lathe(axis, profile, at)]), band(axis, -0.0016, 0.0016, radius - 0.012, radius - 0.0035, at)
+    line = band(axis, -0.0016, 0.0016, radius - 0.012, radius - 0.0035, at)
+    return join([core, _inlay(axis, sign, cap, radius - 0.020, at)]), line
 
 
 def base() -> Parts:
     foot = plate((-0.150, -0.092, 0.001), (0.070, 0.092, 0.030), 0.045, 0.009)
     column = cylinder("z", 0.001, 0.134, R + 0.004, 0.012)
-    connector = box((-0.142, -0.052, 0.001), (0.0, 0.052, 0.086), 0.022)
-    shell = from_field(union(foot, column, connector, blend=0.045), (-0.16, -0.1, -0.01), (0.08, 0.1, 0.15), CELL)
+    connector = box((-0.142, -0.050, 0.008), (0.0, 0.050, 0.084), 0.022)
+    body = cut(union(foot, column, connector, blend=0.035), quadrant("-z", 0.0008, "-z", 0.0008), blend=0.006)
+    shell = from_field(body, (-0.16, -0.1, -0.01), (0.08, 0.1, 0.15), CELL)
     bolts = [
-        disc("z", 0.026, 0.0325, 0.0075, 0.0015, (x, y, 0.0)) for x in (-0.122, 0.042) for y in (-0.066, 0.066)
+        disc("z", 0.026, 0.0325, 0.0075, 0.0015, (x, y, 0.0), 16) for x in (-0.122, 0.042) for y in (-0.066, 0.066)
     ]
     panel = disc("x", -0.1435, -0.135, 0.021, 0.0015, (0.0, 0.0, 0.050))
     ring = band("z", 0.1375, 0.1405, R - 0.010, R - 0.0025, (0.0, 0.0, 0.0))
@@ -55,14 +57,14 @@ def _shoulder(flip: bool) -> Parts:
         tube = cylinder("z", -0.187, -0.02, R, 0.012)
         elbow = cylinder("y", -0.125, -0.004, R, 0.016)
         notch = quadrant("y", -0.003, "z", -0.067)
-        field = cut(union(tube, elbow, blend=0.04), notch, blend=0.016)
+        field = cut(union(tube, elbow, blend=0.03), notch, blend=0.016)
         shell = from_field(field, (-0.06, -0.14, -0.2), (0.06, 0.06, 0.06), CELL)
         core, line = _elbow("y", -1.0, R, 0.125)
         return {"shell": shell, "graphite": core, "accent": line}
     tube = cylinder("y", -0.187, -0.02, R, 0.012)
     elbow = cylinder("z", 0.004, 0.126, R, 0.016)
     notch = quadrant("-z", 0.003, "y", -0.067)
-    field = cut(union(tube, elbow, blend=0.04), notch, blend=0.016)
+    field = cut(union(tube, elbow, blend=0.03), notch, blend=0.016)
     shell = from_field(field, (-0.06, -0.2, -0.06), (0.06, 0.06, 0.14), CELL)
     core, _ = _elbow("z", 1.0, R, 0.126)
     collar = disc("y", -0.207, -0.175, R - 0.005, 0.003, (0.0, 0.0, 0.0))
@@ -81,10 +83,10 @@ def link3() -> Parts:
     axis = (0.0825, 0.0, 0.0)
     tube = cylinder("z", -0.117, -0.02, R, 0.012)
     elbow = cylinder("y", 0.004, 0.107, R, 0.016, axis)
-    arm = cone((0.0, 0.004, -0.070), (0.0825, 0.054, -0.004), 0.052, 0.051)
+    arm = cone((0.006, 0.006, -0.056), (0.0825, 0.052, -0.002), 0.047, 0.047)
     notch = quadrant("-y", 0.003, "z", -0.056)
     well = cylinder("y", -0.2, 0.003, R + 0.008, 0.004, axis)
-    field = cut(union(tube, elbow, arm, blend=0.035), notch, well, blend=0.016)
+    field = cut(union(tube, elbow, arm, blend=0.030), notch, well, blend=0.016)
     shell = from_field(field, (-0.07, -0.06, -0.13), (0.15, 0.12, 0.07), CELL)
     core, line = _elbow("y", 1.0, R, 0.107, axis)
     return {"shell": shell, "graphite": core, "accent": line}
@@ -93,10 +95,10 @@ def link3() -> Parts:
 def link4() -> Parts:
     tube = cylinder("y", 0.02, 0.115, R, 0.012, (-0.0825, 0.0, 0.0))
     elbow = cylinder("z", 0.004, 0.107, R, 0.016)
-    arm = cone((-0.0825, 0.068, 0.004), (0.0, 0.004, 0.054), 0.052, 0.051)
+    arm = cone((-0.0765, 0.054, 0.006), (0.0, 0.000, 0.052), 0.047, 0.047)
     notch = quadrant("-z", 0.003, "-y", 0.054)
     well = cylinder("z", -0.2, 0.003, R + 0.008, 0.004)
-    field = cut(union(tube, elbow, arm, blend=0.035), notch, well, blend=0.016)
+    field = cut(union(tube, elbow, arm, blend=0.030), notch, well, blend=0.016)
     shell = from_field(field, (-0.15, -0.07, -0.06), (0.07, 0.13, 0.12), CELL)
     core, _ = _elbow("z", 1.0, R, 0.107)
     collar = disc("y", 0.103, 0.135, R - 0.005, 0.003, (-0.0825, 0.0, 0.0))
@@ -105,11 +107,11 @@ def link4() -> Parts:
 
 def link5() -> Parts:
     tube = cylinder("z", -0.261, -0.19, R, 0.012)
-    forearm = cone((0.0, 0.004, -0.205), (0.0, 0.084, -0.075), 0.053, 0.042)
+    forearm = cone((0.0, 0.006, -0.195), (0.0, 0.080, -0.080), 0.0485, 0.038)
     wrist = cylinder("y", 0.047, 0.127, 0.050, 0.015)
-    neck = cone((0.0, 0.084, -0.075), (0.0, 0.087, 0.0), 0.042, 0.038)
+    neck = cone((0.0, 0.080, -0.080), (0.0, 0.084, 0.0), 0.038, 0.030)
     swing = cylinder("y", -0.3, 0.045, 0.150, 0.01)
-    field = cut(union(tube, forearm, neck, wrist, blend=0.045), swing, blend=0.03)
+    field = cut(union(tube, forearm, neck, wrist, blend=0.025), swing, blend=0.05)
     shell = from_field(field, (-0.06, -0.06, -0.28), (0.06, 0.14, 0.06), CELL)
     at = (0.0, 0.044, 0.0)
     core, line = _elbow("y", 1.0, 0.050, 0.083, at)
@@ -119,11 +121,11 @@ def link5() -> Parts:
 def link6() -> Parts:
     wrist = cylinder("z", -0.041, 0.053, 0.050, 0.015)
     head = cylinder("y", -0.045, 0.078, 0.046, 0.015, (0.088, 0.0, 0.0))
-    bridge = cone((0.0, 0.0, 0.004), (0.088, 0.010, 0.002), 0.044, 0.042)
-    shell = from_field(union(wrist, head, bridge, blend=0.03), (-0.06, -0.06, -0.06), (0.15, 0.09, 0.07), CELL)
+    bridge = cone((0.0, 0.0, 0.003), (0.088, 0.014, 0.002), 0.038, 0.036)
+    shell = from_field(union(wrist, head, bridge, blend=0.022), (-0.06, -0.06, -0.06), (0.15, 0.09, 0.07), CELL)
     caps = [
-        disc("z", 0.045, 0.0552, 0.031, 0.0012, (0.0, 0.0, 0.0)),
-        disc("y", 0.070, 0.0802, 0.027, 0.0012, (0.088, 0.0, 0.0)),
+        _inlay("z", 1.0, 0.053, 0.030),
+        _inlay("y", 1.0, 0.078, 0.027, (0.088, 0.0, 0.0)),
         disc("y", -0.066, -0.035, 0.040, 0.003, (0.088, 0.0, 0.0)),
     ]
     return {"shell": shell, "graphite": join(caps)}
@@ -133,16 +135,16 @@ def link7() -> Parts:
     flange = cylinder("z", 0.053, 0.094, 0.0435, 0.010)
     lobe = cylinder("z", 0.060, 0.094, 0.034, 0.010, (0.044, 0.044, 0.0))
     shell = from_field(union(flange, lobe, blend=0.04), (-0.05, -0.05, 0.04), (0.09, 0.09, 0.1), 0.005)
-    plate_ = disc("z", 0.088, 0.107, 0.037, 0.0015, (0.0, 0.0, 0.0))
+    plate_ = disc("z", 0.088, 0.110, 0.0355, 0.0015, (0.0, 0.0, 0.0))
     button = disc("z", 0.088, 0.0965, 0.016, 0.0015, (0.046, 0.046, 0.0))
     light = band("z", 0.0968, 0.0990, 0.030, 0.0385, (0.0, 0.0, 0.0))
     return {"shell": shell, "graphite": join([plate_, button]), "accent": light}
 
 
 def hand() -> Parts:
-    body = box((-0.031, -0.100, 0.016), (0.031, 0.100, 0.063), 0.016)
+    body = box((-0.031, -0.100, 0.018), (0.031, 0.100, 0.063), 0.012)
     neck = cylinder("z", 0.0005, 0.045, 0.0365, 0.008)
-    shell = from_field(union(body, neck, blend=0.030), (-0.05, -0.11, -0.01), (0.05, 0.11, 0.07), 0.0055)
+    shell = from_field(union(body, neck, blend=0.030), (-0.05, -0.11, -0.01), (0.05, 0.11, 0.07), 0.0058)
     rail = prism(_rounded(-0.079, 0.040, 0.079, 0.0645, 0.006), 0.0125, 0.0015)
     ends = [disc("y", s * 0.1006 - 0.004, s * 0.1006 + 0.0004, 0.0085, 0.001, (0.0, 0.0, 0.040)) for s in (-1, 1)]
     return {"shell": shell, "graphite": rail, "accent": join(ends)}
@@ -150,7 +152,12 @@ def hand() -> Parts:
 
 def _rounded(y0: float, z0: float, y1: float, z1: float, radius: float) -> list[tuple[float, float]]:
     """Rectangle with rounded corners as a counter-clockwise outline."""
-    centres = ((y1 - radius, z1 - radius), (y0 + radius, z1 - radius), (y0 + radius, z0 + radius), (y1 - radius, z0 + radius))
+    centres = (
+        (y1 - radius, z1 - radius),
+        (y0 + radius, z1 - radius),
+        (y0 + radius, z0 + radius),
+        (y1 - radius, z0 + radius),
+    )
     outline = []
     for quarter, (y, z) in enumerate(centres):
         for step in range(5):
