@@ -149,6 +149,10 @@ MANYHANDS_INLINE Lanes<float, W> exponent(Lanes<float, W> a) {
   using Vector = typename VectorOf<float, W>::real;
   return Lanes<float, W>(__builtin_convertvector(((bits_of(a) >> 23) & 0xff) - 126, Vector));
 }
+template <int W>
+MANYHANDS_INLINE Lanes<float, W> mantissa(Lanes<float, W> a) {
+  return with_bits<W>((bits_of(a) & 0x7fffff) | 0x3f000000);
+}
 
 template <class R, int W>
 MANYHANDS_INLINE bool any(LaneMask<R, W> m) {

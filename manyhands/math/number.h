@@ -3,7 +3,8 @@
 // Kernels are templates over `T`, which is `double`, `float` or `Lanes<float, W>` (W worlds in one register).
 // What the model says is uniform: plain int, real_t<T>, if, switch, for. What depends on the state is varying: T,
 // mask_t<T> and `select`. A lane mask has no conversion to bool, so a branch on a varying value does not compile.
-// Every operation gives in lane k exactly the bits that the scalar of type real_t<T> gives (tests/math).
+// Every operation gives in lane k exactly the bits that the scalar of type real_t<T> gives (tests/math); only the sign
+// and payload of a NaN are open.
 #pragma once
 
 #include <bit>
@@ -114,12 +115,19 @@ MANYHANDS_INLINE double exp2_whole(double n) {
   return std::bit_cast<double>((static_cast<std::int64_t>(n) + 1023) << 52);
 }
 
-/// The exponent e of a normal a > 0 such that a = m 2^e with m in [0.5, 1).
+/// The exponent e of a normal a > 0 such that a = m 2^e with m, the mantissa, in [0.5, 1).
 MANYHANDS_INLINE float exponent(float a) {
   return static_cast<float>(((std::bit_cast<std::int32_t>(a) >> 23) & 0xff) - 126);
 }
 MANYHANDS_INLINE double exponent(double a) {
   return static_cast<double>(((std::bit_cast<std::int64_t>(a) >> 52) & 0x7ff) - 1022);
+}
+
+MANYHANDS_INLINE float mantissa(float a) {
+  return std::bit_cast<float>((std::bit_cast<std::int32_t>(a) & 0x7fffff) | 0x3f000000);
+}
+MANYHANDS_INLINE double mantissa(double a) {
+  return std::bit_cast<double>((std::bit_cast<std::int64_t>(a) & 0xfffffffffffff) | 0x3fe0000000000000);
 }
 
 // ---- memory and lanes --------------------------------------------------------------------------------------------
@@ -158,9 +166,10 @@ MANYHANDS_INLINE void set_lane(R& a, int /*k*/, R value) {
 
 // ---- for every number type -----------------------------------------------------------------------------------------
 
+/// a moved into [low, high]; NaN stays NaN.
 template <Number T>
 MANYHANDS_INLINE T clamp(T a, T low, T high) {
-  return min(max(a, low), high);
+  return min(high, max(low, a));
 }
 
 /// Whether a is neither infinite nor NaN.

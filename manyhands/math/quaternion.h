@@ -24,6 +24,7 @@ struct Quat {
   }
 };
 
+/// q at unit length; NaN for the zero quaternion.
 template <Number T>
 MANYHANDS_INLINE Quat<T> normalized(const Quat<T>& q) {
   const T n2 = fma(q.x, q.x, fma(q.y, q.y, fma(q.z, q.z, q.w * q.w)));
@@ -87,7 +88,7 @@ MANYHANDS_INLINE Vec3<T> rotation_vector(const Quat<T>& q) {
   const T s2 = squared_norm(u);
   const auto tiny = s2 < T(R(1e-12));
   const T s = sqrt(select(tiny, T(R(1)), s2));
-  const T k = select(tiny, T(R(2)), T(R(2)) * atan2(s, w) / s);
+  const T k = select(tiny, fma(s2, T(R(1.0 / 3)), T(R(2))), T(R(2)) * atan2(s, w) / s);
   return k * u;
 }
 
