@@ -50,6 +50,9 @@ class EnvBatch {
   /// The task's reward for k pairs of goals (k, goal_dim), k = reward.size(): what hindsight replay asks.
   virtual void compute_reward(std::span<const float> achieved_goal, std::span<const float> desired_goal,
                               std::span<float> reward) const = 0;
+
+  /// A hash over the bits of every world's physical state: equal runs have equal hashes.
+  [[nodiscard]] virtual std::uint64_t state_hash() const = 0;
 };
 
 }  // namespace manyhands

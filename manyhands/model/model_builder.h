@@ -28,6 +28,8 @@ class ModelBuilder {
   /// Adds a joint; parent and child must be added before. Throws ModelError on a taken name, a second parent, a zero
   /// axis, or limits out of order.
   JointId add_joint(Joint joint);
+  /// Puts a link that will have no joint to a parent at X_WL in the world.
+  void place_root(LinkId link, const Transform<double>& X_WL) { links_[link.index()].X_BL = X_WL; }
   GeomId add_geom(Geom geom);
   MeshId add_mesh(Mesh mesh);
   /// Adds a named frame on a link, besides the links' own.

@@ -1,0 +1,87 @@
+#include "manyhands/base/thread_pool.h"
+
+#include <charconv>
+#include <cstdlib>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+
+namespace manyhands {
+
+namespace {
+
+constexpr int kMaxThreads = 1024;
+constexpr int kSpins = 2000;  // short rounds follow one another closely: waking a sleeping thread costs more
+
+}  // namespace
+
+ThreadPool::ThreadPool(int num_threads) {
+  if (num_threads < 1 || num_threads > kMaxThreads) {
+    throw std::invalid_argument("num_threads is " + std::to_string(num_threads) + "; expected 1 to 1024");
+  }
+  for (int worker = 1; worker < num_threads; ++worker) {
+    threads_.emplace_back([this, worker] { serve(worker); });
+  }
+}
+
+ThreadPool::~ThreadPool() {
+  stop_ = true;
+  ++round_;
+  round_.notify_all();
+}
+
+void ThreadPool::run(int n, Call call, void* context) {
+  n_ = n;
+  call_ = call;
+  context_ = context;
+  next_ = 0;
+  if (n > 1 && !threads_.empty()) {
+    busy_ = static_cast<int>(threads_.size());
+    ++round_;
+    round_.notify_all();
+  }
+  work(0);
+  for (int busy = busy_; busy != 0; busy = busy_) busy_.wait(busy);
+  if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
+}
+
+void ThreadPool::work(int worker) {
+  for (int item = next_++; item < n_; item = next_++) {
+    try {
+      call_(context_, item, worker);
+    } catch (...) {
+      const std::scoped_lock lock(error_mutex_);
+      if (!error_) error_ = std::current_exception();
+    }
+  }
+}
+
+void ThreadPool::serve(int worker) {
+  std::uint32_t seen = 0;
+  while (true) {
+    for (int spin = 0; spin < kSpins && round_ == seen; ++spin) std::this_thread::yield();
+    round_.wait(seen);
+    seen = round_;
+    if (stop_) return;
+    work(worker);
+    if (--busy_ == 0) busy_.notify_all();
+  }
+}
+
+int choose_num_threads(int requested) {
+  if (requested > 0) return requested;
+  if (const char* text = std::getenv("MANYHANDS_THREADS"); text != nullptr && *text != '\0') {
+    int value = 0;
+    const char* end = text + std::strlen(text);
+    const auto [rest, error] = std::from_chars(text, end, value);
+    if (error != std::errc() || rest != end || value < 1 || value > kMaxThreads) {
+      throw std::invalid_argument(std::string("the variable MANYHANDS_THREADS is '") + text +
+                                  "'; expected a whole number from 1 to 1024");
+    }
+    return value;
+  }
+  const unsigned cores = std::thread::hardware_concurrency();
+  return cores == 0 ? 1 : static_cast<int>(cores);
+}
+
+}  // namespace manyhands

@@ -1,0 +1,101 @@
+// Inverse kinematics by damped least squares, in lanes or scalar. See README.md in this folder.
+#pragma once
+
+#include "manyhands/math/control_flow.h"
+#include "manyhands/math/linear6.h"
+#include "manyhands/physics/dynamics/kinematics.h"
+
+namespace manyhands {
+
+/// How a solve proceeds. Each iteration adds dq = J^T (J J^T + lambda 1)^-1 e with
+/// lambda = damping + error_damping |e|^2 (Sugihara 2011, eq. 19: near the goal the damping vanishes with the error).
+struct IkSettings {
+  int max_iterations = 50;
+  double damping = 1e-6;
+  double error_damping = 0.1;
+  double position_tolerance = 1e-5;     ///< [m]
+  double rotation_tolerance = 1e-4;     ///< [rad]; infinite: only the position decides when to stop
+  bool respect_limits = true;           ///< keeps every iterate within the joint limits
+};
+
+/// The bodies and dofs that move a frame, from the root out: found once, used in every solve.
+struct IkChain {
+  /// Throws ModelError if no joint moves the frame, or if a joint on the way has several dofs.
+  IkChain(const Model& model, FrameId frame);
+
+  BodyId body;
+  Transform<double> X_BF;
+  std::vector<std::size_t> bodies;
+  std::vector<std::size_t> dofs;  ///< velocity index of each body of `bodies`
+};
+
+template <Number T>
+struct IkResult {
+  mask_t<T> success;  ///< both errors within tolerance at the returned q
+  T position_error;   ///< [m]
+  T rotation_error;   ///< [rad]
+};
+
+namespace internal {
+
+/// [rotation vector of R_target R^T ; p_target - p] in world axes.
+template <Number T>
+MANYHANDS_INLINE Motion<T> pose_error(const Transform<T>& target, const Transform<T>& X_WF) {
+  return {rotation_vector(to_quat(target.R * transpose(X_WF.R))), target.p - X_WF.p};
+}
+
+/// The frame's pose at q, placing only the chain's bodies.
+template <Number T>
+MANYHANDS_INLINE Transform<T> place_chain(const Tree<real_t<T>>& tree, const IkChain& chain,
+                                          const Transform<real_t<T>>& X_BF, const T* q, Workspace<T>& ws) {
+  for (const std::size_t b : chain.bodies) place(tree, b, q, ws);
+  return frame_pose(chain.body, X_BF, ws);
+}
+
+}  // namespace internal
+
+/// Moves q (nq) from where it is towards the pose `target` = X_WF of the chain's frame, at most max_iterations times; a
+/// world stops after the update that began within tolerance. Coordinates outside the chain keep their values.
+template <Number T>
+MANYHANDS_INLINE void improve_ik(const Tree<real_t<T>>& tree, const Params<T>& params, const IkChain& chain,
+                                 const IkSettings& settings, const Transform<T>& target, T* q, Workspace<T>& ws) {
+  using R = real_t<T>;
+  const Transform<R> X_BF = broadcast<R>(chain.X_BF);
+  const T damping(static_cast<R>(settings.damping)), error_damping(static_cast<R>(settings.error_damping));
+  const T position_tolerance(static_cast<R>(settings.position_tolerance * settings.position_tolerance));
+  const T rotation_tolerance(static_cast<R>(settings.rotation_tolerance * settings.rotation_tolerance));
+  iterate(mask_t<T>(true), settings.max_iterations, [&](const mask_t<T>& active) {
+    const Transform<T> X_WF = internal::place_chain(tree, chain, X_BF, q, ws);
+    const Motion<T> e = internal::pose_error(target, X_WF);
+    const Vec3<T> p_OF = X_WF.p - ws.p_WO[chain.body.index()];
+    const T rotation2 = squared_norm(e.w), position2 = squared_norm(e.v);
+    SymMat6<T> A = SymMat6<T>::diagonal(fma(error_damping, rotation2 + position2, damping));
+    for (const std::size_t i : chain.dofs) A.add_outer_product(at_point(ws.S[i], p_OF));
+    const Motion<T> y = A.solve(e);
+    for (const std::size_t i : chain.dofs) {
+      const Motion<T> J = at_point(ws.S[i], p_OF);
+      T& qi = q[static_cast<std::size_t>(tree.dof_q[i])];
+      T next = qi + dot(J.w, y.w) + dot(J.v, y.v);
+      if (settings.respect_limits && tree.dof_limited[i]) next = clamp(next, params.lower[i], params.upper[i]);
+      qi = select(active, next, qi);
+    }
+    return !((position2 <= position_tolerance) & (rotation2 <= rotation_tolerance));
+  });
+}
+
+/// The same, with the errors that remain.
+template <Number T>
+MANYHANDS_INLINE IkResult<T> solve_ik(const Tree<real_t<T>>& tree, const Params<T>& params, const IkChain& chain,
+                                      const IkSettings& settings, const Transform<T>& target, T* q,
+                                      Workspace<T>& ws) {
+  using R = real_t<T>;
+  improve_ik(tree, params, chain, settings, target, q, ws);
+  const Transform<R> X_BF = broadcast<R>(chain.X_BF);
+  const Motion<T> e = internal::pose_error(target, internal::place_chain(tree, chain, X_BF, q, ws));
+  const T position_error = norm(e.v), rotation_error = norm(e.w);
+  return {(position_error <= T(static_cast<R>(settings.position_tolerance))) &
+              (rotation_error <= T(static_cast<R>(settings.rotation_tolerance))),
+          position_error, rotation_error};
+}
+
+}  // namespace manyhands
