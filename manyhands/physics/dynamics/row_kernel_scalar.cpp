@@ -1,0 +1,8 @@
+#include "manyhands/physics/dynamics/row_kernel_impl.h"
+
+namespace manyhands::internal {
+
+template std::unique_ptr<RowKernel<double>> make_row_kernel<double>(const Model&);
+template std::unique_ptr<RowKernel<float>> make_row_kernel<float>(const Model&);
+
+}  // namespace manyhands::internal
