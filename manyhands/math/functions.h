@@ -52,7 +52,7 @@ struct TrigTable<double> {
 }  // namespace internal
 
 /// sin and cos of x [rad]. The reduction keeps all digits for |x| up to about 1e4 (float) and 1e8 (double); beyond, it
-/// loses them, but sin^2 + cos^2 = 1 still holds. NaN of an infinity or a NaN.
+/// loses them, but sin^2 + cos^2 = 1 still holds. The sine of either zero is +0; infinities and NaN give NaN.
 template <Number T>
 MANYHANDS_INLINE SinCos<T> sincos(T x) {
   using R = real_t<T>;
@@ -60,7 +60,7 @@ MANYHANDS_INLINE SinCos<T> sincos(T x) {
   const T n = round(x * T(R(2.0 * std::numbers::inv_pi)));
   T r = fma(n, T(-Table::half_pi[0]), x);  // exact: a multiple of half_pi[0]'s last bit, below 1
   r = fma(n, T(-Table::half_pi[1]), r);
-  r = clamp(fma(n, T(-Table::half_pi[2]), r), T(R(-1)), T(R(1)));
+  r = clamp(fma(n, T(-Table::half_pi[2]), r), T(R(-0.8)), T(R(0.8)));
   const T z = r * r;
   const T s = fma(internal::polynomial(z, Table::sin) * z, r, r);
   const T c = fma(internal::polynomial(z, Table::cos) * z, z, fma(T(R(-0.5)), z, T(R(1))));
@@ -107,7 +107,7 @@ MANYHANDS_INLINE T atan2(T y, T x) {
   const T ax = abs(x), ay = abs(y);
   const auto steep = ay > ax;
   const T low = select(steep, ax, ay), high = select(steep, ay, ax);
-  const T ratio = select(high == zero, zero, select(low == high, one, low / high));
+  const T ratio = select(low == high, select(high == zero, zero, one), low / high);
   const auto diagonal = ratio > T(std::same_as<R, float> ? R(0.414213562373095048802) : R(0.66));
   const T r = internal::atan_small(select(diagonal, (ratio - one) / (ratio + one), ratio));
   // The angle is sign r + eighths pi / 4, reflected first at the diagonal, then at the y axis.
