@@ -8,8 +8,6 @@ namespace manyhands::learn {
 
 namespace {
 
-constexpr std::uint64_t kActorInit = 11, kCriticInit = 12, kTargetNoise = 13;
-
 /// The actor starts with small actions, away from the flat ends of tanh.
 constexpr float kActorLastLayerScale = 0.1f;
 
@@ -50,12 +48,12 @@ Agent::Agent(int state_dim, int action_dim, const TrainerConfig& config)
       state_dim_(state_dim),
       action_dim_(action_dim),
       actor_(layer_sizes(state_dim, config.hidden_layers, action_dim), OutputActivation::kTanh) {
-  actor_.initialise(mix(config.seed, kActorInit, 0), kActorLastLayerScale);
+  actor_.initialise(derive_seed(config.seed, Purpose::kActorSeed, 0), kActorLastLayerScale);
   actor_target_ = actor_;
   actor_optimiser_ = Adam<float>(actor_.num_parameters(), config.actor_learning_rate);
   for (int i = 0; i < config.num_critics; ++i) {
     Mlp<float> net(layer_sizes(state_dim + action_dim, config.hidden_layers, 1), OutputActivation::kLinear);
-    net.initialise(mix(config.seed, kCriticInit, static_cast<std::uint64_t>(i)), 1.0f);
+    net.initialise(derive_seed(config.seed, Purpose::kCriticSeed, static_cast<std::uint64_t>(i)), 1.0f);
     const int n = net.num_parameters();
     critics_.push_back({net, net, Adam<float>(n, config.critic_learning_rate)});
   }
@@ -109,7 +107,7 @@ void Agent::compute_targets(Half& half, int index, const ValueBounds& bounds) co
   auto next_action = half.critic.input().bottomRows(action_dim_);
   next_action = half.actor.output();
   if (config_.target_noise > 0) {
-    Random random(config_.seed, kTargetNoise, static_cast<std::uint64_t>(2 * gradient_steps_ + index));
+    Random random(config_.seed, Purpose::kTargetNoise, static_cast<std::uint64_t>(2 * gradient_steps_ + index));
     const float most = config_.target_noise_clip;
     for (Eigen::Index column = 0; column < next_action.cols(); ++column) {
       for (Eigen::Index row = 0; row < action_dim_; ++row) {

@@ -3,12 +3,12 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cerrno>
 #include <fstream>
 #include <system_error>
-
-#include "manyhands/learn/random.h"
 
 namespace manyhands::learn {
 
@@ -26,14 +26,15 @@ struct Header {
 };
 static_assert(std::is_trivially_copyable_v<Header> && sizeof(Header) == 32);
 
+/// FNV-1a over words instead of bytes, with a rotation so that high bits spread too.
 std::uint64_t checksum(std::span<const std::byte> bytes) {
-  std::uint64_t sum = scramble(bytes.size());
+  std::uint64_t sum = 0xcbf29ce484222325u;
   for (std::size_t i = 0; i < bytes.size(); i += sizeof sum) {
     std::uint64_t word = 0;
     std::memcpy(&word, bytes.data() + i, std::min(sizeof word, bytes.size() - i));
-    sum = (sum ^ scramble(word + i)) * 0x100000001b3u;
+    sum = std::rotl((sum ^ word) * 0x100000001b3u, 29);
   }
-  return scramble(sum);
+  return sum;
 }
 
 void write_all(int file, std::span<const std::byte> bytes) {

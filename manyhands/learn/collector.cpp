@@ -6,12 +6,6 @@
 
 namespace manyhands::learn {
 
-namespace {
-
-constexpr std::uint64_t kWorld = 21, kEpisode = 22;
-
-}  // namespace
-
 Collector::Collector(EnvBatch& envs, std::uint64_t seed)
     : envs_(envs),
       seed_(seed),
@@ -34,7 +28,7 @@ Collector::Collector(EnvBatch& envs, std::uint64_t seed)
 }
 
 std::uint64_t Collector::episode_seed(std::size_t world) const {
-  return mix(mix(seed_, kWorld, world), kEpisode, tracks_[world].number);
+  return derive_seed(derive_seed(seed_, Purpose::kWorldSeed, world), Purpose::kEpisodeSeed, tracks_[world].number);
 }
 
 void Collector::begin(std::span<const std::uint8_t> mask) {
@@ -106,9 +100,8 @@ void Collector::save(ArchiveWriter& out) const {
     out.value(tracks_[w].number);
     out.value(running.length);
     out.array(running.action);
-    out.array(running.observation.last(no_));
-    out.array(running.desired_goal);
   }
+  out.value(envs_.state_hash());
 }
 
 Collector::Running Collector::read(ArchiveReader& in) const {
@@ -117,17 +110,14 @@ Collector::Running Collector::read(ArchiveReader& in) const {
   running.number.resize(worlds_);
   running.length.resize(worlds_);
   running.action.resize(action_.size());
-  running.observation.resize(worlds_ * no_);
-  running.desired_goal.resize(worlds_ * ng_);
   for (std::size_t w = 0; w < worlds_; ++w) {
     in.value(running.number[w]);
     in.value(running.length[w]);
     const auto length = static_cast<std::size_t>(running.length[w]);
     in.check(running.length[w] >= 0 && length < max_steps_, "a running episode has a wrong length");
     in.array(std::span(running.action).subspan(w * max_steps_ * na_, length * na_));
-    in.array(std::span(running.observation).subspan(w * no_, no_));
-    in.array(std::span(running.desired_goal).subspan(w * ng_, ng_));
   }
+  in.value(running.state_hash);
   return running;
 }
 
@@ -135,10 +125,7 @@ bool Collector::restore(const Running& running) {
   seed_ = running.seed;
   for (std::size_t w = 0; w < worlds_; ++w) tracks_[w] = {.number = running.number[w]};
   play_again(running);
-  if (std::ranges::equal(envs_.observation(), running.observation) &&
-      std::ranges::equal(envs_.desired_goal(), running.desired_goal)) {
-    return true;
-  }
+  if (envs_.state_hash() == running.state_hash) return true;
   for (Track& track : tracks_) ++track.number;
   std::ranges::fill(mask_, std::uint8_t{1});
   begin(mask_);

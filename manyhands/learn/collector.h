@@ -34,16 +34,16 @@ class Collector {
   /// The running episodes: what it takes to play them again, and where that must lead.
   struct Running {
     std::uint64_t seed{};
-    std::vector<std::uint64_t> number;             // (worlds)
-    std::vector<int> length;                       // (worlds)
-    std::vector<float> action;                     // (worlds, max_episode_steps, action_dim)
-    std::vector<float> observation, desired_goal;  // (worlds, ...)
+    std::vector<std::uint64_t> number;  // (worlds)
+    std::vector<int> length;            // (worlds)
+    std::vector<float> action;          // (worlds, max_episode_steps, action_dim)
+    std::uint64_t state_hash{};
   };
 
   void save(ArchiveWriter& out) const;
   [[nodiscard]] Running read(ArchiveReader& in) const;
-  /// Brings the batch to `running`. False if it did not come to the saved observations (another version or machine of
-  /// the environment): then every world has started a new episode instead.
+  /// Brings the batch to `running`. False if it did not come to the saved state (another version or machine of the
+  /// environment): then every world has started a new episode instead.
   [[nodiscard]] bool restore(const Running& running);
 
  private:

@@ -40,7 +40,7 @@ Eigen::Map<const Vector<S>> Mlp<S>::bias(int layer) const {
 
 template <class S>
 void Mlp<S>::initialise(std::uint64_t seed, S last_layer_scale) {
-  Random random(seed, 0, 0);
+  Random random(seed, Purpose::kInitialisation, 0);
   for (int layer = 0; layer < num_layers(); ++layer) {
     const S scale = layer + 1 == num_layers() ? last_layer_scale : S(1);
     const S bound = scale / std::sqrt(static_cast<S>(sizes_[static_cast<std::size_t>(layer)]));

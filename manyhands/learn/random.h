@@ -2,49 +2,50 @@
 // to be saved to resume exactly, and pieces of work may draw in any order.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
-#include <numbers>
+
+#include "manyhands/math/philox.h"
 
 namespace manyhands::learn {
 
-/// SplitMix64 finaliser (Steele, Lea, Flood, OOPSLA 2014): a bijection of 64 bits that scrambles well.
-[[nodiscard]] constexpr std::uint64_t scramble(std::uint64_t x) {
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-  return x ^ (x >> 31);
+/// What a stream is for: no two uses share one.
+enum class Purpose : std::uint32_t {
+  kInitialisation,
+  kActorSeed,
+  kCriticSeed,
+  kExploration,
+  kSampling,
+  kTargetNoise,
+  kEvaluationSeed,
+  kWorldSeed,
+  kEpisodeSeed,
+};
+
+/// A seed from a seed: 64 bits that differ with each argument.
+[[nodiscard]] constexpr std::uint64_t derive_seed(std::uint64_t seed, Purpose purpose, std::uint64_t counter) {
+  RandomStream stream(seed, static_cast<std::uint32_t>(purpose), counter);
+  const std::uint64_t low = stream.bits(), high = stream.bits();
+  return high << 32 | low;
 }
 
-/// A 64-bit key from three words.
-[[nodiscard]] constexpr std::uint64_t mix(std::uint64_t seed, std::uint64_t purpose, std::uint64_t counter) {
-  constexpr std::uint64_t kGolden = 0x9e3779b97f4a7c15u;
-  return scramble(scramble(scramble(seed + kGolden) ^ (purpose + 2 * kGolden)) ^ (counter + 3 * kGolden));
-}
-
-/// SplitMix64 started at a key.
+/// The draws that training needs.
 class Random {
  public:
-  Random(std::uint64_t seed, std::uint64_t purpose, std::uint64_t counter) : state_(mix(seed, purpose, counter)) {}
-
-  [[nodiscard]] std::uint64_t bits() { return scramble(state_ += 0x9e3779b97f4a7c15u); }
+  Random(std::uint64_t seed, Purpose purpose, std::uint64_t counter)
+      : stream_(seed, static_cast<std::uint32_t>(purpose), counter) {}
 
   /// Uniform in [0, 1), 24 bits.
-  [[nodiscard]] float uniform() { return static_cast<float>(bits() >> 40) * 0x1p-24f; }
-  [[nodiscard]] float uniform(float low, float high) { return low + (high - low) * uniform(); }
+  [[nodiscard]] float uniform() { return stream_.unit<float>(); }
+  [[nodiscard]] float uniform(float low, float high) { return stream_.uniform(low, high); }
+  [[nodiscard]] float normal() { return stream_.normal<float>(); }
 
   /// Uniform in {0, ..., n - 1}, n > 0 (bias below n / 2^32).
   [[nodiscard]] std::uint32_t below(std::uint32_t n) {
-    return static_cast<std::uint32_t>(((bits() >> 32) * std::uint64_t{n}) >> 32);
-  }
-
-  /// Standard normal (Box and Muller, 1958).
-  [[nodiscard]] float normal() {
-    const float radius = std::sqrt(-2.0f * std::log(1.0f - uniform()));
-    return radius * std::cos(2.0f * std::numbers::pi_v<float> * uniform());
+    return static_cast<std::uint32_t>((std::uint64_t{stream_.bits()} * n) >> 32);
   }
 
  private:
-  std::uint64_t state_;
+  RandomStream stream_;
 };
 
 }  // namespace manyhands::learn

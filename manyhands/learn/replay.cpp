@@ -24,7 +24,7 @@ ReplayBuffer::ReplayBuffer(const EnvSpec& spec, int capacity) : spec_(spec), cap
                                 std::to_string(spec.max_episode_steps) + " steps");
   }
   row_ = 2 * spec.observation_dim + 3 * spec.goal_dim + spec.action_dim + 1;
-  data_.resize(static_cast<std::size_t>(capacity) * static_cast<std::size_t>(row_));
+  data_ = std::make_unique_for_overwrite<float[]>(static_cast<std::size_t>(capacity) * static_cast<std::size_t>(row_));
   steps_to_end_.resize(static_cast<std::size_t>(capacity));
   terminated_.resize(static_cast<std::size_t>(capacity));
 }
@@ -42,7 +42,7 @@ void ReplayBuffer::add(const EpisodeView& episode) {
   }
   for (int t = 0; t < length; ++t) {
     const auto at = static_cast<std::size_t>(next_);
-    float* to = data_.data() + at * static_cast<std::size_t>(row_);
+    float* to = data_.get() + at * static_cast<std::size_t>(row_);
     to = put(episode.observation, t * no, no, to);
     to = put(episode.achieved_goal, t * ng, ng, to);
     to = put(episode.observation, (t + 1) * no, no, to);
@@ -76,7 +76,7 @@ Minibatch ReplayBuffer::make_minibatch(int n) const {
 void ReplayBuffer::sample(const EnvBatch& task, const Hindsight& hindsight, Random random, Minibatch& batch) const {
   const int no = spec_.observation_dim, ng = spec_.goal_dim, na = spec_.action_dim, n = batch.size();
   const int relabelled = static_cast<int>(std::lround(hindsight.fraction * n));
-  const auto row = [&](std::size_t at) { return data_.data() + at * static_cast<std::size_t>(row_); };
+  const auto row = [&](std::size_t at) { return data_.get() + at * static_cast<std::size_t>(row_); };
   for (int i = 0; i < n; ++i) {
     const auto at = static_cast<std::size_t>(random.below(static_cast<std::uint32_t>(size_)));
     const float* from = row(at);
@@ -111,7 +111,7 @@ void ReplayBuffer::save(ArchiveWriter& out) const {
   out.value(lowest_reward_);
   out.value(highest_reward_);
   out.value(success_reward_);
-  out.array(std::span(data_).first(n * static_cast<std::size_t>(row_)));
+  out.array(std::span(data_.get(), n * static_cast<std::size_t>(row_)));
   out.array(std::span(steps_to_end_).first(n));
   out.array(std::span(terminated_).first(n));
 }
@@ -125,7 +125,7 @@ void ReplayBuffer::load(ArchiveReader& in) {
   in.value(highest_reward_);
   in.value(success_reward_);
   const auto n = static_cast<std::size_t>(size_);
-  in.array(std::span(data_).first(n * static_cast<std::size_t>(row_)));
+  in.array(std::span(data_.get(), n * static_cast<std::size_t>(row_)));
   in.array(std::span(steps_to_end_).first(n));
   in.array(std::span(terminated_).first(n));
   for (const std::int32_t steps : std::span(steps_to_end_).first(n)) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -72,8 +73,8 @@ class ReplayBuffer {
  private:
   EnvSpec spec_;
   int capacity_ = 0, size_ = 0, next_ = 0;
-  int row_ = 0;              // floats per transition: observation, achieved, next of both, desired, action, reward
-  std::vector<float> data_;  // (capacity, row_)
+  int row_ = 0;  // floats per transition: observation, achieved, next of both, desired, action, reward
+  std::unique_ptr<float[]> data_;           // (capacity, row_)
   std::vector<std::int32_t> steps_to_end_;  // (capacity), 0 at the last step of an episode
   std::vector<std::uint8_t> terminated_;    // (capacity)
   float lowest_reward_ = 0, highest_reward_ = 0, success_reward_ = 0;

@@ -12,8 +12,6 @@ namespace manyhands::learn {
 
 namespace {
 
-constexpr std::uint64_t kExploration = 1, kSampling = 2, kEvaluation = 3, kEpisodes = 4;
-
 const TrainerConfig& validated(const TrainerConfig& config) {
   config.validate();
   return config;
@@ -42,7 +40,7 @@ Trainer::Trainer(EnvBatch& envs, EnvBatch* evaluation, const TrainerConfig& conf
     : config_(validated(config)),
       spec_(envs.spec()),
       evaluation_(evaluation),
-      collector_(envs, mix(config.seed, kEpisodes, 0)),
+      collector_(envs, config.seed),
       replay_(spec_, config.replay_capacity),
       minibatch_(replay_.make_minibatch(config.batch_size)),
       normaliser_(spec_.observation_dim, spec_.goal_dim, config.input_clip),
@@ -85,7 +83,7 @@ void Trainer::collect() {
 void Trainer::choose_actions() {
   act(collector_.envs(), acting_);
   const bool warming_up = replay_.size() < config_.warmup_transitions;
-  Random random(config_.seed, kExploration, static_cast<std::uint64_t>(metrics_.iterations));
+  Random random(config_.seed, Purpose::kExploration, static_cast<std::uint64_t>(metrics_.iterations));
   for (Eigen::Index world = 0; world < actions_.cols(); ++world) {
     const bool uniform = warming_up || random.uniform() < static_cast<float>(config_.random_action_rate);
     for (Eigen::Index k = 0; k < actions_.rows(); ++k) {
@@ -116,7 +114,8 @@ void Trainer::learn(Losses& losses) {
   const ValueBounds bounds = {.low = replay_.lowest_reward() * horizon, .high = replay_.highest_reward() * horizon};
   for (int i = 0; i < config_.updates_per_iteration; ++i) {
     replay_.sample(collector_.envs(), {config_.hindsight_fraction, config_.success_terminates},
-                   Random(config_.seed, kSampling, static_cast<std::uint64_t>(metrics_.gradient_steps)), minibatch_);
+                   Random(config_.seed, Purpose::kSampling, static_cast<std::uint64_t>(metrics_.gradient_steps)),
+                   minibatch_);
     halves_->run([&](int half) { fill_half(half); });
     const UpdateStats stats = agent_.update(*halves_, bounds);
     if (!std::isfinite(stats.critic_loss) || !std::isfinite(stats.policy_q)) {
@@ -151,7 +150,8 @@ void Trainer::fill_half(int half) {
 
 void Trainer::check_progress() {
   const Stopwatch stopwatch(metrics_.evaluate_seconds);
-  const std::uint64_t first_seed = mix(config_.seed, kEvaluation, static_cast<std::uint64_t>(metrics_.evaluations));
+  const std::uint64_t first_seed =
+      derive_seed(config_.seed, Purpose::kEvaluationSeed, static_cast<std::uint64_t>(metrics_.evaluations));
   const EvalResult result = evaluate(*evaluation_, config_.evaluation_episodes, first_seed);
   ++metrics_.evaluations;
   metrics_.evaluation_success_rate = result.success_rate;

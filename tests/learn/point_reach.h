@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <random>
@@ -87,6 +88,19 @@ class PointReach final : public EnvBatch {
         squared += (achieved[k] - desired[k]) * (achieved[k] - desired[k]);
       reward[i] = std::sqrt(squared) < 0.05f ? 0.0f : -1.0f;
     }
+  }
+
+  std::uint64_t state_hash() const override {
+    std::uint64_t hash = 0xcbf29ce484222325u;
+    const auto add = [&](std::uint64_t word) { hash = (hash ^ word) * 0x100000001b3u; };
+    for (State s : states_) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        for (const float x : {s.position[k], s.velocity[k], s.goal[k]}) add(std::bit_cast<std::uint32_t>(x));
+      }
+      add(static_cast<std::uint64_t>(s.steps));
+      add(s.random());
+    }
+    return hash;
   }
 
  private:

@@ -11,7 +11,7 @@ namespace manyhands::learn {
 namespace {
 
 Matrix<double> random_matrix(Eigen::Index rows, Eigen::Index columns, std::uint64_t seed) {
-  Random random(seed, 0, 0);
+  Random random(seed, Purpose::kSampling, 0);
   return Matrix<double>::NullaryExpr(rows, columns, [&] { return static_cast<double>(random.normal()); });
 }
 

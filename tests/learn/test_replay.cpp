@@ -78,7 +78,7 @@ TEST(ReplayBuffer, RelabelsWithinTheEpisodeAndRecomputesRewardAndEnd) {
   for (const NumberedEpisode* e : {&stopped, &reached, &single}) replay.add(e->view);
   ASSERT_EQ(replay.size(), 9);
   Minibatch batch = replay.make_minibatch(4000);
-  replay.sample(task, {.fraction = 0.75, .success_terminates = true}, Random(1, 2, 3), batch);
+  replay.sample(task, {.fraction = 0.75, .success_terminates = true}, Random(1, Purpose::kSampling, 3), batch);
   const auto drawn = check_columns(batch, 3000, task, {{1, &stopped}, {2, &reached}, {3, &single}});
   ASSERT_EQ(drawn.size(), 9u);
   for (const auto& [transition, times] : drawn) {  // binomial: 444 +- 20
@@ -92,7 +92,7 @@ TEST(ReplayBuffer, DrawsNewGoalsUniformlyFromTheRestOfTheEpisode) {
   NumberedEpisode episode(0, 4, false);
   replay.add(episode.view);
   Minibatch batch = replay.make_minibatch(8000);
-  replay.sample(task, {.fraction = 1.0}, Random(4, 5, 6), batch);
+  replay.sample(task, {.fraction = 1.0}, Random(4, Purpose::kSampling, 6), batch);
   std::map<std::pair<int, int>, int> count;
   for (int i = 0; i < batch.size(); ++i) {
     ++count[{static_cast<int>(batch.observation(1, i)), static_cast<int>(std::lround(10 * batch.desired_goal(0, i)))}];
@@ -115,7 +115,7 @@ TEST(ReplayBuffer, KeepsNothingOfOverwrittenEpisodes) {
   }
   ASSERT_EQ(replay.size(), 50);
   Minibatch batch = replay.make_minibatch(5000);
-  replay.sample(task, {.fraction = 0.8}, Random(7, 8, 9), batch);
+  replay.sample(task, {.fraction = 0.8}, Random(7, Purpose::kSampling, 9), batch);
   const auto drawn = check_columns(batch, 4000, task, episodes);
   EXPECT_EQ(drawn.size(), 50u);
   int number = 39, t = episodes[39]->view.length;
@@ -132,7 +132,7 @@ TEST(ReplayBuffer, WithoutTerminationReachingANewGoalIsNotTheEnd) {
   NumberedEpisode episode(0, 4, false);
   replay.add(episode.view);
   Minibatch batch = replay.make_minibatch(500);
-  replay.sample(task, {.fraction = 1.0, .success_terminates = false}, Random(1, 1, 1), batch);
+  replay.sample(task, {.fraction = 1.0, .success_terminates = false}, Random(1, Purpose::kSampling, 1), batch);
   EXPECT_EQ(batch.reward.maxCoeff(), 0.0f);
   for (const std::uint8_t done : batch.done) EXPECT_EQ(done, 0);
 }
@@ -143,11 +143,11 @@ TEST(ReplayBuffer, IsDeterministic) {
   NumberedEpisode episode(0, 40, false);
   replay.add(episode.view);
   Minibatch a = replay.make_minibatch(64), b = replay.make_minibatch(64);
-  replay.sample(task, {}, Random(1, 2, 3), a);
-  replay.sample(task, {}, Random(1, 2, 3), b);
+  replay.sample(task, {}, Random(1, Purpose::kSampling, 3), a);
+  replay.sample(task, {}, Random(1, Purpose::kSampling, 3), b);
   EXPECT_EQ(a.observation, b.observation);
   EXPECT_EQ(a.desired_goal, b.desired_goal);
-  replay.sample(task, {}, Random(1, 2, 4), b);
+  replay.sample(task, {}, Random(1, Purpose::kSampling, 4), b);
   EXPECT_NE(a.observation, b.observation);
 }
 

@@ -145,6 +145,7 @@ class Probe final : public EnvBatch {
                       std::span<float> reward) const override {
     envs_.compute_reward(achieved, desired, reward);
   }
+  std::uint64_t state_hash() const override { return envs_.state_hash(); }
 
  private:
   PointReach& envs_;
