@@ -1,0 +1,45 @@
+// Where the files that a robot description names lie, and which of them it may read.
+#pragma once
+
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace manyhands::io {
+
+/// A path that leads out of the folders that may be read.
+class PathEscape : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Resolves the file names of one description file.
+class PackagePaths {
+ public:
+  /// `folder` holds the description file; `package_paths` is searched before the environment.
+  PackagePaths(const std::filesystem::path& folder, std::vector<std::filesystem::path> package_paths,
+               bool allow_outside);
+
+  /// The file meant by `name`: package://PACKAGE/..., model://PACKAGE/..., file://..., an absolute path, or a path
+  /// relative to the folder. A package is looked for in the package paths, in ROS_PACKAGE_PATH, in the share folders
+  /// of AMENT_PREFIX_PATH and in the folders above the description: a folder of its name, or one whose package.xml
+  /// bears it. The result is a regular file, symbolic links resolved.
+  ///
+  /// Throws PathEscape if it lies outside its package, or, without a package, outside the package (or else the folder)
+  /// of the description; std::runtime_error if there is no such file.
+  [[nodiscard]] std::filesystem::path resolve(std::string_view name) const;
+
+ private:
+  [[nodiscard]] std::filesystem::path find_package(const std::string& package) const;
+  [[nodiscard]] std::filesystem::path checked(const std::filesystem::path& path,
+                                              const std::vector<std::filesystem::path>& roots) const;
+
+  std::filesystem::path folder_;
+  std::vector<std::filesystem::path> package_paths_;
+  std::vector<std::filesystem::path> own_roots_;  ///< what names without a package may reach
+  bool allow_outside_;
+};
+
+}  // namespace manyhands::io
