@@ -2,6 +2,7 @@
 # Builds the C++ tests of a preset and runs them: tools/cpp_tests.sh [dev|asan|tsan] [ctest arguments...]
 set -euo pipefail
 cd "$(dirname "$0")/.."
+export PATH="$PWD/.venv/bin:$PATH"
 preset=${1:-dev}
 shift || true
 jobs=${JOBS:-$(nproc)}

@@ -4,6 +4,7 @@
 #   tools/lint.sh --tidy   check, with clang-tidy over every C++ source too
 set -uo pipefail
 cd "$(dirname "$0")/.."
+export PATH="$PWD/.venv/bin:$PATH"
 mode=${1:-}
 jobs=${JOBS:-$(nproc)}
 failed=0

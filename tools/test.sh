@@ -2,6 +2,7 @@
 # All tests, one after the other though an earlier one fails, and a summary at the end.
 set -uo pipefail
 cd "$(dirname "$0")/.."
+export PATH="$PWD/.venv/bin:$PATH"
 failed=0
 summary=''
 
