@@ -32,7 +32,7 @@ if [ "$mode" = --fix ]; then
 fi
 
 step layers python tools/check_layers.py
-step clang-format clang_format --dry-run -Werror
+step clang-format clang_format --dry-run -Werror --ferror-limit=1
 step 'ruff check' ruff check --quiet .
 step 'ruff format' ruff format --quiet --check --output-format concise .
 step pyright pyright
