@@ -1,0 +1,11 @@
+// What each layer adds to the extension module manyhands._core; one source file of this folder each.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+namespace manyhands {
+
+void bind_envs(nanobind::module_& m);
+void bind_learn(nanobind::module_& m);
+
+}  // namespace manyhands

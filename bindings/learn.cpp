@@ -1,0 +1,177 @@
+// manyhands._core.learn: the trainer.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "bindings/arrays.h"
+#include "bindings/bindings.h"
+#include "manyhands/envs/env_batch.h"
+#include "manyhands/learn/archive.h"
+#include "manyhands/learn/trainer.h"
+#include "manyhands/learn/trainer_config.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace manyhands {
+
+namespace {
+
+using bindings::copied;
+using learn::EvalResult;
+using learn::Policy;
+using learn::Trainer;
+using learn::TrainerConfig;
+using learn::TrainMetrics;
+
+/// Calls visit(name, member, meaning) for everything that can be set.
+template <class Visit>
+void visit_settings(Visit&& visit) {
+  using C = TrainerConfig;
+  visit("seed", &C::seed, "Of networks, exploration, sampling and episodes.");
+  visit("num_threads", &C::num_threads, "1 or 2 are used for gradient steps; the results are the same bits.");
+  visit("hidden_layers", &C::hidden_layers, "Units of each hidden layer, of actor and critics alike.");
+  visit("num_critics", &C::num_critics, "1: DDPG; 2: the smaller of two values is the target (TD3).");
+  visit("batch_size", &C::batch_size, "Transitions per gradient step, even.");
+  visit("gamma", &C::gamma, "Discount per environment step, in [0, 1).");
+  visit("target_rate", &C::target_rate, "Polyak rate of the target networks, in (0, 1].");
+  visit("actor_learning_rate", &C::actor_learning_rate, "Adam's step size for the policy.");
+  visit("critic_learning_rate", &C::critic_learning_rate, "Adam's step size for the critics.");
+  visit("policy_delay", &C::policy_delay, "Critic steps per policy (and target) step; TD3: 2.");
+  visit("target_noise", &C::target_noise, "Standard deviation of the smoothing noise on target actions; TD3: 0.2.");
+  visit("target_noise_clip", &C::target_noise_clip, "Its largest magnitude.");
+  visit("action_penalty", &C::action_penalty, "Weight of |action|^2 in the policy's loss.");
+  visit("input_clip", &C::input_clip, "Largest normalised network input, in standard deviations.");
+  visit("updates_per_iteration", &C::updates_per_iteration, "Gradient steps after each step of the batch.");
+  visit("replay_capacity", &C::replay_capacity, "Transitions.");
+  visit("warmup_transitions", &C::warmup_transitions,
+        "In the replay before learning starts; until then actions are random.");
+  visit("hindsight_fraction", &C::hindsight_fraction,
+        "Of a mini-batch gets a goal achieved later in the same episode; 0: no hindsight.");
+  visit("success_terminates", &C::success_terminates, "Whether the task ends an episode at its goal.");
+  visit("exploration_noise", &C::exploration_noise, "Standard deviation of the noise on actions.");
+  visit("random_action_rate", &C::random_action_rate, "Probability of a uniform action instead.");
+  visit("evaluation_interval", &C::evaluation_interval, "Iterations between evaluations.");
+  visit("evaluation_episodes", &C::evaluation_episodes, "Episodes of each.");
+  visit("stop_success_rate", &C::stop_success_rate, "An evaluation at or above this counts towards stopping.");
+  visit("stop_streak", &C::stop_streak, "This many in a row end the training; 0: never.");
+}
+
+void bind_config(nb::module_& m) {
+  auto config = nb::class_<TrainerConfig>(m, "TrainerConfig", "Everything that can be set about training.");
+  config.def(nb::init<>(), "The defaults.")
+      .def("validate", &TrainerConfig::validate, "Raises ValueError naming the first setting that makes no sense.")
+      .def(
+          "to_dict",
+          [](const TrainerConfig& self) {
+            nb::dict settings;
+            visit_settings(
+                [&](const char* name, auto member, const char*) { settings[name] = nb::cast(self.*member); });
+            return settings;
+          },
+          nb::sig("def to_dict(self) -> dict[str, int | float | bool | list[int]]"), "All settings by name.");
+  visit_settings([&](const char* name, auto member, const char* meaning) { config.def_rw(name, member, meaning); });
+}
+
+void bind_results(nb::module_& m) {
+  nb::class_<TrainMetrics>(m, "TrainMetrics",
+                           "Where training stands. Counters run from the beginning, across checkpoints; losses are "
+                           "means over the last `advance`; seconds are of this process.")
+      .def_ro("iterations", &TrainMetrics::iterations)
+      .def_ro("env_steps", &TrainMetrics::env_steps)
+      .def_ro("gradient_steps", &TrainMetrics::gradient_steps)
+      .def_ro("episodes", &TrainMetrics::episodes)
+      .def_ro("success_rate", &TrainMetrics::success_rate, "Of the last 100 training episodes, which explore.")
+      .def_ro("critic_loss", &TrainMetrics::critic_loss)
+      .def_ro("q_mean", &TrainMetrics::q_mean)
+      .def_ro("policy_q_mean", &TrainMetrics::policy_q_mean)
+      .def_ro("evaluation_success_rate", &TrainMetrics::evaluation_success_rate, "Of the last periodic evaluation.")
+      .def_ro("evaluations", &TrainMetrics::evaluations)
+      .def_ro("streak", &TrainMetrics::streak, "Evaluations in a row, up to now, that were good enough.")
+      .def_ro("solved", &TrainMetrics::solved, "`advance` does nothing more.")
+      .def_ro("collect_seconds", &TrainMetrics::collect_seconds)
+      .def_ro("learn_seconds", &TrainMetrics::learn_seconds)
+      .def_ro("evaluate_seconds", &TrainMetrics::evaluate_seconds);
+
+  nb::class_<EvalResult>(m, "EvalResult", "Means over the episodes of an evaluation.")
+      .def_ro("episodes", &EvalResult::episodes)
+      .def_ro("success_rate", &EvalResult::success_rate, "Success at the last step of the episode.")
+      .def_ro("mean_return", &EvalResult::mean_return, "Undiscounted.")
+      .def_ro("mean_length", &EvalResult::mean_length, "Environment steps.");
+}
+
+nb::list layers(const Policy& policy) {
+  nb::list list;
+  for (const Policy::Layer& layer : policy.layers) {
+    const auto outputs = static_cast<std::size_t>(layer.outputs), inputs = static_cast<std::size_t>(layer.inputs);
+    list.append(nb::make_tuple(copied(layer.weight.data(), {outputs, inputs}), copied(layer.bias.data(), {outputs})));
+  }
+  return list;
+}
+
+void bind_policy(nb::module_& m) {
+  nb::class_<Policy>(
+      m, "Policy",
+      "The deterministic policy as arrays: action = tanh(W_L relu(... relu(W_1 z + b_1) ...) + b_L) "
+      "with z = clip((x - mean) * scale, -clip, clip) and x = [observation, desired_goal, desired_goal - "
+      "achieved_goal].")
+      .def_ro("observation_dim", &Policy::observation_dim)
+      .def_ro("goal_dim", &Policy::goal_dim)
+      .def_ro("action_dim", &Policy::action_dim)
+      .def_ro("clip", &Policy::clip)
+      .def_prop_ro(
+          "mean", [](const Policy& policy) { return copied(policy.mean.data(), {policy.mean.size()}); },
+          nb::sig("def mean(self) -> numpy.typing.NDArray[numpy.float32]"), "(observation_dim + 2 goal_dim)")
+      .def_prop_ro(
+          "scale", [](const Policy& policy) { return copied(policy.scale.data(), {policy.scale.size()}); },
+          nb::sig("def scale(self) -> numpy.typing.NDArray[numpy.float32]"), "(observation_dim + 2 goal_dim)")
+      .def_prop_ro("layers", &layers,
+                   nb::sig("def layers(self) -> list[tuple[numpy.typing.NDArray[numpy.float32], "
+                           "numpy.typing.NDArray[numpy.float32]]]"),
+                   "(weight (outputs, inputs), bias (outputs)) of each layer.");
+}
+
+void bind_trainer(nb::module_& m) {
+  using Release = nb::call_guard<nb::gil_scoped_release>;
+  nb::exception<learn::CheckpointError>(m, "CheckpointError", PyExc_RuntimeError);
+  nb::class_<Trainer>(
+      m, "Trainer",
+      "Learns a goal-reaching policy on a batch of environments: off-policy actor-critic with hindsight "
+      "replay.")
+      .def(nb::init<EnvBatch&, EnvBatch*, const TrainerConfig&>(), "envs"_a, "evaluation"_a.none(), "config"_a,
+           nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>(),
+           "Trains on `envs`; `evaluation`, another batch of the same environment, serves the periodic evaluations "
+           "that end the training (None: no evaluations). Raises ValueError if the config makes no sense.")
+      .def("advance", &Trainer::advance, "iterations"_a, Release(),
+           "Runs up to `iterations` more: each one step of the batch and `updates_per_iteration` gradient steps. Stops "
+           "early when solved. Raises RuntimeError if the networks diverge.")
+      .def("metrics", &Trainer::metrics, "Where training stands.")
+      .def("evaluate", &Trainer::evaluate, "envs"_a, "episodes"_a, "first_seed"_a, Release(),
+           "Runs the policy without noise; episode k starts from seed first_seed + k, whatever the size of `envs`.")
+      .def("policy", &Trainer::policy, "The deterministic policy.")
+      .def("save", &Trainer::save, "path"_a, "with_replay"_a = true, Release(),
+           "Writes everything from which training goes on exactly. The file appears whole or not at all. Raises "
+           "CheckpointError.")
+      .def("load", &Trainer::load, "path"_a, Release(),
+           "Continues from a file of `save` by a trainer with the same task, number of worlds, networks and replay "
+           "capacity. Returns whether the running episodes could be restored; if not, every world starts a new one. "
+           "Raises CheckpointError and leaves the trainer as it was.");
+}
+
+}  // namespace
+
+void bind_learn(nb::module_& m) {
+  nb::module_ learn = m.def_submodule("learn", "Training of policies.");
+  bind_config(learn);
+  bind_results(learn);
+  bind_policy(learn);
+  bind_trainer(learn);
+}
+
+}  // namespace manyhands

@@ -1,0 +1,10 @@
+// The extension module manyhands._core.
+#include <nanobind/nanobind.h>
+
+#include "bindings/bindings.h"
+
+NB_MODULE(_core, m) {
+  m.doc() = "The C++ library behind the manyhands package.";
+  manyhands::bind_envs(m);
+  manyhands::bind_learn(m);
+}
