@@ -89,7 +89,9 @@ TYPED_TEST(NumberContract, ClampKeepsNaN) {
   using R = real_t<T>;
   this->check(
       1, [](const Numbers<T>& a) { return Numbers<T>{clamp(a[0], T(R(-2)), T(R(3)))}; },
-      [](const Numbers<R>& a) { return Numbers<R>{std::isnan(a[0]) ? a[0] : std::fmin(std::fmax(a[0], R(-2)), R(3))}; });
+      [](const Numbers<R>& a) {
+        return Numbers<R>{std::isnan(a[0]) ? a[0] : std::fmin(std::fmax(a[0], R(-2)), R(3))};
+      });
 }
 
 TYPED_TEST(NumberContract, RootsAndRounding) {
