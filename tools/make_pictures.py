@@ -25,6 +25,7 @@ ROOT = Path(__file__).resolve().parent.parent
 NEUTRAL = [0.0, 0.41, 0.0, -1.85, 0.0, 2.26, 0.79, 0.02, 0.02]
 BASE = (-0.6, 0.0, 0.0)
 TABLE = (1.1, 0.7, 0.4)  # m, top at z = 0, centred at x = -0.3
+GOLDEN = 0.6180339887498949  # multiples of it, modulo 1, spread evenly
 Array = npt.NDArray[np.float64]
 
 MATERIALS = {
@@ -32,17 +33,17 @@ MATERIALS = {
     "graphite": trace.Material((0.030, 0.034, 0.042), 0.045, 0.30),
     "accent": trace.Material((0.95, 0.25, 0.03), 0.04, 0.25),
     "metal": trace.Material((0.56, 0.57, 0.60), 0.5, 0.35),
-    "table": trace.Material((0.60, 0.585, 0.56), 0.04, 0.34),
-    "plinth": trace.Material((0.05, 0.06, 0.07), 0.04, 0.5),
-    "floor": trace.Material((0.14, 0.21, 0.25), 0.0, 1.0),
+    "table": trace.Material((0.56, 0.475, 0.385), 0.04, 0.36),
+    "plinth": trace.Material((0.045, 0.055, 0.065), 0.0, 1.0),
+    "floor": trace.Material((0.11, 0.18, 0.22), 0.0, 1.0),
 }
 LIGHTS = [
-    trace.Light((0.35, -0.75, 1.0), (8.6, 8.0, 7.2), 0.30),
-    trace.Light((-0.9, 0.7, 0.55), (3.4, 4.2, 5.2), 0.26),
-    trace.Light((1.0, 0.35, 0.35), (1.6, 1.5, 1.4), 0.35),
+    trace.Light((-0.50, -0.55, 1.0), (11.5, 10.6, 9.4), 0.24),
+    trace.Light((0.55, 0.95, 0.50), (4.2, 5.2, 6.4), 0.24),
+    trace.Light((1.0, -0.60, 0.35), (1.7, 1.65, 1.6), 0.40),
 ]
-SKY = ((0.07, 0.085, 0.10), (0.34, 0.38, 0.43))
-GOAL = trace.Ball((0.155, -0.075, 0.155), 0.02, (0.10, 0.86, 0.30), 0.5, 0.35)
+SKY = ((0.06, 0.075, 0.09), (0.25, 0.285, 0.33))
+GOAL = trace.Ball((0.135, -0.065, 0.150), 0.02, (0.05, 0.80, 0.22), 0.55, 0.16)
 
 
 def slab(length: float, width: float, low: float, high: float) -> mesh.Mesh:
@@ -71,7 +72,7 @@ def backdrop(camera: trace.Camera) -> Array:
     y, x = np.mgrid[0 : camera.height, 0 : camera.width]
     u, v = (x - 0.5 * camera.width) / camera.height, (y - 0.42 * camera.height) / camera.height
     glow = np.exp(-(u * u / 0.5 + v * v / 0.22))[..., None]
-    low, high = np.array([0.045, 0.085, 0.110]), np.array([0.24, 0.36, 0.41])
+    low, high = np.array([0.030, 0.062, 0.084]), np.array([0.20, 0.32, 0.37])
     return (low + (high - low) * glow).reshape(-1, 3)
 
 
@@ -113,11 +114,12 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=ROOT / "docs/images/panda_reach.png")
     args = parser.parse_args()
     size = (round(1200 * args.scale), round(800 * args.scale))
-    camera = trace.Camera((0.90, -1.32, 0.50), (-0.21, 0.0, 0.265), 31.0, *size)
+    camera = trace.Camera((0.88, -1.30, 0.60), (-0.205, 0.0, 0.262), 30.5, *size)
     tracer, wall, rng = build(), backdrop(camera), np.random.default_rng(1)
+    lobe = rng.random(size[0] * size[1])
     sums = [np.zeros((size[0] * size[1], 3)) for _ in range(3)]
     for number in range(args.passes):
-        samples = tracer.sample(*camera.rays(rng), wall, rng)
+        samples = tracer.sample(*camera.rays(rng), wall, (lobe + number * GOLDEN) % 1.0, rng)
         # A ceiling on single samples keeps rare bright paths from leaving specks.
         for total, part in zip(sums, (np.minimum(samples[0], 8.0), *samples[1:]), strict=True):
             total += part

@@ -38,6 +38,7 @@ def _elbow(axis: str, sign: float, radius: float, cap: float, at: Point = (0.0, 
 
 
 def base() -> Parts:
+    """A foot with four bolts, a connector box behind, and the column of the first joint."""
     foot = plate((-0.150, -0.092, 0.001), (0.070, 0.092, 0.030), 0.045, 0.009)
     column = cylinder("z", 0.001, 0.134, R + 0.004, 0.012)
     connector = box((-0.142, -0.050, 0.008), (0.0, 0.050, 0.084), 0.022)
@@ -51,16 +52,19 @@ def base() -> Parts:
     return {"shell": shell, "graphite": join([_collar(0.139), panel, *bolts]), "accent": ring}
 
 
-def _shoulder(flip: bool) -> Parts:
-    """Link 1, or link 2 turned onto its other side: a tube that leans over to its half of the elbow."""
-    if not flip:
-        tube = cylinder("z", -0.187, -0.02, R, 0.012)
-        elbow = cylinder("y", -0.125, -0.004, R, 0.016)
-        notch = quadrant("y", -0.003, "z", -0.067)
-        field = cut(union(tube, elbow, blend=0.03), notch, blend=0.016)
-        shell = from_field(field, (-0.06, -0.14, -0.2), (0.06, 0.06, 0.06), CELL)
-        core, line = _elbow("y", -1.0, R, 0.125)
-        return {"shell": shell, "graphite": core, "accent": line}
+def link1() -> Parts:
+    """A tube that leans over to its half of the shoulder, cut away where link 2 swings."""
+    tube = cylinder("z", -0.187, -0.02, R, 0.012)
+    elbow = cylinder("y", -0.125, -0.004, R, 0.016)
+    notch = quadrant("y", -0.003, "z", -0.067)
+    field = cut(union(tube, elbow, blend=0.03), notch, blend=0.016)
+    shell = from_field(field, (-0.06, -0.14, -0.2), (0.06, 0.06, 0.06), CELL)
+    core, line = _elbow("y", -1.0, R, 0.125)
+    return {"shell": shell, "graphite": core, "accent": line}
+
+
+def link2() -> Parts:
+    """The other half of the shoulder, and the tube up to the third joint."""
     tube = cylinder("y", -0.187, -0.02, R, 0.012)
     elbow = cylinder("z", 0.004, 0.126, R, 0.016)
     notch = quadrant("-z", 0.003, "y", -0.067)
@@ -71,15 +75,8 @@ def _shoulder(flip: bool) -> Parts:
     return {"shell": shell, "graphite": join([core, collar])}
 
 
-def link1() -> Parts:
-    return _shoulder(flip=False)
-
-
-def link2() -> Parts:
-    return _shoulder(flip=True)
-
-
 def link3() -> Parts:
+    """From the tube forward and sideways to the elbow; a well in it takes the other half."""
     axis = (0.0825, 0.0, 0.0)
     tube = cylinder("z", -0.117, -0.02, R, 0.012)
     elbow = cylinder("y", 0.004, 0.107, R, 0.016, axis)
@@ -93,6 +90,7 @@ def link3() -> Parts:
 
 
 def link4() -> Parts:
+    """Link 3 turned over: from the elbow back to the tube that carries the forearm."""
     tube = cylinder("y", 0.02, 0.115, R, 0.012, (-0.0825, 0.0, 0.0))
     elbow = cylinder("z", 0.004, 0.107, R, 0.016)
     arm = cone((-0.0765, 0.054, 0.006), (0.0, 0.000, 0.052), 0.047, 0.047)
@@ -106,6 +104,7 @@ def link4() -> Parts:
 
 
 def link5() -> Parts:
+    """The forearm, which slips past the swing of link 6 on one side."""
     tube = cylinder("z", -0.261, -0.19, R, 0.012)
     forearm = cone((0.0, 0.006, -0.195), (0.0, 0.080, -0.080), 0.0485, 0.038)
     wrist = cylinder("y", 0.047, 0.127, 0.050, 0.015)
@@ -119,6 +118,7 @@ def link5() -> Parts:
 
 
 def link6() -> Parts:
+    """Two crossing barrels: the wrist and the head above the flange."""
     wrist = cylinder("z", -0.041, 0.053, 0.050, 0.015)
     head = cylinder("y", -0.045, 0.078, 0.046, 0.015, (0.088, 0.0, 0.0))
     bridge = cone((0.0, 0.0, 0.003), (0.088, 0.014, 0.002), 0.038, 0.036)
@@ -132,16 +132,18 @@ def link6() -> Parts:
 
 
 def link7() -> Parts:
+    """The flange, with a lobe that holds a button."""
     flange = cylinder("z", 0.053, 0.094, 0.0435, 0.010)
     lobe = cylinder("z", 0.060, 0.094, 0.034, 0.010, (0.044, 0.044, 0.0))
     shell = from_field(union(flange, lobe, blend=0.04), (-0.05, -0.05, 0.04), (0.09, 0.09, 0.1), 0.005)
-    plate_ = disc("z", 0.088, 0.110, 0.0355, 0.0015, (0.0, 0.0, 0.0))
+    mount = disc("z", 0.088, 0.110, 0.0355, 0.0015, (0.0, 0.0, 0.0))
     button = disc("z", 0.088, 0.0965, 0.016, 0.0015, (0.046, 0.046, 0.0))
     light = band("z", 0.0968, 0.0990, 0.030, 0.0385, (0.0, 0.0, 0.0))
-    return {"shell": shell, "graphite": join([plate_, button]), "accent": light}
+    return {"shell": shell, "graphite": join([mount, button]), "accent": light}
 
 
 def hand() -> Parts:
+    """The palm: a bevelled bar with a rail for the fingers."""
     body = box((-0.031, -0.100, 0.018), (0.031, 0.100, 0.063), 0.012)
     neck = cylinder("z", 0.0005, 0.045, 0.0365, 0.008)
     shell = from_field(union(body, neck, blend=0.030), (-0.05, -0.11, -0.01), (0.05, 0.11, 0.07), 0.0058)

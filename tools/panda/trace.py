@@ -181,17 +181,17 @@ class Tracer:
         return total
 
     def _bounce(
-        self, d: Array, hit: Hits, colour: Array, rng: np.random.Generator
+        self, d: Array, hit: Hits, colour: Array, lobe: Array, rng: np.random.Generator
     ) -> tuple[Array, Array, npt.NDArray[np.bool_]]:
-        """New direction, throughput factor, and whether it is the glossy lobe, chosen at random."""
+        """New direction, throughput factor, and whether `lobe` (uniform in 0..1) chose glossy reflection."""
         n = hit.normal
         cosine = np.clip(-(d * n).sum(-1), 0, 1)
         f0 = np.where(hit.ball, 0.04, self._f0[hit.material])
         rough = np.where(hit.ball, 0.05, self._roughness[hit.material])
         fresnel = f0 + (np.maximum(1 - rough, f0) - f0) * (1 - cosine) ** 5
-        # Even odds for the two lobes, weighted back, keep rare bright reflections from showing as specks.
+        # Higher odds than the reflectance, weighted back, keep rare bright reflections from showing as specks.
         odds = np.clip(fresnel, 0.25, 0.9)
-        glossy = rng.random(len(d)) < odds
+        glossy = lobe < odds
         u, v = rng.random((2, len(d)))
         # GGX microfacet normal; its masking is left out.
         alpha2 = rough**4
@@ -204,8 +204,14 @@ class Tracer:
         factor = share * np.where(glossy[:, None] & ~metal, 1.0, colour)
         return np.where(glossy[:, None], mirrored, diffuse), factor, glossy
 
-    def sample(self, o: Array, d: Array, backdrop: Array, rng: np.random.Generator) -> tuple[Array, Array, Array]:
-        """Radiance, first-hit colour and first-hit normal of camera rays; `backdrop` is what the misses show."""
+    def sample(
+        self, o: Array, d: Array, backdrop: Array, lobe: Array, rng: np.random.Generator
+    ) -> tuple[Array, Array, Array]:
+        """Radiance, first-hit colour and first-hit normal of camera rays.
+
+        `backdrop` is what the misses show; `lobe` chooses each first reflection: values that spread evenly over 0..1
+        from call to call give less noise than random ones.
+        """
         count = len(d)
         light, weight = np.zeros((count, 3)), np.ones((count, 3))
         first_colour, first_normal = np.ones((count, 3)), np.zeros((count, 3))
@@ -220,7 +226,7 @@ class Tracer:
                 light[alive[miss]] += weight[alive[miss]] * seen
             keep = hit.found
             hit = hit.where(keep)
-            alive, o, d = alive[keep], o[keep], d[keep]
+            alive, o, d, lobe = alive[keep], o[keep], d[keep], lobe[keep]
             if not len(alive):
                 break
             p = o + hit.t[:, None] * d
@@ -232,7 +238,7 @@ class Tracer:
                 weight[alive] *= 1 - fade
             light[alive] += weight[alive] * np.where(hit.ball[:, None], self._ball.glow * colour, 0.0)
             through = hit.ball & (rng.random(len(alive)) >= self._ball.opacity)
-            new_d, factor, glossy = self._bounce(d, hit, colour, rng)
+            new_d, factor, glossy = self._bounce(d, hit, colour, lobe if bounce == 0 else rng.random(len(d)), rng)
             direct = ~glossy & ~through
             weight[alive] *= np.where(through[:, None], 0.35 + 0.65 * colour, factor)
             light[alive[direct]] += weight[alive[direct]] * self._direct(p[direct], hit.normal[direct], rng)
