@@ -1,0 +1,74 @@
+"""One environment."""
+
+from typing import Any, ClassVar
+
+import gymnasium
+import numpy as np
+from gymnasium.utils import EzPickle
+from numpy.typing import ArrayLike, NDArray
+
+from manyhands._core.envs import make_env_batch
+from manyhands.envs import spaces
+from manyhands.envs.spaces import ControlType, Observation, RewardType
+
+
+class PandaEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
+    """A Panda arm and a task, as panda-gym describes them.
+
+    Observations are dicts of float32 arrays: `observation` (observation_dim,), `achieved_goal` and `desired_goal`
+    (goal_dim,), in metres and metres per second. An action (action_dim,) lies in [-1, 1] and is clipped to it: a
+    displacement of the gripper (unit 0.05 m) with `control_type="ee"`, of the seven joints (unit 0.05 rad) with
+    "joints". A step takes 0.04 s. An episode terminates with success; its length is limited by `gymnasium.make`.
+
+    `info["is_success"]` of reset and step says whether the goal is reached. Copies and pickles are new environments
+    made from the same arguments.
+    """
+
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": [], "render_fps": spaces.RENDER_FPS}  # pyright: ignore[reportIncompatibleVariableOverride]
+
+    def __init__(
+        self,
+        task: str = "PandaReach",
+        *,
+        reward_type: RewardType = "sparse",
+        control_type: ControlType = "ee",
+        render_mode: str | None = None,
+    ) -> None:
+        """Raises ValueError on an unknown task or type, or a render mode: there are no cameras yet."""
+        EzPickle.__init__(self, task, reward_type=reward_type, control_type=control_type, render_mode=render_mode)
+        spaces.require_no_rendering(render_mode)
+        self.render_mode = render_mode
+        self._batch = make_env_batch(spaces.env_id(task, reward_type, control_type), 1, num_threads=1)
+        self.observation_space = spaces.observation_space(self._batch.spec)
+        self.action_space = spaces.action_space(self._batch.spec)
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, dict[str, Any]]:
+        """Starts an episode. The same `seed` gives the same goals as in panda-gym; without one the stream goes on."""
+        super().reset(seed=seed)
+        self._batch.reset(seeds=None if seed is None else spaces.as_seeds([seed]))
+        return self._observation(), self._info()
+
+    def step(self, action: ArrayLike) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+        """One step of 0.04 s; `truncated` is always False. Raises ValueError on a wrong shape or a NaN."""
+        spec = self._batch.spec
+        self._batch.step(spaces.as_actions(spec, action, (spec.action_dim,))[None])
+        return (
+            self._observation(),
+            float(self._batch.reward[0]),
+            bool(self._batch.terminated[0]),
+            False,
+            self._info(),
+        )
+
+    def compute_reward(self, achieved_goal: ArrayLike, desired_goal: ArrayLike, info: Any = None) -> Any:
+        """The task's reward for goals (..., goal_dim): float32, a scalar or of shape (...). `info` is not used."""
+        return spaces.compute_reward(self._batch, achieved_goal, desired_goal)
+
+    def _observation(self) -> Observation:
+        observation, achieved, desired = self._batch.observations()
+        return {"observation": observation[0], "achieved_goal": achieved[0], "desired_goal": desired[0]}
+
+    def _info(self) -> dict[str, Any]:
+        return {"is_success": bool(self._batch.is_success[0])}

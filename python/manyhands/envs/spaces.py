@@ -1,0 +1,81 @@
+"""Spaces, actions and rewards as the single and the vector environment share them."""
+
+from collections.abc import Sequence
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import ArrayLike, NDArray
+
+from manyhands._core.envs import EnvBatch, EnvSpec
+
+Observation: TypeAlias = dict[str, NDArray[np.float32]]
+RewardType: TypeAlias = Literal["sparse", "dense"]
+ControlType: TypeAlias = Literal["ee", "joints"]
+
+RENDER_FPS = 25  # one frame per environment step of 0.04 s
+
+
+def env_id(task: str, reward_type: str, control_type: str) -> str:
+    """The id of a variant, for example "PandaReachJointsDense-v3". Raises ValueError on an unknown type."""
+    if reward_type not in ("sparse", "dense"):
+        raise ValueError(f"reward_type is {reward_type!r}, expected 'sparse' or 'dense'")
+    if control_type not in ("ee", "joints"):
+        raise ValueError(f"control_type is {control_type!r}, expected 'ee' or 'joints'")
+    return f"{task}{'Joints' * (control_type == 'joints')}{'Dense' * (reward_type == 'dense')}-v3"
+
+
+def require_no_rendering(render_mode: str | None) -> None:
+    """Raises ValueError if pictures are asked for: there are no cameras yet."""
+    if render_mode is not None:
+        raise ValueError(
+            f"render_mode is {render_mode!r}, but this version draws no pictures yet: use render_mode=None"
+        )
+
+
+def observation_space(spec: EnvSpec) -> spaces.Dict:
+    """observation, achieved_goal and desired_goal, each a float32 Box(-10, 10)."""
+
+    def box(size: int) -> spaces.Box:
+        return spaces.Box(-10.0, 10.0, (size,), np.float32)
+
+    return spaces.Dict(
+        observation=box(spec.observation_dim), achieved_goal=box(spec.goal_dim), desired_goal=box(spec.goal_dim)
+    )
+
+
+def action_space(spec: EnvSpec) -> spaces.Box:
+    """Box(-1, 1, (action_dim,), float32)."""
+    return spaces.Box(-1.0, 1.0, (spec.action_dim,), np.float32)
+
+
+def as_actions(spec: EnvSpec, action: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float32]:
+    """`action` as float32 of the given shape. Raises ValueError if it has another."""
+    try:
+        array = np.asarray(action, np.float32)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{spec.id}: the action is no array of numbers of shape {shape}: {error}") from error
+    if array.shape != shape:
+        raise ValueError(f"{spec.id}: the action has shape {array.shape}, expected {shape}")
+    return array
+
+
+def as_seeds(seeds: Sequence[int]) -> NDArray[np.uint64]:
+    """Seeds as the batch takes them. Raises ValueError unless each lies in [0, 2**64)."""
+    for seed in seeds:
+        if not 0 <= seed < 2**64:
+            raise ValueError(f"the seed is {seed}, expected an integer in [0, 2**64)")
+    return np.array(seeds, np.uint64)
+
+
+def compute_reward(batch: EnvBatch, achieved_goal: ArrayLike, desired_goal: ArrayLike) -> Any:
+    """The reward of goals (..., goal_dim): float32, a scalar or of shape (...)."""
+    achieved, desired = np.asarray(achieved_goal, np.float32), np.asarray(desired_goal, np.float32)
+    goal_dim = batch.spec.goal_dim
+    if achieved.shape != desired.shape or achieved.shape[-1:] != (goal_dim,):
+        raise ValueError(
+            f"{batch.spec.id}: achieved_goal has shape {achieved.shape} and desired_goal {desired.shape}, "
+            f"expected (..., {goal_dim}) both"
+        )
+    reward = batch.compute_reward(achieved.reshape(-1, goal_dim), desired.reshape(-1, goal_dim))
+    return reward.reshape(achieved.shape[:-1])[()]

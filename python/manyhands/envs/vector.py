@@ -1,0 +1,153 @@
+"""Many environments, stepped together in C++."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from gymnasium.error import ResetNeeded
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+from numpy.typing import ArrayLike, NDArray
+
+from manyhands._core.envs import AutoresetBatch, make_env_batch
+from manyhands._core.envs import AutoresetMode as CoreMode
+from manyhands.envs import spaces
+from manyhands.envs.spaces import ControlType, Observation, RewardType
+
+
+class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
+    """`num_envs` worlds of one Panda task: what SyncVectorEnv gives over as many `PandaEnv`, to the bit, but fast.
+
+    Made by `gymnasium.make_vec("PandaReach-v3", num_envs=4096, num_threads=2, autoreset_mode="SameStep")`. Arrays are as
+    in `PandaEnv` with a first axis for the worlds. The results do not depend on the number of threads.
+    """
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        task: str = "PandaReach",
+        *,
+        reward_type: RewardType = "sparse",
+        control_type: ControlType = "ee",
+        max_episode_steps: int | None = None,
+        num_threads: int | None = None,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        copy: bool = True,
+        render_mode: str | None = None,
+    ) -> None:
+        """Makes the worlds.
+
+        max_episode_steps: truncates episodes; None takes the limit of the task, -1 none.
+        num_threads: None takes the variable MANYHANDS_THREADS, or as many as the machine has cores.
+        copy: False returns observations as read-only views that the next step or reset overwrites.
+
+        Raises ValueError on an unknown task, type or mode, or a render mode: there are no cameras yet.
+        """
+        spaces.require_no_rendering(render_mode)
+        if num_threads is not None and num_threads < 1:
+            raise ValueError(f"num_threads is {num_threads}, expected a positive number, or None")
+        mode = AutoresetMode(autoreset_mode)
+        self._envs = make_env_batch(
+            spaces.env_id(task, reward_type, control_type), num_envs, num_threads=num_threads or 0
+        )
+        spec = self._envs.spec
+        limit = spec.max_episode_steps if max_episode_steps is None else max(max_episode_steps, 0)
+        self._batch = AutoresetBatch(self._envs, CoreMode[mode.name], limit)
+        self._copy = copy
+        self._was_reset = False
+        self.num_envs = num_envs
+        self.render_mode = render_mode
+        self.metadata = {"render_modes": [], "render_fps": spaces.RENDER_FPS, "autoreset_mode": mode}
+        self.single_observation_space = spaces.observation_space(spec)
+        self.single_action_space = spaces.action_space(spec)
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+
+    def reset(
+        self,
+        *,
+        seed: int | Sequence[int | None] | None = None,
+        options: dict[str, Any] | None = None,
+    ) -> tuple[Observation, dict[str, Any]]:
+        """Starts episodes in all worlds, or in those where options["reset_mask"] (num_envs,) is True.
+
+        `seed` s seeds world i with s + i, a list each world on its own (None: its stream goes on). A world seeded so
+        gives the same bits as a single environment reset with that seed. Raises ValueError on wrong lengths or seeds,
+        TypeError on a mask that is no array of bool.
+        """
+        mask = self._reset_mask(options)
+        if seed is None:
+            self._batch.reset(mask)
+        else:
+            if isinstance(seed, int | np.integer):
+                seed = range(int(seed), int(seed) + self.num_envs)
+            if len(seed) != self.num_envs:
+                raise ValueError(
+                    f"{len(seed)} seeds are given for num_envs={self.num_envs} worlds, expected one for each"
+                )
+            seeded = np.array([one is not None for one in seed])
+            self._batch.reset(mask, spaces.as_seeds([one or 0 for one in seed]), seeded)
+        self._was_reset = True
+        return self._observation(), self._info(mask)
+
+    def step(
+        self, actions: ArrayLike
+    ) -> tuple[Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
+        """Steps all worlds under `actions` (num_envs, action_dim), clipped to [-1, 1].
+
+        Returns (observation, reward, terminated, truncated, info). Finished worlds start anew as the autoreset mode
+        says; in mode SAME_STEP info["final_obs"] and info["final_info"] hold the end of their episodes. Raises ValueError
+        on a wrong shape or a NaN, RuntimeError in mode DISABLED if a finished world was not reset.
+        """
+        if not self._was_reset:
+            raise ResetNeeded("call reset before the first step")
+        spec = self._envs.spec
+        self._batch.step(spaces.as_actions(spec, actions, (self.num_envs, spec.action_dim)))
+        return self._observation(), *self._batch.outcome(), self._final_info() | self._info()
+
+    def compute_reward(self, achieved_goal: ArrayLike, desired_goal: ArrayLike, info: Any = None) -> Any:
+        """The task's reward for goals (..., goal_dim): float32, a scalar or of shape (...). `info` is not used."""
+        return spaces.compute_reward(self._envs, achieved_goal, desired_goal)
+
+    def _reset_mask(self, options: dict[str, Any] | None) -> NDArray[np.bool_] | None:
+        mask = (options or {}).get("reset_mask")
+        if mask is None:
+            return None
+        if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_:
+            raise TypeError("options['reset_mask'] must be a numpy array of bool")
+        if mask.shape != (self.num_envs,) or not mask.any():
+            raise ValueError(f"options['reset_mask'] must have shape ({self.num_envs},) and at least one True")
+        if not self._was_reset and not mask.all():
+            raise ResetNeeded("reset all worlds before some of them")
+        return mask
+
+    def _observation(self) -> Observation:
+        observation, achieved, desired = self._batch.observations(self._copy)
+        return {"observation": observation, "achieved_goal": achieved, "desired_goal": desired}
+
+    def _info(self, mask: NDArray[np.bool_] | None = None) -> dict[str, Any]:
+        present = np.ones(self.num_envs, np.bool_) if mask is None else mask.copy()
+        return {"is_success": self._batch.is_success & present, "_is_success": present}
+
+    def _final_info(self) -> dict[str, Any]:
+        rows = self._batch.final_rows()
+        if rows is None:
+            return {}
+        worlds, observation, achieved, desired, is_success = rows
+        present = np.zeros(self.num_envs, np.bool_)
+        present[worlds] = True
+        success = np.zeros(self.num_envs, np.bool_)
+        success[worlds] = is_success
+        final_obs = np.full(self.num_envs, None, dtype=object)
+        for k, world in enumerate(worlds):
+            final_obs[world] = {
+                "observation": observation[k],
+                "achieved_goal": achieved[k],
+                "desired_goal": desired[k],
+            }
+        return {
+            "final_obs": final_obs,
+            "_final_obs": present,
+            "final_info": {"is_success": success, "_is_success": present.copy()},
+            "_final_info": present.copy(),
+        }

@@ -1,0 +1,178 @@
+"""One environment behaves as Gymnasium's interface and panda-gym's description ask."""
+
+import copy
+import pickle
+import warnings
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+import manyhands
+from manyhands._core.envs import env_ids, make_env_batch
+from manyhands.envs import PandaEnv
+
+IDS = env_ids()
+
+
+def make(name: str, **kwargs: Any) -> PandaEnv:
+    env = gymnasium.make(name, **kwargs).unwrapped
+    assert isinstance(env, PandaEnv)
+    return env
+
+
+def test_all_reach_ids_are_registered() -> None:
+    gymnasium.register_envs(manyhands)
+    assert set(IDS) >= {"PandaReach-v3", "PandaReachDense-v3", "PandaReachJoints-v3", "PandaReachJointsDense-v3"}
+    assert set(IDS) <= set(gymnasium.registry)
+
+
+@pytest.mark.parametrize("name", IDS)
+def test_gymnasium_checks_without_a_warning(name: str) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_env(make(name))
+        env = gymnasium.make(name)
+        env.reset(seed=0)
+        env.step(env.action_space.sample())
+
+
+@pytest.mark.parametrize("name", IDS)
+def test_registered_limit_is_that_of_the_task(name: str) -> None:
+    assert gymnasium.spec(name).max_episode_steps == make_env_batch(name, 1).spec.max_episode_steps
+
+
+@pytest.mark.parametrize("name", IDS)
+def test_spaces_are_those_of_panda_gym(name: str) -> None:
+    env = make(name)
+    assert env.action_space == gymnasium.spaces.Box(-1, 1, (7 if "Joints" in name else 3,), np.float32)
+    sizes = {"observation": 6, "achieved_goal": 3, "desired_goal": 3}
+    boxes = {key: gymnasium.spaces.Box(-10, 10, (size,), np.float32) for key, size in sizes.items()}
+    assert env.observation_space == gymnasium.spaces.Dict(boxes)
+    assert env.metadata["render_fps"] == 25
+
+
+def test_the_time_limit_is_the_wrappers() -> None:
+    limited, bare = gymnasium.make("PandaReach-v3"), make("PandaReach-v3")
+    away = np.array([-1, -1, 1], np.float32)
+    for env, expected in ((limited, [False] * 49 + [True]), (bare, [False] * 60)):
+        env.reset(seed=42)
+        results = [env.step(away) for _ in expected]
+        assert not any(terminated for _, _, terminated, _, _ in results)
+        assert [truncated for _, _, _, truncated, _ in results] == expected
+
+
+def test_success_terminates_and_is_reported() -> None:
+    env = make("PandaReach-v3")
+    for seed in range(10):
+        obs, info = env.reset(seed=seed)
+        for _ in range(10):
+            assert info["is_success"] is False
+            obs, reward, terminated, truncated, info = env.step(5 * (obs["desired_goal"] - obs["achieved_goal"]))
+            assert (reward, truncated) == (0.0 if terminated else -1.0, False)
+            assert info["is_success"] is terminated
+            assert terminated == (np.linalg.norm(obs["desired_goal"] - obs["achieved_goal"]) < 0.05)
+            if terminated:
+                break
+        else:
+            pytest.fail(f"seed {seed}: the goal was not reached in 10 steps")
+
+
+# spec of panda-gym's seeding: the first goals of numpy's default generator
+@pytest.mark.parametrize(
+    ("seed", "first", "second"),
+    [
+        (0, (0.041089, -0.069064, 0.012292), (-0.145042, 0.093981, 0.273827)),
+        (42, (0.082187, -0.018336, 0.257579), (0.059210, -0.121747, 0.292687)),
+    ],
+)
+def test_seeds_give_the_goals_of_panda_gym(seed: int, first: tuple[float, ...], second: tuple[float, ...]) -> None:
+    env = make("PandaReach-v3")
+    np.testing.assert_allclose(env.reset(seed=seed)[0]["desired_goal"], first, atol=1e-6)
+    np.testing.assert_allclose(env.reset()[0]["desired_goal"], second, atol=1e-6)
+
+
+def test_an_environment_without_a_seed_is_different_each_time() -> None:
+    goals = {tuple(make("PandaReach-v3").reset()[0]["desired_goal"]) for _ in range(5)}
+    assert len(goals) == 5
+
+
+def test_rewards() -> None:
+    achieved = np.zeros((4, 3))
+    desired = np.array([[0, 0, 0.049], [0, 0.051, 0], [0.3, 0, 0], [0, 0, 0]])
+    sparse, dense = make("PandaReach-v3"), make("PandaReach-v3", reward_type="dense")
+    np.testing.assert_array_equal(sparse.compute_reward(achieved, desired, {}), [0, -1, -1, 0])
+    np.testing.assert_allclose(dense.compute_reward(achieved, desired), [-0.049, -0.051, -0.3, 0], atol=1e-7)
+    assert sparse.compute_reward(achieved, desired).dtype == np.float32
+    assert isinstance(dense.compute_reward(achieved[0], desired[0]), np.float32)
+    assert dense.compute_reward(np.zeros((2, 5, 3)), np.ones((2, 5, 3))).shape == (2, 5)
+    with pytest.raises(ValueError, match=r"\(4, 3\).*\(3,\)"):
+        sparse.compute_reward(achieved, desired[0])
+
+
+def test_step_reward_is_compute_reward() -> None:
+    env = make("PandaReachJointsDense-v3")
+    env.reset(seed=3)
+    env.action_space.seed(3)
+    for _ in range(20):
+        obs, reward, *_ = env.step(env.action_space.sample())
+        assert reward == env.compute_reward(obs["achieved_goal"], obs["desired_goal"], {})
+
+
+def test_arguments_of_make_override_the_variant() -> None:
+    env = make("PandaReach-v3", control_type="joints", reward_type="dense")
+    assert env.action_space.shape == (7,)
+    assert env.compute_reward(np.zeros(3), np.full(3, 0.1)) == pytest.approx(-np.sqrt(0.03))
+    for argument in ("control_type", "reward_type"):
+        with pytest.raises(ValueError, match=f"{argument} is 'magic', expected"):
+            make("PandaReach-v3", **{argument: "magic"})
+    with pytest.raises(ValueError, match="PandaReach-v3"):
+        PandaEnv("PandaJuggle")
+
+
+@pytest.mark.parametrize(
+    ("action", "message"),
+    [
+        (np.zeros(4), r"shape \(4,\), expected \(3,\)"),
+        (np.zeros((1, 3)), r"shape \(1, 3\), expected \(3,\)"),
+        (0.5, r"shape \(\), expected \(3,\)"),
+        ([0, np.nan, 0], "finite"),
+        ([0, np.inf, 0], "finite"),
+        ("up", r"expected shape|of shape \(3,\)"),
+    ],
+)
+def test_bad_actions_are_refused_and_change_nothing(action: Any, message: str) -> None:
+    env, other = make("PandaReach-v3"), make("PandaReach-v3")
+    env.reset(seed=1)
+    other.reset(seed=1)
+    with pytest.raises(ValueError, match=message):
+        env.step(action)
+    np.testing.assert_equal(env.step(np.ones(3))[0], other.step(np.ones(3))[0])
+
+
+def test_actions_are_clipped() -> None:
+    env = make("PandaReach-v3")
+    env.reset(seed=1)
+    clipped = env.step(np.array([7.0, -3.0, 0.5]))[0]
+    env.reset(seed=1)
+    np.testing.assert_equal(clipped, env.step(np.array([1.0, -1.0, 0.5]))[0])
+
+
+def test_copies_and_pickles_are_environments_of_the_same_kind() -> None:
+    env = make("PandaReachJointsDense-v3")
+    for other in (copy.deepcopy(env), pickle.loads(pickle.dumps(env))):
+        np.testing.assert_equal(other.reset(seed=5), env.reset(seed=5))
+        np.testing.assert_equal(other.step(np.ones(7)), env.step(np.ones(7)))
+
+
+def test_pictures_are_refused_plainly() -> None:
+    with pytest.raises(ValueError, match="render_mode=None"):
+        PandaEnv(render_mode="rgb_array")
+
+
+@pytest.mark.parametrize("seed", [-1, 2**64])
+def test_bad_seeds_are_refused(seed: int) -> None:
+    with pytest.raises((ValueError, gymnasium.error.Error)):
+        make("PandaReach-v3").reset(seed=seed)

@@ -1,0 +1,248 @@
+"""The native vector environment equals Gymnasium's SyncVectorEnv over single environments, to the bit."""
+
+import threading
+import time
+import warnings
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.vector import AutoresetMode, SyncVectorEnv
+from numpy.typing import NDArray
+
+from manyhands._core.envs import env_ids
+from manyhands.envs import PandaVectorEnv
+
+N = 6
+
+
+def native(name: str = "PandaReach-v3", num_envs: int = N, **kwargs: Any) -> PandaVectorEnv:
+    env = gymnasium.make_vec(name, num_envs=num_envs, **kwargs)
+    assert isinstance(env, PandaVectorEnv)
+    return env
+
+
+def actions_for(env: PandaVectorEnv, obs: dict[str, NDArray[np.float32]], rng: np.random.Generator) -> NDArray[Any]:
+    """Toward the goal in half of the worlds, so that some succeed early; at random in the others."""
+    size = env.single_action_space.shape
+    assert size is not None
+    actions = rng.uniform(-1, 1, (env.num_envs, *size)).astype(np.float32)
+    if size == (3,):
+        actions[::2] = np.clip(5 * (obs["desired_goal"] - obs["achieved_goal"])[::2], -1, 1)
+    return actions
+
+
+def assert_same(actual: Any, expected: Any, where: str) -> None:
+    """Equal values, keys and types, recursively."""
+    assert type(actual) is type(expected), where
+    if isinstance(expected, dict):
+        assert actual.keys() == expected.keys(), where
+        for key in expected:
+            assert_same(actual[key], expected[key], f"{where}[{key!r}]")
+    elif isinstance(expected, tuple):
+        assert len(actual) == len(expected), where
+        for i, one in enumerate(expected):
+            assert_same(actual[i], one, f"{where}[{i}]")
+    elif isinstance(expected, np.ndarray):
+        assert actual.dtype == expected.dtype, where
+        assert actual.shape == expected.shape, where
+        if expected.dtype == object:
+            for i, one in enumerate(expected):
+                assert_same(actual[i], one, f"{where}[{i}]")
+        else:
+            np.testing.assert_array_equal(actual, expected, where)
+    else:
+        assert actual == expected, where
+
+
+@pytest.mark.parametrize("mode", list(AutoresetMode))
+@pytest.mark.parametrize("name", env_ids())
+def test_equals_sync_vector_env(name: str, mode: AutoresetMode) -> None:
+    ours = native(name, num_threads=2, autoreset_mode=mode)
+    theirs = SyncVectorEnv([lambda: gymnasium.make(name)] * N, autoreset_mode=mode)
+    assert ours.metadata["autoreset_mode"] is mode
+    for space in ("observation_space", "action_space", "single_observation_space", "single_action_space"):
+        assert getattr(ours, space) == getattr(theirs, space)
+
+    result = ours.reset(seed=7)
+    assert_same(result, theirs.reset(seed=7), "reset")
+    obs, rng = result[0], np.random.default_rng(7)
+    ended = np.zeros(2, int)
+    for t in range(120):
+        actions = actions_for(ours, obs, rng)
+        result, expected = ours.step(actions), theirs.step(actions)
+        assert_same(result, expected, f"step {t}")
+        obs, _, terminated, truncated, _ = result
+        ended += terminated.sum(), truncated.sum()
+        done = terminated | truncated
+        if mode == AutoresetMode.DISABLED and done.any():
+            again = ours.reset(options={"reset_mask": done})
+            assert_same(again, theirs.reset(options={"reset_mask": done}), f"reset after step {t}")
+            obs = again[0]
+    assert ended[1] > 0, "no episode was truncated: the test shows nothing"
+    assert ended[0] > 0 or "Joints" in name, "no episode succeeded: the test shows nothing"
+
+
+@pytest.mark.parametrize("mode", list(AutoresetMode))
+def test_another_episode_limit_equals_that_of_the_wrapper(mode: AutoresetMode) -> None:
+    ours = native(max_episode_steps=3, autoreset_mode=mode)
+    theirs = SyncVectorEnv([lambda: gymnasium.make("PandaReach-v3", max_episode_steps=3)] * N, autoreset_mode=mode)
+    assert_same(ours.reset(seed=1), theirs.reset(seed=1), "reset")
+    rng = np.random.default_rng(1)
+    for t in range(3 if mode == AutoresetMode.DISABLED else 10):
+        actions = rng.uniform(-1, 1, (N, 3)).astype(np.float32)
+        assert_same(ours.step(actions), theirs.step(actions), f"step {t}")
+
+
+def test_lists_of_seeds_and_reset_masks_equal_sync_vector_env() -> None:
+    ours, theirs = native(), SyncVectorEnv([lambda: gymnasium.make("PandaReach-v3")] * N)
+    assert_same(ours.reset(seed=3), theirs.reset(seed=3), "reset")
+    rng = np.random.default_rng(0)
+    mask = np.array([1, 0, 1, 1, 0, 0], bool)
+    for t, (seed, options) in enumerate(
+        [
+            ([5, None, 2**40, 0, None, 1], None),
+            (None, {"reset_mask": mask}),
+            ([9, 8, None, 7, 6, 5], {"reset_mask": mask}),
+        ]
+    ):
+        actions = rng.uniform(-1, 1, (N, 3)).astype(np.float32)
+        assert_same(ours.step(actions), theirs.step(actions), f"step {t}")
+        expected = theirs.reset(seed=seed, options=None if options is None else dict(options))
+        assert_same(ours.reset(seed=seed, options=options), expected, f"reset {t}")
+    assert options is not None and "reset_mask" in options, "the caller's options were changed"
+
+
+@pytest.mark.parametrize("name", env_ids())
+def test_a_world_is_the_single_environment_whatever_the_batch_and_threads(name: str) -> None:
+    episodes = []
+    for count, threads in ((1, 1), (5, 1), (37, 2)):
+        env = native(name, count, num_threads=threads, autoreset_mode=AutoresetMode.DISABLED)
+        world = count // 2
+        obs, _ = env.reset(seed=[100 + i - world for i in range(count)])
+        rng = np.random.default_rng(4)
+        rows = [obs["observation"][world], obs["desired_goal"][world]]
+        for _ in range(20):
+            action = rng.uniform(-1, 1, env.single_action_space.shape)
+            others = np.random.default_rng(count).uniform(-1, 1, env.action_space.shape or ())
+            others[world] = action
+            obs, *_, terminated, truncated, _ = env.step(others)
+            rows.append(obs["observation"][world])
+            if (done := terminated | truncated).any():
+                assert not done[world], "choose another seed"
+                env.reset(options={"reset_mask": done})
+        episodes.append(np.concatenate(rows))
+    np.testing.assert_array_equal(episodes[0], episodes[1])
+    np.testing.assert_array_equal(episodes[0], episodes[2])
+
+
+def test_make_vec_warns_of_nothing() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for name in env_ids():
+            env = native(name, 3)
+            obs, _ = env.reset(seed=0)
+            assert obs in env.observation_space
+            assert env.step(env.action_space.sample())[0] in env.observation_space
+            env.close()
+
+
+def test_returned_arrays_are_the_callers() -> None:
+    env = native()
+    obs, info = env.reset(seed=0)
+    results = [obs, info, *env.step(np.ones((N, 3)))]
+    kept = [repr(one) for one in results]
+    env.step(-np.ones((N, 3)))
+    env.reset()
+    assert [repr(one) for one in results] == kept
+
+
+def test_without_copy_observations_are_views() -> None:
+    env = native(copy=False)
+    obs, _ = env.reset(seed=0)
+    before = obs["observation"].copy()
+    after = env.step(np.ones((N, 3)))[0]["observation"]
+    np.testing.assert_array_equal(obs["observation"], after)
+    assert (before != after).any()
+    with pytest.raises(ValueError, match="read-only"):
+        after[0, 0] = 1
+    del env
+    np.testing.assert_array_equal(obs["observation"], after)  # the memory outlives the environment
+
+
+@pytest.mark.parametrize(
+    ("actions", "message"),
+    [
+        (np.zeros(3), r"shape \(3,\), expected \(6, 3\)"),
+        (np.zeros((N, 7)), r"shape \(6, 7\), expected \(6, 3\)"),
+        (np.full((N, 3), np.nan), "finite"),
+    ],
+)
+def test_bad_actions_are_refused_and_change_nothing(actions: NDArray[Any], message: str) -> None:
+    env, other = native(), native()
+    env.reset(seed=1)
+    other.reset(seed=1)
+    with pytest.raises(ValueError, match=message):
+        env.step(actions)
+    good = np.ones((N, 3), np.float32)
+    assert_same(env.step(good), other.step(good), "after the refusal")
+
+
+def test_wrong_use_is_refused() -> None:
+    env = native(autoreset_mode="Disabled", max_episode_steps=1)
+    good = np.zeros((N, 3), np.float32)
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        env.step(good)
+    for seed in ([1, 2], [-1] * N, [2**64] * N, -3):
+        with pytest.raises(ValueError, match="seed"):
+            env.reset(seed=seed)
+    env.reset(seed=0)
+    env.step(good)
+    with pytest.raises(RuntimeError, match="world 0 has ended its episode"):
+        env.step(good)
+    for mask, error in (
+        (np.zeros(N, bool), ValueError),
+        (np.ones(N + 1, bool), ValueError),
+        ([True] * N, TypeError),
+        (np.ones(N), TypeError),
+    ):
+        with pytest.raises(error, match="reset_mask"):
+            env.reset(options={"reset_mask": mask})
+    with pytest.raises(ValueError, match="num_threads"):
+        native(num_threads=0)
+    with pytest.raises(ValueError, match="AutoresetMode"):
+        native(autoreset_mode="Sometimes")
+    with pytest.raises(ValueError, match="render_mode=None"):
+        PandaVectorEnv(2, render_mode="rgb_array")
+
+
+def test_threads_come_from_the_environment_variable(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("MANYHANDS_THREADS", "no number")
+    with pytest.raises(ValueError, match="MANYHANDS_THREADS"):
+        native()
+    native(num_threads=1)
+    monkeypatch.setenv("MANYHANDS_THREADS", "2")
+    native().reset(seed=0)
+
+
+def test_other_python_threads_run_during_a_step() -> None:
+    env = native(num_envs=4096, num_threads=1)
+    env.reset(seed=0)
+    actions = np.zeros((4096, 3), np.float32)
+    ticks, stop = [], threading.Event()
+
+    def tick() -> None:
+        while not stop.is_set():
+            ticks.append(time.perf_counter())
+            time.sleep(0.0005)
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    begin = time.perf_counter()
+    for _ in range(10):
+        env.step(actions)
+    end = time.perf_counter()
+    stop.set()
+    thread.join()
+    assert sum(begin < t < end for t in ticks) > 10 * 1.5, "the interpreter lock was held while stepping"
