@@ -2,7 +2,7 @@
 """Render docs/images/panda_reach.png: the arm in its neutral pose at a table, and the goal it reaches for.
 
     pip install numpy embreex pillow
-    python tools/make_pictures.py [--passes 96] [--scale 1.0] [--out FILE]
+    python tools/make_pictures.py [--passes 80] [--scale 1.0] [--out FILE]
 
 Runs on the CPU, a few seconds per pass; each pass adds one sample per pixel.
 """
@@ -109,7 +109,7 @@ def develop(light: Array, exposure: float) -> npt.NDArray[np.uint8]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--passes", type=int, default=96, help="samples per pixel")
+    parser.add_argument("--passes", type=int, default=80, help="samples per pixel")
     parser.add_argument("--scale", type=float, default=1.0, help="size relative to 1200 x 800")
     parser.add_argument("--out", type=Path, default=ROOT / "docs/images/panda_reach.png")
     args = parser.parse_args()
