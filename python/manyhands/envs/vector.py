@@ -18,8 +18,8 @@ from manyhands.envs.spaces import ControlType, Observation, RewardType
 class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
     """`num_envs` worlds of one Panda task: what SyncVectorEnv gives over as many `PandaEnv`, to the bit, but fast.
 
-    Made by `gymnasium.make_vec("PandaReach-v3", num_envs=4096, num_threads=2, autoreset_mode="SameStep")`. Arrays are as
-    in `PandaEnv` with a first axis for the worlds. The results do not depend on the number of threads.
+    Made by `gymnasium.make_vec("PandaReach-v3", num_envs=4096, num_threads=2, autoreset_mode="SameStep")`. Arrays are
+    as in `PandaEnv` with a first axis for the worlds. The results do not depend on the number of threads.
     """
 
     def __init__(
@@ -96,8 +96,8 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         """Steps all worlds under `actions` (num_envs, action_dim), clipped to [-1, 1].
 
         Returns (observation, reward, terminated, truncated, info). Finished worlds start anew as the autoreset mode
-        says; in mode SAME_STEP info["final_obs"] and info["final_info"] hold the end of their episodes. Raises ValueError
-        on a wrong shape or a NaN, RuntimeError in mode DISABLED if a finished world was not reset.
+        says; in mode SAME_STEP info["final_obs"] and info["final_info"] hold the end of their episodes. Raises
+        ValueError on a wrong shape or a NaN, RuntimeError in mode DISABLED if a finished world was not reset.
         """
         if not self._was_reset:
             raise ResetNeeded("call reset before the first step")

@@ -1,0 +1,74 @@
+"""Evaluates policy files on fresh episodes."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import onnxruntime
+from gymnasium.vector import AutoresetMode
+
+from manyhands._core.envs import env_ids
+from manyhands.envs.registration import make_vector_env
+from manyhands.envs.spaces import Observation
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """Means over episodes; episode k started from seed first_seed + k."""
+
+    env_id: str
+    episodes: int
+    first_seed: int
+    success_rate: float  # success at the last step of the episode
+    mean_return: float  # undiscounted
+    mean_length: float  # environment steps
+
+
+class PolicyFile:
+    """An ONNX policy, ready to act."""
+
+    def __init__(self, path: Path, num_threads: int | None = None) -> None:
+        """Raises ValueError if the file is no policy of ours."""
+        if not path.is_file():
+            raise ValueError(f"there is no file {path}")
+        options = onnxruntime.SessionOptions()
+        options.intra_op_num_threads = num_threads or 0
+        try:
+            self._session = onnxruntime.InferenceSession(path, options, providers=["CPUExecutionProvider"])
+        except Exception as error:  # onnxruntime's errors have no common base but this
+            raise ValueError(f"{path} cannot be read as ONNX: {error}") from error
+        self.inputs = [one.name for one in self._session.get_inputs()]
+        if sorted(self.inputs) != ["achieved_goal", "desired_goal", "observation"]:
+            raise ValueError(f"{path} is no goal policy: its inputs are {self.inputs}")
+        self.env_id: str | None = self._session.get_modelmeta().custom_metadata_map.get("env_id")
+
+    def __call__(self, observation: Observation) -> np.ndarray:
+        """Actions (n, action_dim) for observations with rows (n, ...)."""
+        return np.asarray(self._session.run(None, {name: observation[name] for name in self.inputs})[0])
+
+
+def evaluate(
+    policy: PolicyFile, env_id: str, episodes: int, first_seed: int, num_threads: int | None = None
+) -> Evaluation:
+    """Runs `episodes` episodes. Raises ValueError if the policy does not fit the environment."""
+    if episodes < 1:
+        raise ValueError(f"episodes is {episodes}, expected a positive number")
+    if env_id not in env_ids():
+        raise ValueError(f"there is no environment {env_id!r}")
+    env = make_vector_env(env_id, episodes, num_threads=num_threads, autoreset_mode=AutoresetMode.SAME_STEP)
+    obs, _ = env.reset(seed=first_seed)
+    running = np.ones(episodes, np.bool_)
+    success, total, length = np.zeros(episodes), np.zeros(episodes), np.zeros(episodes)
+    while running.any():
+        try:
+            actions = policy(obs)
+        except Exception as error:  # as above
+            raise ValueError(f"the policy does not fit {env_id}: {error}") from error
+        obs, reward, terminated, truncated, info = env.step(actions)
+        total += reward * running
+        length += running
+        ended = running & (terminated | truncated)
+        if ended.any():
+            success[ended] = info["final_info"]["is_success"][ended]
+        running &= ~ended
+    return Evaluation(env_id, episodes, first_seed, float(success.mean()), float(total.mean()), float(length.mean()))

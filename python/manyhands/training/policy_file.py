@@ -1,0 +1,73 @@
+"""Policies as ONNX files."""
+
+from pathlib import Path
+
+import numpy as np
+import onnx
+from numpy.typing import NDArray
+from onnx import TensorProto, helper, numpy_helper
+
+from manyhands._core.learn import Policy
+from manyhands.training.files import replacing
+
+_OPSET, _IR_VERSION = 17, 8  # old enough for every onnxruntime since 1.12
+
+
+def to_onnx(policy: Policy, env_id: str) -> onnx.ModelProto:
+    """The policy as a graph.
+
+    Inputs, float32: observation (batch, observation_dim), achieved_goal and desired_goal (batch, goal_dim), raw as the
+    environment gives them. Output: action (batch, action_dim) in [-1, 1].
+    """
+    constants: list[onnx.TensorProto] = []
+    nodes: list[onnx.NodeProto] = []
+
+    def constant(name: str, value: NDArray[np.float32]) -> str:
+        constants.append(numpy_helper.from_array(np.asarray(value, np.float32), name))
+        return name
+
+    def apply(operation: str, inputs: list[str], output: str, **attributes: int) -> str:
+        nodes.append(helper.make_node(operation, inputs, [output], **attributes))
+        return output
+
+    to_goal = apply("Sub", ["desired_goal", "achieved_goal"], "to_goal")
+    x = apply("Concat", ["observation", "desired_goal", to_goal], "features", axis=1)
+    x = apply("Sub", [x, constant("mean", policy.mean)], "centred")
+    x = apply("Mul", [x, constant("scale", policy.scale)], "scaled")
+    limits = [constant(name, np.float32(value)) for name, value in (("low", -policy.clip), ("high", policy.clip))]
+    x = apply("Clip", [x, *limits], "normalised")
+    for i, (weight, bias) in enumerate(policy.layers):
+        last = i == len(policy.layers) - 1
+        parameters = [constant(f"weight_{i}", weight), constant(f"bias_{i}", bias)]
+        x = apply("Gemm", [x, *parameters], f"linear_{i}", transB=1)
+        x = apply("Tanh" if last else "Relu", [x], "action" if last else f"hidden_{i}")
+
+    def rows(name: str, size: int) -> onnx.ValueInfoProto:
+        return helper.make_tensor_value_info(name, TensorProto.FLOAT, ["batch", size])
+
+    graph = helper.make_graph(
+        nodes,
+        "policy",
+        [
+            rows("observation", policy.observation_dim),
+            rows("achieved_goal", policy.goal_dim),
+            rows("desired_goal", policy.goal_dim),
+        ],
+        [rows("action", policy.action_dim)],
+        constants,
+    )
+    model = helper.make_model(
+        graph,
+        producer_name="manyhands",
+        ir_version=_IR_VERSION,
+        opset_imports=[helper.make_opsetid("", _OPSET)],
+    )
+    helper.set_model_props(model, {"env_id": env_id})
+    onnx.checker.check_model(model, full_check=True)
+    return model
+
+
+def save_policy(policy: Policy, env_id: str, path: Path) -> None:
+    """Writes the policy as an ONNX file."""
+    with replacing(path) as temporary:
+        onnx.save(to_onnx(policy, env_id), temporary)

@@ -1,0 +1,64 @@
+"""Shows how a training goes on: a bar on a terminal, plain lines elsewhere."""
+
+import time
+from types import TracebackType
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, ProgressColumn, SpinnerColumn, Task, TextColumn
+from rich.text import Text
+
+from manyhands.training.recorder import Row
+
+_SECONDS_BETWEEN_LINES = 2.0
+
+
+def _seconds_left(row: Row, max_env_steps: int) -> float:
+    """Until the step limit, at the present speed: training ends earlier if the task is solved."""
+    return max(max_env_steps - row.env_steps, 0) / max(row.env_steps_per_second, 1.0)
+
+
+def _clock(seconds: float) -> str:
+    return f"{int(seconds) // 60}:{int(seconds) % 60:02d}"
+
+
+class _Figures(ProgressColumn):
+    def render(self, task: Task) -> Text:
+        return Text(task.fields["figures"])
+
+
+class TrainingProgress:
+    """Context manager; `update` after each piece of training."""
+
+    def __init__(self, console: Console, env_id: str, max_env_steps: int) -> None:
+        self._console = console
+        self._limit = max_env_steps
+        self._bar: Progress | None = None
+        self._last_line = 0.0
+        if console.is_terminal:
+            columns = (SpinnerColumn(), TextColumn("[bold]{task.description}"), BarColumn(None), _Figures())
+            self._bar = Progress(*columns, console=console, expand=True)
+            self._task = self._bar.add_task(env_id, total=max_env_steps, figures="starting")
+
+    def update(self, row: Row) -> None:
+        """Shows where training stands."""
+        figures = (
+            f"{row.env_steps:,} steps  {row.env_steps_per_second:,.0f} steps/s  "
+            f"success {row.success_rate:.0%}, evaluated {row.evaluation_success_rate:.1%}  "
+            f"at most {_clock(_seconds_left(row, self._limit))} left"
+        )
+        if self._bar is not None:
+            self._bar.update(self._task, completed=row.env_steps, figures=figures)
+        elif time.monotonic() - self._last_line >= _SECONDS_BETWEEN_LINES:
+            self._last_line = time.monotonic()
+            self._console.print(figures, highlight=False, soft_wrap=True)
+
+    def __enter__(self) -> "TrainingProgress":
+        if self._bar is not None:
+            self._bar.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        if self._bar is not None:
+            self._bar.stop()

@@ -1,0 +1,97 @@
+"""Records the course of a training: metrics.csv and TensorBoard events."""
+
+import csv
+import io
+import time
+from dataclasses import asdict, dataclass, fields
+from types import TracebackType
+
+from tensorboard.compat.proto.event_pb2 import Event
+from tensorboard.compat.proto.summary_pb2 import Summary
+from tensorboard.summary.writer.event_file_writer import EventFileWriter
+
+from manyhands._core.learn import TrainMetrics
+from manyhands.training.files import write_text
+from manyhands.training.run_folder import RunFolder
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of metrics.csv."""
+
+    iterations: int
+    env_steps: int  # over all worlds
+    gradient_steps: int
+    episodes: int
+    success_rate: float  # of the last 100 training episodes, which explore
+    evaluation_success_rate: float  # of the last evaluation without noise
+    evaluations: int
+    critic_loss: float
+    q_mean: float
+    policy_q_mean: float
+    env_steps_per_second: float
+    seconds: float  # of training, periodic evaluations included, across resumptions
+
+
+class Recorder:
+    """Keeps all rows, and writes each as it comes."""
+
+    def __init__(self, folder: RunFolder, resume_at: int = 0) -> None:
+        """Goes on after the rows of the first `resume_at` iterations."""
+        self._folder = folder
+        self.rows = [row for row in read_rows(folder) if row.iterations <= resume_at] if resume_at else []
+        self._events = EventFileWriter(str(folder.path))
+
+    @property
+    def seconds(self) -> float:
+        """Training time of all rows."""
+        return self.rows[-1].seconds if self.rows else 0.0
+
+    def add(self, metrics: TrainMetrics, elapsed: float) -> Row:
+        """Records where training stands after `elapsed` more seconds."""
+        steps = metrics.env_steps - (self.rows[-1].env_steps if self.rows else 0)
+        row = Row(
+            iterations=metrics.iterations,
+            env_steps=metrics.env_steps,
+            gradient_steps=metrics.gradient_steps,
+            episodes=metrics.episodes,
+            success_rate=metrics.success_rate,
+            evaluation_success_rate=metrics.evaluation_success_rate,
+            evaluations=metrics.evaluations,
+            critic_loss=metrics.critic_loss,
+            q_mean=metrics.q_mean,
+            policy_q_mean=metrics.policy_q_mean,
+            env_steps_per_second=steps / max(elapsed, 1e-9),
+            seconds=self.seconds + elapsed,
+        )
+        self.rows.append(row)
+        self._write_csv()
+        self._write_event(row)
+        return row
+
+    def _write_csv(self) -> None:
+        text = io.StringIO()
+        writer = csv.DictWriter(text, [column.name for column in fields(Row)], lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(asdict(row) for row in self.rows)
+        write_text(self._folder.metrics, text.getvalue())
+
+    def _write_event(self, row: Row) -> None:
+        values = [Summary.Value(tag=f"train/{name}", simple_value=value) for name, value in asdict(row).items()]
+        self._events.add_event(Event(wall_time=time.time(), step=row.env_steps, summary=Summary(value=values)))
+
+    def __enter__(self) -> "Recorder":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        self._events.close()
+
+
+def read_rows(folder: RunFolder) -> list[Row]:
+    """The rows of metrics.csv, none if there is no such file."""
+    if not folder.metrics.is_file():
+        return []
+    with folder.metrics.open(newline="", encoding="utf-8") as file:
+        return [Row(**{c.name: c.type(line[c.name]) for c in fields(Row)}) for line in csv.DictReader(file)]  # pyright: ignore[reportCallIssue]

@@ -1,0 +1,81 @@
+"""What a training run is made from."""
+
+import difflib
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from manyhands._core.envs import env_ids
+from manyhands._core.learn import TrainerConfig
+
+FIRST_EVALUATION_SEED = 10**9  # of the last evaluation: training draws its seeds from all 64-bit numbers by hash
+
+
+def resolve_env_id(name: str) -> str:
+    """The id that `name` means, with or without its version: "PandaReach" is "PandaReach-v3".
+
+    Raises ValueError on an unknown name, with the nearest ones.
+    """
+    ids = env_ids()
+    for candidate in (name, f"{name}-v3"):
+        if candidate in ids:
+            return candidate
+    near = difflib.get_close_matches(name, ids, cutoff=0.4) or ids
+    raise ValueError(f"there is no environment {name!r}; did you mean {', '.join(near)}?")
+
+
+def parse_overrides(assignments: Sequence[str]) -> dict[str, Any]:
+    """Trainer settings from texts such as "gamma=0.9" and "hidden_layers=[128, 128]". Raises ValueError."""
+    known = TrainerConfig().to_dict()
+    overrides: dict[str, Any] = {}
+    for assignment in assignments:
+        name, equals, text = assignment.partition("=")
+        if not equals:
+            raise ValueError(f"{assignment!r} is no setting, expected NAME=VALUE, for example gamma=0.9")
+        if name not in known or name == "seed":
+            raise ValueError(f"{name!r} is no trainer setting; there are {', '.join(sorted(known.keys() - {'seed'}))}")
+        try:
+            overrides[name] = json.loads(text)
+        except json.JSONDecodeError as error:
+            raise ValueError(f"{assignment!r}: {text!r} is no number, list, true or false") from error
+    return overrides
+
+
+def _override(config: TrainerConfig, name: str, value: Any) -> None:
+    try:
+        setattr(config, name, value)
+    except TypeError as error:
+        expected = type(getattr(config, name)).__name__
+        raise ValueError(f"the trainer setting {name} is {value!r}, expected {expected}") from error
+
+
+@dataclass(frozen=True)
+class TrainSettings:
+    """Everything from which a run follows; the same settings give the same policy on the same build."""
+
+    env_id: str
+    seed: int = 0
+    num_envs: int = 64  # worlds stepped at a time
+    num_threads: int | None = None  # None: MANYHANDS_THREADS, or the machine's cores
+    max_env_steps: int = 1_000_000  # over all worlds, if the task is not solved before
+    evaluation_episodes: int = 1000  # after training
+    overrides: dict[str, Any] = field(default_factory=dict)  # trainer settings that differ from their defaults
+
+    def __post_init__(self) -> None:
+        for name in ("num_envs", "max_env_steps", "evaluation_episodes"):
+            if getattr(self, name) < 1:
+                raise ValueError(f"{name} is {getattr(self, name)}, expected a positive number")
+        if not 0 <= self.seed < 2**63:
+            raise ValueError(f"the seed is {self.seed}, expected an integer in [0, 2**63)")
+
+    def trainer_config(self) -> TrainerConfig:
+        """The trainer's config. Raises ValueError on an override that makes no sense."""
+        config = TrainerConfig()
+        config.seed = self.seed
+        if self.num_threads is not None:
+            config.num_threads = self.num_threads
+        for name, value in self.overrides.items():
+            _override(config, name, value)
+        config.validate()
+        return config
