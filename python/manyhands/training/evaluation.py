@@ -7,7 +7,7 @@ import numpy as np
 import onnxruntime
 from gymnasium.vector import AutoresetMode
 
-from manyhands._core.envs import env_ids
+from manyhands._core.envs import EnvSpec, env_ids, make_env_batch
 from manyhands.envs.registration import make_vector_env
 from manyhands.envs.spaces import Observation
 
@@ -40,7 +40,20 @@ class PolicyFile:
         self.inputs = [one.name for one in self._session.get_inputs()]
         if sorted(self.inputs) != ["achieved_goal", "desired_goal", "observation"]:
             raise ValueError(f"{path} is no goal policy: its inputs are {self.inputs}")
+        self._sizes = {one.name: one.shape[-1] for one in [*self._session.get_inputs(), *self._session.get_outputs()]}
         self.env_id: str | None = self._session.get_modelmeta().custom_metadata_map.get("env_id")
+
+    def require_fit(self, spec: EnvSpec) -> None:
+        """Raises ValueError unless rows and actions are as long as the environment's."""
+        goal = spec.goal_dim
+        expected = {
+            "observation": spec.observation_dim,
+            "achieved_goal": goal,
+            "desired_goal": goal,
+            "action": spec.action_dim,
+        }
+        if self._sizes != expected:
+            raise ValueError(f"the policy does not fit {spec.id}: its sizes are {self._sizes}, expected {expected}")
 
     def __call__(self, observation: Observation) -> np.ndarray:
         """Actions (n, action_dim) for observations with rows (n, ...)."""
@@ -55,16 +68,13 @@ def evaluate(
         raise ValueError(f"episodes is {episodes}, expected a positive number")
     if env_id not in env_ids():
         raise ValueError(f"there is no environment {env_id!r}")
+    policy.require_fit(make_env_batch(env_id, 1).spec)
     env = make_vector_env(env_id, episodes, num_threads=num_threads, autoreset_mode=AutoresetMode.SAME_STEP)
     obs, _ = env.reset(seed=first_seed)
     running = np.ones(episodes, np.bool_)
     success, total, length = np.zeros(episodes), np.zeros(episodes), np.zeros(episodes)
     while running.any():
-        try:
-            actions = policy(obs)
-        except Exception as error:  # as above
-            raise ValueError(f"the policy does not fit {env_id}: {error}") from error
-        obs, reward, terminated, truncated, info = env.step(actions)
+        obs, reward, terminated, truncated, info = env.step(policy(obs))
         total += reward * running
         length += running
         ended = running & (terminated | truncated)

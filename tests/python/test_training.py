@@ -1,0 +1,250 @@
+"""A training run leaves what it promises, can be stopped and resumed, and its policy file is its policy."""
+
+import csv
+import json
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import onnx
+import pytest
+from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
+
+from manyhands import cli
+from manyhands._core.envs import make_env_batch
+from manyhands._core.learn import Trainer, TrainerConfig
+from manyhands.training.evaluation import PolicyFile, evaluate
+from manyhands.training.files import replacing
+from manyhands.training.policy_file import save_policy
+from manyhands.training.run_folder import RunFolder
+from manyhands.training.settings import TrainSettings, parse_overrides, resolve_env_id
+
+PNG = b"\x89PNG\r\n"
+
+
+def train(parent: Path, *arguments: str) -> RunFolder:
+    """The folder of a run that ended well."""
+    before = set(parent.glob("*"))
+    assert cli.main(["train", *arguments, "--runs", str(parent)]) == 0
+    (path,) = set(parent.glob("*")) - before
+    return RunFolder(path)
+
+
+@pytest.fixture(scope="module")
+def reach(tmp_path_factory: pytest.TempPathFactory) -> RunFolder:
+    return train(tmp_path_factory.mktemp("runs"), "PandaReach", "--seed", "0")
+
+
+def test_reach_is_learned(reach: RunFolder) -> None:
+    result = json.loads(reach.evaluation.read_text())
+    assert result["episodes"] == 1000
+    assert result["success_rate"] >= 0.99
+    assert -result["mean_length"] <= result["mean_return"] < 0
+    assert 1 <= result["mean_length"] < 10
+
+
+def test_the_folder_holds_everything(reach: RunFolder) -> None:
+    assert re.fullmatch(r"PandaReach-v3-\d{8}-\d{6}-0", reach.path.name)
+    config = json.loads(reach.config.read_text())
+    assert config["settings"]["env_id"] == "PandaReach-v3"
+    assert config["trainer"] == reach.read_settings().trainer_config().to_dict()
+    assert config["seeds"] == {"training": 0, "evaluation": [10**9, 10**9 + 999]}
+    assert config["versions"]["numpy"] == np.__version__
+    assert reach.curve.read_bytes().startswith(PNG)
+    assert not list(reach.path.glob(".*")), "temporary files are left"
+
+    with reach.metrics.open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    steps = [int(row["env_steps"]) for row in rows]
+    assert steps == sorted(set(steps))
+    assert float(rows[-1]["evaluation_success_rate"]) == 1.0
+    seconds = [float(row["seconds"]) for row in rows]
+    assert seconds == sorted(seconds)
+
+    events = EventAccumulator(str(reach.path)).Reload()
+    recorded = [(event.step, event.value) for event in events.Scalars("train/success_rate")]
+    assert [step for step, _ in recorded] == steps
+    np.testing.assert_allclose([value for _, value in recorded], [float(row["success_rate"]) for row in rows], 1e-6)
+
+
+def test_the_policy_file_acts_as_the_trainers_policy(tmp_path: Path) -> None:
+    config = TrainerConfig()
+    config.hidden_layers = [16, 24, 8]
+    trainer = Trainer(make_env_batch("PandaReachJoints-v3", 32), None, config)
+    trainer.advance(150)
+    policy = trainer.policy()
+    save_policy(policy, "PandaReachJoints-v3", tmp_path / "policy.onnx")
+    rng = np.random.default_rng(0)
+    for count in (1, 500):
+        rows = {"observation": 6, "achieved_goal": 3, "desired_goal": 3}
+        obs = {name: rng.normal(scale=2, size=(count, size)).astype(np.float32) for name, size in rows.items()}
+        x = np.hstack([obs["observation"], obs["desired_goal"], obs["desired_goal"] - obs["achieved_goal"]])
+        x = np.clip((x.astype(float) - policy.mean) * policy.scale, -policy.clip, policy.clip)
+        for i, (weight, bias) in enumerate(policy.layers):
+            x = weight.astype(float) @ x.T
+            x = x.T + bias
+            x = np.tanh(x) if i == len(policy.layers) - 1 else np.maximum(x, 0)
+        np.testing.assert_allclose(PolicyFile(tmp_path / "policy.onnx")(obs), x, atol=1e-5)
+
+
+def test_evaluation_by_the_file_is_the_trainers_evaluation(reach: RunFolder) -> None:
+    by_trainer = json.loads(reach.evaluation.read_text())
+    by_file = evaluate(PolicyFile(reach.policy), "PandaReach-v3", 1000, by_trainer["first_seed"], num_threads=1)
+    assert by_file.success_rate == pytest.approx(by_trainer["success_rate"], abs=0.002)
+    assert by_file.mean_return == pytest.approx(by_trainer["mean_return"], abs=0.01)
+    assert by_file.mean_length == pytest.approx(by_trainer["mean_length"], abs=0.01)
+
+
+def test_evaluate_command(reach: RunFolder, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["evaluate", str(reach.path), "--episodes", "50", "--json"]) == 0
+    first = json.loads(capsys.readouterr().out)
+    assert (first["env_id"], first["episodes"]) == ("PandaReach-v3", 50)
+    arguments = ["--env", "PandaReachDense", "--episodes", "50"]
+    assert cli.main(["evaluate", str(reach.policy), *arguments]) == 0
+    assert capsys.readouterr().out.startswith("PandaReachDense-v3: success ")
+    assert cli.main(["evaluate", str(reach.policy), "--env", "PandaReachJoints"]) == 2
+    assert "does not fit PandaReachJoints-v3" in capsys.readouterr().err
+
+
+SETTINGS = ("stop_streak=0", "warmup_transitions=800", "updates_per_iteration=2", "evaluation_episodes=50")
+SHORT = ("--num-envs", "16", "--episodes", "20", *(part for one in SETTINGS for part in ("--set", one)))
+
+
+def policy_bytes(folder: RunFolder) -> list[bytes]:
+    return [tensor.raw_data for tensor in onnx.load(folder.policy).graph.initializer]
+
+
+def test_a_resumed_run_is_the_uninterrupted_run(tmp_path: Path) -> None:
+    whole = train(tmp_path, "PandaReach", *SHORT, "--max-steps", "3200", "--seed", "5")
+    parted = train(tmp_path, "PandaReach", *SHORT, "--max-steps", "2000", "--seed", "5")
+    assert policy_bytes(parted) != policy_bytes(whole)
+    assert cli.main(["train", "--resume", str(parted.path), "--max-steps", "3200"]) == 0
+    assert policy_bytes(parted) == policy_bytes(whole)
+    assert parted.evaluation.read_text() == whole.evaluation.read_text()
+
+    def last_row(folder: RunFolder) -> dict[str, str]:
+        with folder.metrics.open(newline="") as file:
+            rows = list(csv.DictReader(file))
+        assert [int(row["iterations"]) for row in rows] == sorted({int(row["iterations"]) for row in rows})
+        return {name: rows[-1][name] for name in ("iterations", "env_steps", "episodes", "success_rate")}
+
+    assert last_row(parted) == last_row(whole)
+
+
+def start_endless_run(parent: Path) -> subprocess.Popen[str]:
+    arguments = ["train", "PandaReach", *SHORT, "--max-steps", "100000000", "--runs", str(parent)]
+    program = "import sys; from manyhands.cli import main; sys.exit(main(sys.argv[1:]))"
+    command = [sys.executable, "-c", program, *arguments]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def wait_for_rows(parent: Path, process: subprocess.Popen[str]) -> RunFolder:
+    deadline = time.monotonic() + 60
+    while time.monotonic() < deadline and process.poll() is None:
+        for metrics in parent.glob("*/metrics.csv"):
+            if len(metrics.read_text().splitlines()) > 3:
+                return RunFolder(metrics.parent)
+        time.sleep(0.05)
+    process.kill()
+    pytest.fail(f"the run recorded nothing: {process.communicate()}")
+
+
+def test_ctrl_c_saves_a_checkpoint_from_which_the_run_goes_on(tmp_path: Path) -> None:
+    process = start_endless_run(tmp_path)
+    folder = wait_for_rows(tmp_path, process)
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=60)
+    assert process.returncode == 130, err
+    assert "Traceback" not in err
+    assert f"manyhands train --resume {folder.path}" in out.replace("\n", " ")
+    assert folder.checkpoint.is_file()
+    assert folder.curve.read_bytes().startswith(PNG)
+    assert not folder.evaluation.exists()
+    with folder.metrics.open(newline="") as file:
+        steps = int(list(csv.DictReader(file))[-1]["env_steps"])
+
+    limit = steps + 1600
+    assert cli.main(["train", "--resume", str(folder.path), "--max-steps", str(limit)]) == 0
+    with folder.metrics.open(newline="") as file:
+        assert int(list(csv.DictReader(file))[-1]["env_steps"]) == -(-limit // 16) * 16
+    assert folder.evaluation.is_file()
+
+
+def test_required_success_decides_the_exit_code(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["train", "PandaReach", *SHORT, "--max-steps", "16", "--runs", str(tmp_path), "--require-success"]
+    assert cli.main([*arguments, "0.99"]) == 1
+    assert "is below 99.0%" in capsys.readouterr().err
+    assert cli.main([*arguments, "0.0"]) == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ([], "manyhands train PandaReach"),
+        (["PandaReech"], "did you mean PandaReach-v3"),
+        (["PandaReach", "--set", "gama=0.9"], "'gama' is no trainer setting; there are action_penalty"),
+        (["PandaReach", "--set", "gamma"], "expected NAME=VALUE"),
+        (["PandaReach", "--set", "gamma=high"], "is no number"),
+        (["PandaReach", "--set", 'gamma="high"'], "gamma is 'high', expected float"),
+        (["PandaReach", "--set", "gamma=1.5"], "gamma"),
+        (["PandaReach", "--num-envs", "0"], "num_envs is 0"),
+        (["PandaReach", "--seed", "-1"], "seed is -1"),
+        (["--resume", "nowhere"], "nowhere is no run folder"),
+        (["PandaReach", "--resume", "nowhere"], "keeps its task"),
+    ],
+)
+def test_bad_requests_are_explained_and_leave_nothing(
+    arguments: list[str], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["train", *arguments, "--runs", str(tmp_path)]) == 2
+    assert message in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+def test_resuming_without_a_checkpoint_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = RunFolder.create(tmp_path, TrainSettings("PandaReach-v3"))
+    assert cli.main(["train", "--resume", str(folder.path)]) == 2
+    assert "no checkpoint" in capsys.readouterr().err
+    folder.checkpoint.write_bytes(b"half of a checkpo")
+    assert cli.main(["train", "--resume", str(folder.path)]) == 2
+    assert "checkpoint.bin" in capsys.readouterr().err
+
+
+def test_names_and_overrides() -> None:
+    assert resolve_env_id("PandaReach") == resolve_env_id("PandaReach-v3") == "PandaReach-v3"
+    assert parse_overrides(["gamma=0.9", "hidden_layers=[8, 8]"]) == {"gamma": 0.9, "hidden_layers": [8, 8]}
+    config = TrainSettings("PandaReach-v3", seed=3, overrides={"hidden_layers": [8, 8]}).trainer_config()
+    assert (config.seed, config.hidden_layers) == (3, [8, 8])
+
+
+def test_files_are_written_whole_or_not_at_all(tmp_path: Path) -> None:
+    path = tmp_path / "file.txt"
+    path.write_text("old")
+
+    def fail(text: str, error: type[BaseException]) -> None:
+        with replacing(path) as temporary:
+            temporary.write_text(text)
+            raise error
+
+    for error in (OSError, KeyboardInterrupt):
+        with pytest.raises(error):
+            fail("half", error)
+        assert [(p.name, p.read_text()) for p in tmp_path.iterdir()] == [("file.txt", "old")]
+
+
+def test_help_teaches_by_examples(capsys: pytest.CaptureFixture[str]) -> None:
+    def help_of(*command: str) -> Any:
+        with pytest.raises(SystemExit, match="0"):
+            cli.main([*command, "--help"])
+        return capsys.readouterr().out
+
+    assert "manyhands train PandaReach" in help_of()
+    assert "--resume runs/" in help_of("train")
+    assert "--episodes 10000" in help_of("evaluate")
+    assert cli.main(["envs"]) == 0
+    assert "PandaReachJointsDense-v3" in capsys.readouterr().out
