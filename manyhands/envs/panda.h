@@ -78,8 +78,8 @@ MANYHANDS_INLINE HandState<T> observe_hand(const PandaRobot& robot, const Tree<r
 
 /// Sets the motor targets from an action (action_size), clipped to [-1, 1]; the gripper stays closed.
 /// The hand keeps pointing straight down and never aims below the table. `hand` is observe_hand of the same state.
-template <Number T>
-MANYHANDS_INLINE void apply_panda_action(const PandaRobot& robot, const Tree<real_t<T>>& tree, const Params<T>& params,
+template <Number T, Number P>
+MANYHANDS_INLINE void apply_panda_action(const PandaRobot& robot, const Tree<real_t<T>>& tree, const Params<P>& params,
                                          const HandState<T>& hand, const T* action, State<T>& state,
                                          Workspace<T>& ws) {
   using R = real_t<T>;

@@ -56,7 +56,7 @@ class PandaReachBatch final : public EnvBatch {
   EnvOptions options_;
   int num_envs_;
   Tree<R> tree_;
-  Params<T> params_;
+  Params<R> params_;  ///< the same for all worlds
   std::vector<Block> blocks_;
   std::vector<World> worlds_;
   std::vector<StepWorkspace<T>> workspaces_;  ///< one for each worker

@@ -56,8 +56,8 @@ MANYHANDS_INLINE Transform<T> place_chain(const Tree<real_t<T>>& tree, const IkC
 
 /// Moves q (nq) from where it is towards the pose `target` = X_WF of the chain's frame, at most max_iterations times; a
 /// world stops after the update that began within tolerance. Coordinates outside the chain keep their values.
-template <Number T>
-MANYHANDS_INLINE void improve_ik(const Tree<real_t<T>>& tree, const Params<T>& params, const IkChain& chain,
+template <Number T, Number P>
+MANYHANDS_INLINE void improve_ik(const Tree<real_t<T>>& tree, const Params<P>& params, const IkChain& chain,
                                  const IkSettings& settings, const Transform<T>& target, T* q, Workspace<T>& ws) {
   using R = real_t<T>;
   const Transform<R> X_BF = broadcast<R>(chain.X_BF);
@@ -76,7 +76,7 @@ MANYHANDS_INLINE void improve_ik(const Tree<real_t<T>>& tree, const Params<T>& p
       const Motion<T> J = at_point(ws.S[i], p_OF);
       T& qi = q[static_cast<std::size_t>(tree.dof_q[i])];
       T next = qi + dot(J.w, y.w) + dot(J.v, y.v);
-      if (settings.respect_limits && tree.dof_limited[i]) next = clamp(next, params.lower[i], params.upper[i]);
+      if (settings.respect_limits && tree.dof_limited[i]) next = clamp(next, broadcast<T>(params.lower[i]), broadcast<T>(params.upper[i]));
       qi = select(active, next, qi);
     }
     return !((position2 <= position_tolerance) & (rotation2 <= rotation_tolerance));
@@ -84,8 +84,8 @@ MANYHANDS_INLINE void improve_ik(const Tree<real_t<T>>& tree, const Params<T>& p
 }
 
 /// The same, with the errors that remain.
-template <Number T>
-MANYHANDS_INLINE IkResult<T> solve_ik(const Tree<real_t<T>>& tree, const Params<T>& params, const IkChain& chain,
+template <Number T, Number P>
+MANYHANDS_INLINE IkResult<T> solve_ik(const Tree<real_t<T>>& tree, const Params<P>& params, const IkChain& chain,
                                       const IkSettings& settings, const Transform<T>& target, T* q,
                                       Workspace<T>& ws) {
   using R = real_t<T>;

@@ -78,10 +78,10 @@ struct SymMat3 {
   }
 };
 
-template <Number T, Real R>
-MANYHANDS_INLINE SymMat3<T> broadcast(const SymMat3<R>& m) {
-  using S = real_t<T>;
-  return {T(S(m.xx)), T(S(m.yy)), T(S(m.zz)), T(S(m.xy)), T(S(m.xz)), T(S(m.yz))};
+template <Number T, Number P>
+MANYHANDS_INLINE SymMat3<T> broadcast(const SymMat3<P>& m) {
+  return {broadcast<T>(m.xx), broadcast<T>(m.yy), broadcast<T>(m.zz),
+          broadcast<T>(m.xy), broadcast<T>(m.xz), broadcast<T>(m.yz)};
 }
 
 /// R m R^T.
@@ -111,9 +111,9 @@ struct RigidInertia {
   static MANYHANDS_INLINE RigidInertia zero() { return {T(real_t<T>(0)), Vec3<T>::zero(), SymMat3<T>::zero()}; }
 };
 
-template <Number T, Real R>
-MANYHANDS_INLINE RigidInertia<T> broadcast(const RigidInertia<R>& a) {
-  return {T(real_t<T>(a.m)), broadcast<T>(a.h), broadcast<T>(a.I)};
+template <Number T, Number P>
+MANYHANDS_INLINE RigidInertia<T> broadcast(const RigidInertia<P>& a) {
+  return {broadcast<T>(a.m), broadcast<T>(a.h), broadcast<T>(a.I)};
 }
 
 /// The inertia `a`, given about B's origin in B's axes, about O in O's axes, where X = X_OB.

@@ -51,10 +51,18 @@ MANYHANDS_INLINE Vec3<T> select(mask_t<T> m, const Vec3<T>& a, const Vec3<T>& b)
   return {select(m, a.x, b.x), select(m, a.y, b.y), select(m, a.z, b.z)};
 }
 
-/// The same vector in every lane of T.
-template <Number T, Real R>
-MANYHANDS_INLINE Vec3<T> broadcast(const Vec3<R>& a) {
-  return {T(real_t<T>(a.x)), T(real_t<T>(a.y)), T(real_t<T>(a.z))};
+/// The same number in every lane of T; what varies by lane already stays as it is.
+template <Number T, Number P>
+MANYHANDS_INLINE T broadcast(P a) {
+  if constexpr (std::same_as<T, P>) {
+    return a;
+  } else {
+    return T(static_cast<real_t<T>>(a));
+  }
+}
+template <Number T, Number P>
+MANYHANDS_INLINE Vec3<T> broadcast(const Vec3<P>& a) {
+  return {broadcast<T>(a.x), broadcast<T>(a.y), broadcast<T>(a.z)};
 }
 
 /// A 3 x 3 matrix by its columns; as a rotation R_AB, the columns are B's axes expressed in A.
@@ -84,8 +92,8 @@ MANYHANDS_INLINE Mat3<T> transpose(const Mat3<T>& m) {
   return {{m.x.x, m.y.x, m.z.x}, {m.x.y, m.y.y, m.z.y}, {m.x.z, m.y.z, m.z.z}};
 }
 
-template <Number T, Real R>
-MANYHANDS_INLINE Mat3<T> broadcast(const Mat3<R>& m) {
+template <Number T, Number P>
+MANYHANDS_INLINE Mat3<T> broadcast(const Mat3<P>& m) {
   return {broadcast<T>(m.x), broadcast<T>(m.y), broadcast<T>(m.z)};
 }
 
@@ -109,8 +117,8 @@ MANYHANDS_INLINE Transform<T> inverse(const Transform<T>& a) {
   return {transpose(a.R), -transpose_times(a.R, a.p)};
 }
 
-template <Number T, Real R>
-MANYHANDS_INLINE Transform<T> broadcast(const Transform<R>& a) {
+template <Number T, Number P>
+MANYHANDS_INLINE Transform<T> broadcast(const Transform<P>& a) {
   return {broadcast<T>(a.R), broadcast<T>(a.p)};
 }
 

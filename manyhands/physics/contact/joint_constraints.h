@@ -19,7 +19,9 @@ template <Number T>
 struct JointConstraints {
   explicit JointConstraints(int nv)
       : rhs(static_cast<std::size_t>(nv)), dv(rhs), held(rhs), impulse(rhs), max_impulse(rhs), target(rhs), lower(rhs),
-        upper(rhs), least(rhs), most(rhs), forced(rhs) {}
+        upper(rhs), least(rhs), most(rhs), forced(rhs), is_forced(rhs.size()), forced_parent(rhs.size()) {
+    forced_dofs.reserve(rhs.size());
+  }
 
   std::vector<T> rhs;          ///< h (tau - bias - damping v): the impulse that acts without constraints
   std::vector<T> dv;           ///< the answer: M dv = rhs + impulse
@@ -30,6 +32,9 @@ struct JointConstraints {
   std::vector<T> lower, upper; ///< dv that brings the dof just to a position limit by the step's end
   std::vector<T> least, most;  ///< the impulses that can hold the dof at `target`
   std::vector<T> forced;       ///< 1 where the stance prescribes the impulse, 0 where it prescribes dv
+  std::vector<std::uint8_t> is_forced;  ///< whether the dof is forced in some lane
+  std::vector<int> forced_parent;       ///< the next dof towards the root that is forced in some lane, or -1
+  std::vector<int> forced_dofs;         ///< those dofs, leaves first
 };
 
 namespace internal {
@@ -58,41 +63,43 @@ MANYHANDS_INLINE T limit_velocity(T gap, T inverse_h) {
 /// Fills the rows from the state, after bias_and_mass_matrix, and adds h damping to M's diagonal: damping is implicit.
 /// A motor wants v* = kp (target_q - q) / h + v' + kd (target_v - v'), where v' is the velocity that the step would
 /// reach without constraints, and pushes with at most max_force (PyBullet's position and velocity control).
-template <Number T>
-MANYHANDS_INLINE void prepare_joint_constraints(const Tree<real_t<T>>& tree, const Params<T>& params, real_t<T> h,
+template <Number T, Number P>
+MANYHANDS_INLINE void prepare_joint_constraints(const Tree<real_t<T>>& tree, const Params<P>& params, real_t<T> h,
                                                 State<T>& state, Workspace<T>& ws, JointConstraints<T>& jc) {
   using R = real_t<T>;
   const T step(h), inverse_h(R(1) / h), zero(R(0)), one(R(1)), infinity(std::numeric_limits<R>::infinity());
   const auto nv = static_cast<std::size_t>(tree.nv);
   mask_t<T> needs_free_velocity(false);
   for (std::size_t i = 0; i < nv; ++i) {
-    jc.rhs[i] = step * (state.tau()[i] - ws.bias[i] - params.damping[i] * state.v()[i]);
-    ws.M[i * nv + i] = fma(step, params.damping[i], ws.M[i * nv + i]);
-    jc.max_impulse[i] = step * params.motor_max_force[i];
-    needs_free_velocity = needs_free_velocity | ((params.motor_kd[i] != one) & (params.motor_max_force[i] > zero));
+    const T damping = broadcast<T>(params.damping[i]), max_force = broadcast<T>(params.motor_max_force[i]);
+    jc.rhs[i] = step * (state.tau()[i] - ws.bias[i] - damping * state.v()[i]);
+    T& M = ws.M[triangle_row(i) + i];
+    M = fma(step, damping, M);
+    jc.max_impulse[i] = step * max_force;
+    needs_free_velocity = needs_free_velocity | ((broadcast<T>(params.motor_kd[i]) != one) & (max_force > zero));
     jc.dv[i] = zero;
   }
   when(needs_free_velocity, [&] {
     ws.L = ws.M;
     jc.dv = jc.rhs;
-    factor_ltdl<T>(tree, ws.L.data());
-    solve_ltdl<T>(tree, ws.L.data(), jc.dv.data());
+    factor_ltdl(tree.dofs_from_leaves, tree.dof_parent.data(), ws.L.data());
+    solve_ltdl(tree.dofs_from_leaves, tree.dof_parent.data(), ws.L.data(), jc.dv.data());
   });
   for (std::size_t i = 0; i < nv; ++i) {
     const T v = state.v()[i];
-    const T kd = params.motor_kd[i], F = jc.max_impulse[i];
+    const T kd = broadcast<T>(params.motor_kd[i]), F = jc.max_impulse[i];
     const auto motor = F > zero;
     T wanted = fma(kd, state.target_v()[i], select(kd == one, zero, (one - kd) * (v + jc.dv[i])));
     jc.lower[i] = -infinity;
     jc.upper[i] = infinity;
     if (tree.dof_q[i] >= 0) {
       const T q = state.q()[static_cast<std::size_t>(tree.dof_q[i])];
-      const T goal = tree.dof_limited[i] ? clamp(state.target_q()[i], params.lower[i], params.upper[i])
-                                         : state.target_q()[i];
-      wanted = fma(params.motor_kp[i] * inverse_h, goal - q, wanted);
+      const T lower = broadcast<T>(params.lower[i]), upper = broadcast<T>(params.upper[i]);
+      const T goal = tree.dof_limited[i] ? clamp(state.target_q()[i], lower, upper) : state.target_q()[i];
+      wanted = fma(broadcast<T>(params.motor_kp[i]) * inverse_h, goal - q, wanted);
       if (tree.dof_limited[i]) {
-        jc.lower[i] = internal::limit_velocity(params.lower[i] - q, inverse_h) - v;
-        jc.upper[i] = -internal::limit_velocity(q - params.upper[i], inverse_h) - v;
+        jc.lower[i] = internal::limit_velocity(lower - q, inverse_h) - v;
+        jc.upper[i] = -internal::limit_velocity(q - upper, inverse_h) - v;
       }
     }
     const T free_target = select(motor, wanted - v, infinity);
@@ -105,6 +112,45 @@ MANYHANDS_INLINE void prepare_joint_constraints(const Tree<real_t<T>>& tree, con
 }
 
 namespace internal {
+
+/// The dofs that are forced in some lane, leaves first, each with its nearest such ancestor: what must be factored.
+template <Number T>
+MANYHANDS_INLINE void find_forced(const Tree<real_t<T>>& tree, JointConstraints<T>& jc) {
+  const T one(real_t<T>(1));
+  jc.forced_dofs.clear();
+  for (int k = tree.nv - 1; k >= 0; --k) {
+    const auto i = static_cast<std::size_t>(k);
+    const bool forced = any(jc.forced[i] == one);
+    if (forced) jc.forced_dofs.push_back(k);
+    jc.is_forced[i] = forced;
+  }
+  for (std::size_t i = 0; i < jc.is_forced.size(); ++i) {
+    const int parent = tree.dof_parent[i];
+    jc.forced_parent[i] =
+        parent < 0 || jc.is_forced[static_cast<std::size_t>(parent)] ? parent : jc.forced_parent[static_cast<std::size_t>(parent)];
+  }
+}
+
+/// dv of the forced dofs, given impulse = M held. A dof that is held in a lane has a row of the identity there, and
+/// zeros beside it: lanes with different stances share one factorisation.
+template <Number T>
+MANYHANDS_INLINE void solve_forced(const T* stances, Workspace<T>& ws, JointConstraints<T>& jc) {
+  using R = real_t<T>;
+  const T zero(R(0)), one(R(1));
+  const int* parent = jc.forced_parent.data();
+  for (const int k : jc.forced_dofs) {
+    const auto i = static_cast<std::size_t>(k);
+    const T* M = &ws.M[triangle_row(i)];
+    T* L = &ws.L[triangle_row(i)];
+    const auto forced = jc.forced[i] == one;
+    const T push = fma(stances[i], jc.max_impulse[i], jc.rhs[i]) - jc.impulse[i];
+    jc.dv[i] = select(forced, push, zero);
+    L[i] = select(forced, M[i], one);
+    for (int j = parent[k]; j >= 0; j = parent[j]) L[j] = M[j] * (jc.forced[i] * jc.forced[static_cast<std::size_t>(j)]);
+  }
+  factor_ltdl(jc.forced_dofs, parent, ws.L.data());
+  solve_ltdl(jc.forced_dofs, parent, ws.L.data(), jc.dv.data());
+}
 
 /// dv and impulses that the stances imply.
 template <Number T>
@@ -121,26 +167,18 @@ MANYHANDS_INLINE void solve_stances(const Tree<real_t<T>>& tree, const T* stance
     jc.forced[i] = select(forced, one, zero);
     const T at_limit = select(s == T(R(kAtLower)), jc.lower[i], jc.upper[i]);
     jc.held[i] = select(forced, zero, select(s == zero, jc.target[i], at_limit));
-    jc.dv[i] = jc.held[i];
+    jc.dv[i] = zero;
   }
+  multiply_tree_matrix<T>(tree, ws.M.data(), jc.held.data(), jc.impulse.data());
   when(any_forced, [&] {
-    multiply_tree_matrix<T>(tree, ws.M.data(), jc.held.data(), jc.impulse.data());
-    for (std::size_t i = 0; i < nv; ++i) {
-      const T push = fma(stances[i], jc.max_impulse[i], jc.rhs[i]) - jc.impulse[i];
-      jc.dv[i] = select(jc.forced[i] == one, push, zero);
-      T* L = &ws.L[i * nv];
-      const T* M = &ws.M[i * nv];
-      L[i] = select(jc.forced[i] == one, M[i], one);
-      for (int j = tree.dof_parent[i]; j >= 0; j = tree.dof_parent[static_cast<std::size_t>(j)]) {
-        L[j] = M[j] * (jc.forced[i] * jc.forced[static_cast<std::size_t>(j)]);
-      }
-    }
-    factor_ltdl<T>(tree, ws.L.data());
-    solve_ltdl<T>(tree, ws.L.data(), jc.dv.data());
-    for (std::size_t i = 0; i < nv; ++i) jc.dv[i] = select(jc.forced[i] == one, jc.dv[i], jc.held[i]);
+    find_forced(tree, jc);
+    solve_forced(stances, ws, jc);
+    for (const int k : jc.forced_dofs) add_tree_column<T>(tree, ws.M.data(), k, jc.dv[static_cast<std::size_t>(k)], jc.impulse.data());
   });
-  multiply_tree_matrix<T>(tree, ws.M.data(), jc.dv.data(), jc.impulse.data());
-  for (std::size_t i = 0; i < nv; ++i) jc.impulse[i] = jc.impulse[i] - jc.rhs[i];
+  for (std::size_t i = 0; i < nv; ++i) {
+    jc.impulse[i] = jc.impulse[i] - jc.rhs[i];
+    jc.dv[i] = (jc.dv[i] + jc.held[i]) + zero;  // + 0: a zero's sign would tell which other lanes were solved
+  }
 }
 
 /// The stance to which dof i should move, given what its present one led to.

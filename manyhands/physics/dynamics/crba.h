@@ -9,17 +9,17 @@ namespace manyhands {
 namespace internal {
 
 /// Rows of M for the dofs of body b, whose I is its subtree's already.
-template <Number T>
-MANYHANDS_INLINE void mass_matrix_rows(const Tree<real_t<T>>& tree, const Params<T>& params, std::size_t b,
+template <Number T, Number P>
+MANYHANDS_INLINE void mass_matrix_rows(const Tree<real_t<T>>& tree, const Params<P>& params, std::size_t b,
                                        Workspace<T>& ws) {
   const TreeBody<real_t<T>>& body = tree.bodies[b];
-  const auto nv = static_cast<std::size_t>(tree.nv);
   for (int k = body.iv; k < body.iv + body.nv; ++k) {
     const auto i = static_cast<std::size_t>(k);
     const Force<T> F = ws.I[b] * ws.S[i];
-    ws.M[i * nv + i] = dot(ws.S[i], F) + params.armature[i];
+    T* row = &ws.M[triangle_row(i)];
+    row[i] = dot(ws.S[i], F) + broadcast<T>(params.armature[i]);
     for (int j = tree.dof_parent[i]; j >= 0; j = tree.dof_parent[static_cast<std::size_t>(j)]) {
-      ws.M[i * nv + static_cast<std::size_t>(j)] = dot(ws.S[static_cast<std::size_t>(j)], F);
+      row[j] = dot(ws.S[static_cast<std::size_t>(j)], F);
     }
   }
 }
@@ -27,8 +27,8 @@ MANYHANDS_INLINE void mass_matrix_rows(const Tree<real_t<T>>& tree, const Params
 }  // namespace internal
 
 /// ws.M (lower triangle; 0 between dofs of different branches) at q (nq), armature included.
-template <Number T>
-void crba(const Tree<real_t<T>>& tree, const Params<T>& params, const T* q, Workspace<T>& ws) {
+template <Number T, Number P>
+void crba(const Tree<real_t<T>>& tree, const Params<P>& params, const T* q, Workspace<T>& ws) {
   for (std::size_t b = 1; b < tree.bodies.size(); ++b) {
     place(tree, b, q, ws);
     internal::place_inertia(b, params, ws);
@@ -42,8 +42,8 @@ void crba(const Tree<real_t<T>>& tree, const Params<T>& params, const T* q, Work
 
 /// ws.M as from `crba` and ws.bias = C v + g as from `rnea` with a = 0, in one pass out and one pass in: what a step
 /// needs of the dynamics.
-template <Number T>
-void bias_and_mass_matrix(const Tree<real_t<T>>& tree, const Params<T>& params, const T* q, const T* v,
+template <Number T, Number P>
+void bias_and_mass_matrix(const Tree<real_t<T>>& tree, const Params<P>& params, const T* q, const T* v,
                           Workspace<T>& ws) {
   internal::newton_euler_pass<T>(tree, params, q, v, nullptr, ws);
   for (std::size_t b = tree.bodies.size() - 1; b > 0; --b) {

@@ -12,8 +12,8 @@ struct Energy {
 };
 
 /// Total energy in the state q (nq), v (nv).
-template <Number T>
-Energy<T> energy(const Tree<real_t<T>>& tree, const Params<T>& params, const T* q, const T* v, Workspace<T>& ws) {
+template <Number T, Number P>
+Energy<T> energy(const Tree<real_t<T>>& tree, const Params<P>& params, const T* q, const T* v, Workspace<T>& ws) {
   const T half(real_t<T>(0.5));
   Energy<T> sum{T(real_t<T>(0)), T(real_t<T>(0))};
   for (std::size_t b = 1; b < tree.bodies.size(); ++b) {
@@ -22,10 +22,10 @@ Energy<T> energy(const Tree<real_t<T>>& tree, const Params<T>& params, const T* 
     internal::place_inertia(b, params, ws);
     sum.kinetic = fma(half, dot(ws.V[b], ws.I[b] * ws.V[b]), sum.kinetic);
     const Vec3<T> first_moment = fma(ws.I[b].m, ws.p_WO[b], ws.I[b].h);
-    sum.potential = sum.potential - dot(params.gravity, first_moment);
+    sum.potential = sum.potential - dot(broadcast<T>(params.gravity), first_moment);
   }
   for (std::size_t i = 0; i < static_cast<std::size_t>(tree.nv); ++i) {
-    sum.kinetic = fma(half * params.armature[i], v[i] * v[i], sum.kinetic);
+    sum.kinetic = fma(half * broadcast<T>(params.armature[i]), v[i] * v[i], sum.kinetic);
   }
   return sum;
 }
@@ -38,8 +38,8 @@ struct MassProperties {
 };
 
 /// Mass, centre of mass and momentum of all moving bodies in the state q (nq), v (nv).
-template <Number T>
-MassProperties<T> mass_properties(const Tree<real_t<T>>& tree, const Params<T>& params, const T* q, const T* v,
+template <Number T, Number P>
+MassProperties<T> mass_properties(const Tree<real_t<T>>& tree, const Params<P>& params, const T* q, const T* v,
                                   Workspace<T>& ws) {
   MassProperties<T> sum{T(real_t<T>(0)), Vec3<T>::zero(), Force<T>::zero()};
   for (std::size_t b = 1; b < tree.bodies.size(); ++b) {

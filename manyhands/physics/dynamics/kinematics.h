@@ -20,6 +20,21 @@ MANYHANDS_INLINE Motion<T> translation_along(const Vec3<T>& axis) {
   return {Vec3<T>::zero(), axis};
 }
 
+/// One of the columns of R, or its reverse: `axis` is 1, 2, 3 or minus that.
+template <Number T>
+MANYHANDS_INLINE Vec3<T> signed_column(const Mat3<T>& R, int axis) {
+  const Vec3<T>& column = axis == 1 || axis == -1 ? R.x : axis == 2 || axis == -2 ? R.y : R.z;
+  return axis > 0 ? column : -column;
+}
+
+/// R_WF from R_WP: the parent's rotation, turned as F is in the parent.
+template <Number T>
+MANYHANDS_INLINE Mat3<T> turned(const Mat3<T>& R_WP, const TreeBody<real_t<T>>& body) {
+  if (body.turn == Turn::kNone) return R_WP;
+  if (body.turn == Turn::kGeneral) return R_WP * broadcast<T>(body.X_PF.R);
+  return {signed_column(R_WP, body.axes[0]), signed_column(R_WP, body.axes[1]), signed_column(R_WP, body.axes[2])};
+}
+
 /// Body b's pose once its joint frame F and the joint's shift in world axes are known.
 template <Number T>
 MANYHANDS_INLINE void set_origin(const TreeBody<real_t<T>>& body, std::size_t b, const Vec3<T>& p_F, const Vec3<T>& shift,
@@ -43,10 +58,10 @@ MANYHANDS_INLINE void place(const Tree<real_t<T>>& tree, std::size_t b, const T*
   const auto parent = static_cast<std::size_t>(body.parent);
   const Vec3<T> p_PF = broadcast<T>(body.X_PF.p);
   const bool on_world = body.parent == 0;
-  const Mat3<T> R_WF = on_world       ? broadcast<T>(body.X_PF.R)
-                       : body.aligned ? ws.R_WB[parent]
-                                      : ws.R_WB[parent] * broadcast<T>(body.X_PF.R);
-  const Vec3<T> p_F = on_world ? p_PF : ws.R_WB[parent] * p_PF + ws.p_OB[parent];
+  const Mat3<T> R_WF = on_world ? broadcast<T>(body.X_PF.R) : internal::turned(ws.R_WB[parent], body);
+  const Vec3<T> p_F = on_world       ? p_PF
+                      : body.shifted ? ws.R_WB[parent] * p_PF + ws.p_OB[parent]
+                                     : ws.p_OB[parent];
   const T* qj = q + body.iq;
   Motion<T>* S = &ws.S[static_cast<std::size_t>(body.iv)];
   switch (body.type) {
@@ -94,26 +109,27 @@ MANYHANDS_INLINE void place(const Tree<real_t<T>>& tree, std::size_t b, const T*
   }
 }
 
-/// V and c of body b from the velocity v (nv), after `place`: c = V_parent x v_J + dS/dt v
-/// (Featherstone 2008, eq. 3.42; for planar and floating joints the rotation's centre moves, hence the last term).
+/// Sets V of body b from the velocity v (nv), after `place`, and returns the acceleration that is due to velocities
+/// alone: c = V_parent x v_J + dS/dt v (Featherstone 2008, eq. 3.42; for planar and floating joints the rotation's centre moves, hence the last term).
 template <Number T>
-MANYHANDS_INLINE void move(const Tree<real_t<T>>& tree, std::size_t b, const T* v, Workspace<T>& ws) {
+MANYHANDS_INLINE Motion<T> move(const Tree<real_t<T>>& tree, std::size_t b, const T* v, Workspace<T>& ws) {
   const TreeBody<real_t<T>>& body = tree.bodies[b];
   const auto parent = static_cast<std::size_t>(body.parent);
   const auto iv = static_cast<std::size_t>(body.iv);
   Motion<T> V_J = v[iv] * ws.S[iv];
   for (std::size_t k = iv + 1; k < iv + static_cast<std::size_t>(body.nv); ++k) V_J = fma(v[k], ws.S[k], V_J);
+  Motion<T> c = Motion<T>::zero();
   if (body.parent == 0) {
     ws.V[b] = V_J;
-    ws.c[b] = Motion<T>::zero();
   } else {
     ws.V[b] = ws.V[parent] + V_J;
-    ws.c[b] = cross(ws.V[parent], V_J);
+    c = cross(ws.V[parent], V_J);
   }
   if (body.type == JointType::kPlanar || body.type == JointType::kFloating) {
     const Vec3<T> origin_velocity = V_J.v - cross(ws.p_OB[b], V_J.w);
-    ws.c[b].v -= cross(V_J.w, origin_velocity);
+    c.v -= cross(V_J.w, origin_velocity);
   }
+  return c;
 }
 
 /// Poses of all bodies at q (nq).

@@ -1,21 +1,24 @@
 // M = L^T D L of a tree's inertia matrix without fill-in (Featherstone 2008, section 6.5).
+//
+// The functions take the dofs to treat, leaves first, and for each the next such dof towards the root: all of a tree's,
+// or a subset, whose rows and columns then stand alone.
 #pragma once
 
-#include "manyhands/physics/dynamics/tree.h"
+#include <span>
+
+#include "manyhands/physics/dynamics/workspace.h"
 
 namespace manyhands {
 
-/// Factors the lower triangle `L` (nv, nv, row-major) in place: L below the diagonal, 1 / D on it.
+/// Factors the packed lower triangle `L` in place: L below the diagonal, 1 / D on it.
 template <Number T>
-MANYHANDS_INLINE void factor_ltdl(const Tree<real_t<T>>& tree, T* L) {
-  const int nv = tree.nv;
-  const int* parent = tree.dof_parent.data();
-  for (int k = nv - 1; k >= 0; --k) {
-    T* row_k = L + k * nv;
+MANYHANDS_INLINE void factor_ltdl(std::span<const int> dofs_from_leaves, const int* parent, T* L) {
+  for (const int k : dofs_from_leaves) {
+    T* row_k = L + triangle_row(static_cast<std::size_t>(k));
     const T D_inverse = T(real_t<T>(1)) / row_k[k];
     for (int i = parent[k]; i >= 0; i = parent[i]) {
       const T a = row_k[i] * D_inverse;
-      T* row_i = L + i * nv;
+      T* row_i = L + triangle_row(static_cast<std::size_t>(i));
       for (int j = i; j >= 0; j = parent[j]) row_i[j] = fma(-a, row_k[j], row_i[j]);
       row_k[i] = a;
     }
@@ -25,31 +28,41 @@ MANYHANDS_INLINE void factor_ltdl(const Tree<real_t<T>>& tree, T* L) {
 
 /// x := M^-1 x (nv) with the factors of `factor_ltdl`.
 template <Number T>
-MANYHANDS_INLINE void solve_ltdl(const Tree<real_t<T>>& tree, const T* L, T* x) {
-  const int nv = tree.nv;
-  const int* parent = tree.dof_parent.data();
-  for (int k = nv - 1; k >= 0; --k) {
-    for (int i = parent[k]; i >= 0; i = parent[i]) x[i] = fma(-L[k * nv + i], x[k], x[i]);
+MANYHANDS_INLINE void solve_ltdl(std::span<const int> dofs_from_leaves, const int* parent, const T* L, T* x) {
+  for (const int k : dofs_from_leaves) {
+    const T* row = L + triangle_row(static_cast<std::size_t>(k));
+    for (int i = parent[k]; i >= 0; i = parent[i]) x[i] = fma(-row[i], x[k], x[i]);
   }
-  for (int k = 0; k < nv; ++k) {
-    T y = x[k] * L[k * nv + k];
-    for (int i = parent[k]; i >= 0; i = parent[i]) y = fma(-L[k * nv + i], x[i], y);
+  for (std::size_t n = dofs_from_leaves.size(); n-- > 0;) {
+    const int k = dofs_from_leaves[n];
+    const T* row = L + triangle_row(static_cast<std::size_t>(k));
+    T y = x[k] * row[k];
+    for (int i = parent[k]; i >= 0; i = parent[i]) y = fma(-row[i], x[i], y);
     x[k] = y;
   }
 }
 
-/// y (nv) = M x (nv), with M's lower triangle (nv, nv) of a tree.
+/// y (nv) = M x (nv), with the packed lower triangle M of a tree.
 template <Number T>
 MANYHANDS_INLINE void multiply_tree_matrix(const Tree<real_t<T>>& tree, const T* M, const T* x, T* y) {
-  const int nv = tree.nv;
-  for (int k = 0; k < nv; ++k) {
-    T sum = M[k * nv + k] * x[k];
-    for (int i = tree.dof_parent[static_cast<std::size_t>(k)]; i >= 0; i = tree.dof_parent[static_cast<std::size_t>(i)]) {
-      sum = fma(M[k * nv + i], x[i], sum);
-      y[i] = fma(M[k * nv + i], x[k], y[i]);
+  const int* parent = tree.dof_parent.data();
+  for (int k = 0; k < tree.nv; ++k) {
+    const T* row = M + triangle_row(static_cast<std::size_t>(k));
+    T sum = row[k] * x[k];
+    for (int i = parent[k]; i >= 0; i = parent[i]) {
+      sum = fma(row[i], x[i], sum);
+      y[i] = fma(row[i], x[k], y[i]);
     }
     y[k] = sum;
   }
+}
+
+/// y (nv) += column k of M times x.
+template <Number T>
+MANYHANDS_INLINE void add_tree_column(const Tree<real_t<T>>& tree, const T* M, int k, T x, T* y) {
+  const T* row = M + triangle_row(static_cast<std::size_t>(k));
+  for (int i = k; i >= 0; i = tree.dof_parent[static_cast<std::size_t>(i)]) y[i] = fma(row[i], x, y[i]);
+  for (int i = k + 1; i < tree.nv; ++i) y[i] = fma(M[triangle_row(static_cast<std::size_t>(i)) + static_cast<std::size_t>(k)], x, y[i]);
 }
 
 }  // namespace manyhands

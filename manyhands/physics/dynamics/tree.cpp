@@ -6,9 +6,23 @@ namespace manyhands {
 
 namespace {
 
-bool is_identity(const Mat3<double>& m) {
-  return m.x.x == 1 && m.y.y == 1 && m.z.z == 1 && m.x.y == 0 && m.x.z == 0 && m.y.x == 0 && m.y.z == 0 &&
-         m.z.x == 0 && m.z.y == 0;
+/// 1, 2, 3 if a is the x, y, z axis to rounding, minus that if it is its reverse, else 0.
+std::int8_t axis_of(const Vec3<double>& a) {
+  constexpr double kRounding = 1e-15;
+  const double x = abs(a.x), y = abs(a.y), z = abs(a.z);
+  if (y + z <= kRounding) return a.x > 0 ? 1 : -1;
+  if (x + z <= kRounding) return a.y > 0 ? 2 : -2;
+  if (x + y <= kRounding) return a.z > 0 ? 3 : -3;
+  return 0;
+}
+
+template <Real R>
+void set_turn(const Mat3<double>& m, TreeBody<R>& body) {
+  body.axes = {axis_of(m.x), axis_of(m.y), axis_of(m.z)};
+  const bool quarters = body.axes[0] != 0 && body.axes[1] != 0 && body.axes[2] != 0;
+  body.turn = !quarters                                             ? Turn::kGeneral
+              : body.axes == std::array<std::int8_t, 3>{1, 2, 3} ? Turn::kNone
+                                                                    : Turn::kQuarters;
 }
 
 template <Number T>
@@ -33,12 +47,11 @@ Tree<R>::Tree(const Model& model)
                       .iq = body.iq,
                       .iv = body.iv,
                       .nv = body.nv,
-                      .aligned = is_identity(body.X_PF.R),
-                      .X_PF = {{{R(body.X_PF.R.x.x), R(body.X_PF.R.x.y), R(body.X_PF.R.x.z)},
-                                {R(body.X_PF.R.y.x), R(body.X_PF.R.y.y), R(body.X_PF.R.y.z)},
-                                {R(body.X_PF.R.z.x), R(body.X_PF.R.z.y), R(body.X_PF.R.z.z)}},
-                               {R(body.X_PF.p.x), R(body.X_PF.p.y), R(body.X_PF.p.z)}}});
+                      .shifted = norm(body.X_PF.p) > 0,
+                      .X_PF = broadcast<R>(body.X_PF)});
+    set_turn(body.X_PF.R, bodies.back());
   }
+  for (int k = nv - 1; k >= 0; --k) dofs_from_leaves.push_back(k);
   for (const JointLimits& limits : model.dof_limits()) {
     dof_limited.push_back(is_finite(limits.lower) || is_finite(limits.upper));
   }

@@ -8,13 +8,22 @@
 
 namespace manyhands {
 
+/// How a joint frame is turned in its parent: robots are full of quarter turns, which cost no products.
+enum class Turn {
+  kNone,
+  kQuarters,  ///< every axis of F is plus or minus one of the parent's
+  kGeneral,
+};
+
 /// What a kernel reads of one body: uniform, the same for every world.
 template <Real R>
 struct TreeBody {
   int parent{};  ///< 0 is the world
   JointType type{};
   int iq{}, iv{}, nv{};
-  bool aligned{};  ///< whether X_PF has no rotation
+  Turn turn{};
+  bool shifted{};  ///< whether F's origin is off the parent's
+  std::array<std::int8_t, 3> axes{};  ///< for kQuarters, F's x, y and z: 1, 2, 3 for the parent's x, y, z, minus if reversed
   Transform<R> X_PF = Transform<R>::identity();
 };
 
@@ -27,11 +36,13 @@ struct Tree {
   int nq{}, nv{};
   std::vector<TreeBody<R>> bodies;  ///< (nb)
   std::vector<int> dof_parent;      ///< (nv) next dof towards the root, or -1
+  std::vector<int> dofs_from_leaves;  ///< (nv) nv - 1, ..., 0
   std::vector<int> dof_q;           ///< (nv) the coordinate that the dof integrates, or -1
-  std::vector<bool> dof_limited;    ///< (nv) whether the joint has position limits
+  std::vector<std::uint8_t> dof_limited;  ///< (nv) whether the joint has position limits
 };
 
-/// What may differ from world to world: set from the model, then randomised at will.
+/// What may differ from world to world: set from the model, then randomised at will. Kernels take P = T, numbers of
+/// their own for every lane, or P = real_t<T>, the same for all: that is smaller and stays in the nearest cache.
 template <Number T>
 struct Params {
   explicit Params(const Model& model);

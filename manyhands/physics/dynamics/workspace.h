@@ -8,6 +8,9 @@
 
 namespace manyhands {
 
+/// Where row i of a packed lower triangle begins: entry (i, j) with j <= i lies at triangle_row(i) + j.
+[[nodiscard]] constexpr std::size_t triangle_row(std::size_t i) { return i * (i + 1) / 2; }
+
 /// Quantities of a body or dof are in world axes about O, the origin of the first body of its tree: for a robot far
 /// from the world's origin, single precision loses nothing. Motions and forces of one tree add without transforms.
 template <Number T>
@@ -17,7 +20,6 @@ struct Workspace {
         p_OB(size(tree.nb), Vec3<T>::zero()),
         p_WO(size(tree.nb), Vec3<T>::zero()),
         V(size(tree.nb), Motion<T>::zero()),
-        c(size(tree.nb), Motion<T>::zero()),
         A(size(tree.nb), Motion<T>::zero()),
         F(size(tree.nb), Force<T>::zero()),
         I(size(tree.nb), RigidInertia<T>::zero()),
@@ -27,14 +29,13 @@ struct Workspace {
         D_inverse(size(tree.nv)),
         u(size(tree.nv)),
         bias(size(tree.nv)),
-        M(size(tree.nv * tree.nv), T(real_t<T>(0))),
-        L(size(tree.nv * tree.nv), T(real_t<T>(0))) {}
+        M(triangle_row(size(tree.nv)), T(real_t<T>(0))),
+        L(triangle_row(size(tree.nv)), T(real_t<T>(0))) {}
 
   std::vector<Mat3<T>> R_WB;         ///< (nb)
   std::vector<Vec3<T>> p_OB;         ///< (nb) body origin from its tree's origin O [m]
   std::vector<Vec3<T>> p_WO;         ///< (nb) the tree's origin in the world [m]
   std::vector<Motion<T>> V;          ///< (nb) velocity
-  std::vector<Motion<T>> c;          ///< (nb) acceleration due to velocities alone
   std::vector<Motion<T>> A;          ///< (nb) acceleration
   std::vector<Force<T>> F;           ///< (nb) force on, or bias force of, the subtree
   std::vector<RigidInertia<T>> I;    ///< (nb) of the body; of the subtree after crba
@@ -43,7 +44,7 @@ struct Workspace {
   std::vector<Force<T>> U;           ///< (nv) I_A S
   std::vector<T> D_inverse, u;       ///< (nv)
   std::vector<T> bias;               ///< (nv) C(q, v) v + g(q) [N m or N]
-  std::vector<T> M;                  ///< (nv, nv) lower triangle, row-major
+  std::vector<T> M;                  ///< (nv, nv) lower triangle, packed by rows (see triangle_row)
   std::vector<T> L;                  ///< (nv, nv) its factors
 
  private:

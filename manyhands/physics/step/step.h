@@ -44,8 +44,8 @@ MANYHANDS_INLINE void integrate_configuration(const Tree<real_t<T>>& tree, const
 }
 
 /// Advances the state by h [s]: semi-implicit Euler at the velocity level, with implicit damping, motors and limits.
-template <Number T>
-MANYHANDS_INLINE void step(const Tree<real_t<T>>& tree, const Params<T>& params, real_t<T> h, State<T>& state,
+template <Number T, Number P>
+MANYHANDS_INLINE void step(const Tree<real_t<T>>& tree, const Params<P>& params, real_t<T> h, State<T>& state,
                            StepWorkspace<T>& ws) {
   bias_and_mass_matrix(tree, params, state.q(), state.v(), ws.dynamics);         // 1 kinematics, bias and inertia
   prepare_joint_constraints(tree, params, h, state, ws.dynamics, ws.joints);     // 2 what motors and limits want
