@@ -33,7 +33,8 @@ Mat3<double> rotation_from_z_to(const Vec3<double>& axis) {
     const Mat3<double> flip{{1, 0, 0}, {0, -1, 0}, {0, 0, -1}};
     return flip * rotation_from_z_to({axis.x, -axis.y, -axis.z});
   }
-  const double k = 1.0 / (1.0 + axis.z);
+  // 1 / (1 + z), without the cancellation where z is near -1.
+  const double k = axis.z > 0 ? 1.0 / (1.0 + axis.z) : (1.0 - axis.z) / (axis.x * axis.x + axis.y * axis.y);
   const double xy = -k * axis.x * axis.y;
   return {{1.0 - k * axis.x * axis.x, xy, -axis.x}, {xy, 1.0 - k * axis.y * axis.y, -axis.y}, axis};
 }

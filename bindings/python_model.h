@@ -1,0 +1,29 @@
+// What a Python Model holds: the C++ model, and scratch for its dynamics.
+#pragma once
+
+#include <memory>
+#include <utility>
+
+#include "manyhands/physics/dynamics/dynamics_pool.h"
+
+namespace manyhands {
+
+struct PythonModel {
+  explicit PythonModel(Model m)
+      : model(std::make_shared<const Model>(std::move(m))), doubles(*model), floats(*model) {}
+
+  template <Real R>
+  [[nodiscard]] DynamicsPool<R>& pool() {
+    if constexpr (std::same_as<R, double>) {
+      return doubles;
+    } else {
+      return floats;
+    }
+  }
+
+  std::shared_ptr<const Model> model;
+  DynamicsPool<double> doubles;
+  DynamicsPool<float> floats;
+};
+
+}  // namespace manyhands

@@ -1,0 +1,160 @@
+// manyhands._core.World: one world in double precision.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/variant.h>
+#include <nanobind/stl/vector.h>
+
+#include "bindings/arrays.h"
+#include "bindings/bindings.h"
+#include "bindings/python_model.h"
+#include "manyhands/physics/step/world.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace manyhands {
+
+namespace {
+
+using bindings::copied;
+using Numbers = std::vector<double>;
+using PerDof = std::variant<double, Numbers>;  // one for all, or one each
+
+constexpr const char* kPerDof = "float | collections.abc.Sequence[float] | numpy.typing.NDArray[numpy.floating]";
+
+Integrator integrator_named(const std::string& name) {
+  if (name == "semi_implicit") return Integrator::kSemiImplicit;
+  if (name == "rk4") return Integrator::kRungeKutta4;
+  throw std::invalid_argument("there is no integrator '" + name + "'; there are 'semi_implicit' and 'rk4'");
+}
+
+/// A copy that cannot be written to, so that `world.q[0] = 1` is an error and not a loss.
+nb::object read_only(std::span<const double> values) {
+  nb::object array = copied(values.data(), {values.size()});
+  array.attr("flags").attr("writeable") = false;
+  return array;
+}
+
+Numbers spread(const PerDof& value, int nv) {
+  if (const double* all = std::get_if<double>(&value)) return Numbers(static_cast<std::size_t>(nv), *all);
+  return std::get<Numbers>(value);
+}
+
+void set_motors(World& world, const PerDof& target_q, const PerDof& target_v, const PerDof& kp, const PerDof& kd,
+                const PerDof& max_force) {
+  const int nv = world.model().nv();
+  const Numbers q = spread(target_q, nv), v = spread(target_v, nv), p = spread(kp, nv), d = spread(kd, nv),
+                force = spread(max_force, nv);
+  world.set_motors({.target_q = q, .target_v = v, .kp = p, .kd = d, .max_force = force});
+}
+
+const std::string kSetMotors = [] {
+  std::string text = "def set_motors(self";
+  for (const char* name : {"target_q", "target_v", "kp", "kd", "max_force"}) {
+    text += std::string(name == std::string("target_q") ? ", *, " : ", ") + name + ": " + kPerDof;
+    if (name == std::string("target_q") || name == std::string("target_v")) text += " = 0.0";
+    if (name == std::string("kp")) text += " = 0.1";
+    if (name == std::string("kd")) text += " = 1.0";
+  }
+  return text + ") -> None";
+}();
+
+void bind_state(nb::class_<World>& world) {
+  const auto getter = [](const char* name) {
+    return "def " + std::string(name) + "(self) -> numpy.typing.NDArray[numpy.float64]";
+  };
+  const auto setter = [](const char* name) {
+    return "def " + std::string(name) +
+           "(self, arg: collections.abc.Sequence[float] | numpy.typing.NDArray[numpy.floating], /) -> None";
+  };
+  world
+      .def_prop_rw(
+          "q", [](const World& self) { return read_only(self.q()); },
+          [](World& self, const Numbers& q) { self.set_q(q); }, nb::for_getter(nb::sig(getter("q").c_str())),
+          nb::for_setter(nb::sig(setter("q").c_str())), "Configuration (nq): a read-only copy; assign the whole.")
+      .def_prop_rw(
+          "v", [](const World& self) { return read_only(self.v()); },
+          [](World& self, const Numbers& v) { self.set_v(v); }, nb::for_getter(nb::sig(getter("v").c_str())),
+          nb::for_setter(nb::sig(setter("v").c_str())), "Velocity (nv): a read-only copy; assign the whole.")
+      .def_prop_rw(
+          "tau", [](const World& self) { return read_only(self.tau()); },
+          [](World& self, const Numbers& tau) { self.set_tau(tau); }, nb::for_getter(nb::sig(getter("tau").c_str())),
+          nb::for_setter(nb::sig(setter("tau").c_str())),
+          "Joint forces (nv) [N m or N] that act in every step until they are set again: a read-only copy; assign the "
+          "whole.")
+      .def(
+          "snapshot",
+          [](const World& self) {
+            const Numbers numbers = self.snapshot();
+            return copied(numbers.data(), {numbers.size()});
+          },
+          nb::sig(getter("snapshot").c_str()),
+          "All that a run continues from, bit for bit: clock, state and motors, as plain numbers.")
+      .def(
+          "restore", [](World& self, const bindings::Array<double, 1>& s) { self.restore(bindings::as_span(s)); },
+          "snapshot"_a, nb::sig("def restore(self, snapshot: numpy.typing.NDArray[numpy.float64]) -> None"),
+          "Goes back to a snapshot of this model. Raises ValueError if it has another length.")
+      .def("state_hash", &World::state_hash, "FNV-1a (64 bits) of the snapshot's bytes.");
+}
+
+void bind_measures(nb::class_<World>& world) {
+  world
+      .def(
+          "energy",
+          [](const World& self) {
+            const Energy<double> e = self.energy();
+            return std::pair{e.kinetic, e.potential};
+          },
+          "(kinetic, potential) [J]; the potential is 0 at the world's origin.")
+      .def(
+          "momentum",
+          [](const World& self) {
+            const Force<double> p = self.mass_properties().momentum;
+            return copied(&p.n.x, {6});
+          },
+          nb::sig("def momentum(self) -> numpy.typing.NDArray[numpy.float64]"),
+          "About the world's origin (6): angular [kg m^2/s], linear [kg m/s].")
+      .def(
+          "center_of_mass",
+          [](const World& self) {
+            const Vec3<double> c = self.mass_properties().com;
+            return copied(&c.x, {3});
+          },
+          nb::sig("def center_of_mass(self) -> numpy.typing.NDArray[numpy.float64]"), "In the world (3) [m].");
+}
+
+}  // namespace
+
+void bind_world(nb::module_& m) {
+  auto world = nb::class_<World>(m, "World",
+                                 "A model in motion, in double precision, without contact.\n\n"
+                                 "Starts at rest in the neutral configuration with motors off. Setters raise ValueError "
+                                 "on a wrong length, a number that is not finite, or a quaternion not of unit length.");
+  world
+      .def(
+          "__init__",
+          [](World* self, const PythonModel& model, double time_step, const std::string& integrator) {
+            new (self) World(model.model, time_step, integrator_named(integrator));
+          },
+          "model"_a, "time_step"_a = 0.002, "integrator"_a = "semi_implicit",
+          nb::sig("def __init__(self, model: Model, time_step: float = 0.002, "
+                  "integrator: typing.Literal['semi_implicit', 'rk4'] = 'semi_implicit') -> None"),
+          "time_step [s]. 'semi_implicit': Euler at the velocity level with implicit damping, motors and joint limits. "
+          "'rk4': the classic method of fourth order with Munthe-Kaas' correction for rotations; no motors or limits.")
+      .def("step", &World::step, "n"_a = 1, nb::call_guard<nb::gil_scoped_release>(),
+           "Advances by n steps. With 'rk4' raises RuntimeError if a motor is on or a joint leaves its limits.")
+      .def("set_motors", &set_motors, nb::kw_only(), "target_q"_a = 0.0, "target_v"_a = 0.0, "kp"_a = 0.1, "kd"_a = 1.0,
+           "max_force"_a, nb::sig(kSetMotors.c_str()),
+           "Motors as PyBullet's: each step drives a dof towards the velocity kp (target_q - q) / time_step + v' + "
+           "kd (target_v - v') with at most max_force, where v' is what it would reach without. One number for all dofs "
+           "or one each (nv); targets [rad or m] and [rad/s or m/s], forces [N m or N], 0 switches a motor off. "
+           "target_q is not read for rotations by quaternion.")
+      .def_prop_ro("time_step", &World::time_step, "[s]")
+      .def_prop_ro("time", &World::time, "[s]");
+  bind_state(world);
+  bind_measures(world);
+}
+
+}  // namespace manyhands

@@ -1,0 +1,48 @@
+"""Robot manipulation: thousands of arms simulated at once on an ordinary CPU, and policies learned from them."""
+
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+from manyhands import dynamics, envs
+from manyhands._core import (
+    Frame,
+    Joint,
+    Link,
+    LoadNote,
+    LoadReport,
+    Model,
+    ModelBuilder,
+    UrdfError,
+    World,
+    asset_path,
+    load_urdf,
+    set_asset_root,
+)
+
+try:
+    __version__ = version("manyhands")
+except PackageNotFoundError:  # run from a source tree
+    __version__ = "0"
+
+_assets = Path(__file__).parent / "assets"
+if _assets.is_dir():
+    set_asset_root(_assets)
+
+envs.register()
+
+__all__ = [
+    "Frame",
+    "Joint",
+    "Link",
+    "LoadNote",
+    "LoadReport",
+    "Model",
+    "ModelBuilder",
+    "UrdfError",
+    "World",
+    "__version__",
+    "asset_path",
+    "dynamics",
+    "envs",
+    "load_urdf",
+]
