@@ -1,6 +1,8 @@
 // The classic Runge-Kutta method of fourth order on a tree's configurations, for motion without motors and limits.
 #pragma once
 
+#include <array>
+
 #include "manyhands/physics/dynamics/aba.h"
 #include "manyhands/physics/step/step.h"
 
@@ -39,8 +41,8 @@ MANYHANDS_INLINE void rotation_vector_rate(const T* phi, const T* omega, T* rate
 }  // namespace internal
 
 /// Advances the state by h [s] under its tau and the joints' damping. Joint motors and limits do not act.
-template <Number T>
-void runge_kutta_step(const Tree<real_t<T>>& tree, const Params<T>& params, real_t<T> h, State<T>& state,
+template <Number T, Number P>
+void runge_kutta_step(const Tree<real_t<T>>& tree, const Params<P>& params, real_t<T> h, State<T>& state,
                       RungeKutta<T>& rk) {
   using R = real_t<T>;
   const auto nq = static_cast<std::size_t>(tree.nq), nv = static_cast<std::size_t>(tree.nv);
@@ -51,15 +53,15 @@ void runge_kutta_step(const Tree<real_t<T>>& tree, const Params<T>& params, real
     for (std::size_t i = 0; i < nv; ++i) {
       rk.phi[i] = stage == 0 ? T(R(0)) : reach * rk.d_phi[i];
       rk.v[i] = stage == 0 ? state.v()[i] : fma(reach, rk.d_v[i], state.v()[i]);
-      rk.tau[i] = fma(-params.damping[i], rk.v[i], state.tau()[i]);
+      rk.tau[i] = fma(T(-params.damping[i]), rk.v[i], state.tau()[i]);
     }
     integrate_configuration(tree, rk.phi.data(), T(R(1)), rk.q.data());
     aba(tree, params, rk.q.data(), rk.v.data(), rk.tau.data(), rk.d_v.data(), rk.dynamics);
     rk.d_phi = rk.v;
     for (const TreeBody<R>& body : tree.bodies) {
       if (body.type != JointType::kSpherical && body.type != JointType::kFloating) continue;
-      internal::rotation_vector_rate(&rk.phi[static_cast<std::size_t>(body.iv)], &rk.v[static_cast<std::size_t>(body.iv)],
-                                     &rk.d_phi[static_cast<std::size_t>(body.iv)]);
+      const auto iv = static_cast<std::size_t>(body.iv);
+      internal::rotation_vector_rate(&rk.phi[iv], &rk.v[iv], &rk.d_phi[iv]);
     }
     for (std::size_t i = 0; i < nv; ++i) {
       rk.sum_phi[i] = stage == 0 ? weight * rk.d_phi[i] : fma(weight, rk.d_phi[i], rk.sum_phi[i]);
