@@ -85,16 +85,18 @@ class Assembler {
 
   /// Joints that move no inertia: the outermost get what is missing, which serves those nearer the root as well.
   void give_inertia_where_needed() {
-    for (std::vector<JointId> lacking = builder_.joints_without_inertia(); !lacking.empty();
-         lacking = builder_.joints_without_inertia()) {
-      std::set<JointId> outermost(lacking.begin(), lacking.end());
-      for (const JointId id : lacking) {
-        for (LinkId link = builder_.joint(id).parent; link != builder_.world() && link.is_valid();) {
-          outermost.erase(builder_.link(link).joint);
-          link = builder_.link(link).parent;
-        }
+    constexpr int kMostPasses = 8;  // two do, unless numbers are so large that rounding eats what was given
+    for (int pass = 0; pass < kMostPasses; ++pass) {
+      const std::vector<JointId> found = builder_.joints_without_inertia();
+      if (found.empty()) return;
+      const std::set<JointId> lacking(found.begin(), found.end());
+      std::vector<bool> is_served(builder_.links().size(), false);  // a link beyond this one was given inertia
+      for (std::size_t i = is_served.size() - 1; i > 0; --i) {
+        const Link& link = builder_.links()[i];
+        const bool lacks = lacking.contains(link.joint);
+        if (lacks && !is_served[i]) give_inertia(builder_.joint(link.joint));
+        if ((lacks || is_served[i]) && link.parent.is_valid()) is_served[link.parent.index()] = true;
       }
-      for (const JointId id : outermost) give_inertia(builder_.joint(id));
     }
   }
 

@@ -154,7 +154,8 @@ void UrdfElement::expect(std::initializer_list<std::string_view> attributes,
   for (const pugi::xml_node& node : node_.children()) {
     const UrdfElement child(*source_, node, what_);
     if (node.type() == pugi::node_pcdata || node.type() == pugi::node_cdata) {
-      note(LoadAction::kIgnored, "text " + in_quotes(node.value()) + " in " + own_tag);
+      const std::vector<std::string_view> words = split_blanks(node.value());
+      if (!words.empty()) note(LoadAction::kIgnored, "text " + in_quotes(words[0]) + "... in " + own_tag);
     } else if (node.type() == pugi::node_element && !is_listed(child_tags, child.tag())) {
       child.note(LoadAction::kIgnored, "<" + std::string(child.tag()) + "> in " + own_tag + " is not used");
     }

@@ -1,0 +1,179 @@
+// Damaged files by the thousand: they load or give the one error, and nothing else happens. The same cases every time;
+// MANYHANDS_FUZZ_ROUNDS asks for more of them.
+#include <cmath>
+#include <cstdlib>
+#include <random>
+
+#include "manyhands/model/io/mesh_file.h"
+#include "tests/model/urdf_testing.h"
+
+namespace manyhands::testing {
+namespace {
+
+constexpr std::string_view kUrdf = R"(<?xml version="1.0"?>
+<robot name="seed">
+  <material name="grey"><color rgba="0.5 0.5 0.5 1"/></material>
+  <link name="base"/>
+  <link name="arm">
+    <inertial><origin xyz="0 0 0.1" rpy="0 0.1 0"/><mass value="1.5"/>
+      <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.2" iyz="0.01" izz="0.25"/></inertial>
+    <visual name="shell"><origin xyz="0 0 1"/><geometry><box size="1 2 3"/></geometry><material name="grey"/></visual>
+    <collision><geometry><capsule radius="0.1" length="0.5"/></geometry></collision>
+    <contact><lateral_friction value="1.0"/><stiffness value="30000"/><damping value="1000"/></contact>
+  </link>
+  <link name="hand"><collision><geometry><mesh filename="package://none/m.stl" scale="1 1 1"/></geometry></collision></link>
+  <link name="tip"><visual><geometry><plane normal="0 0 1"/></geometry></visual></link>
+  <joint name="shoulder" type="revolute"><origin xyz="0 0 0.3" rpy="-1.57 0 0"/><parent link="base"/><child link="arm"/>
+    <axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="10" velocity="2"/><dynamics damping="0.1" friction="0.2"/></joint>
+  <joint name="wrist" type="planar"><parent link="arm"/><child link="hand"/><axis xyz="0 1 0"/></joint>
+  <joint name="slide" type="prismatic"><parent link="hand"/><child link="tip"/><axis xyz="0 0 0"/>
+    <limit lower="0" upper="1" effort="1" velocity="1"/><mimic joint="shoulder" multiplier="2" offset="0"/></joint>
+  <transmission name="t"/><gazebo/>
+</robot>)";
+
+constexpr std::string_view kDae = R"(<COLLADA version="1.4.1"><asset><unit meter="0.01"/><up_axis>Y_UP</up_axis></asset>
+<library_geometries><geometry id="g"><mesh><source id="p"><float_array id="pa" count="12">0 0 0 1 0 0 0 1 0 0 0 1</float_array>
+<technique_common><accessor source="#pa" count="4" stride="3" offset="0"/></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+<triangles count="2"><input semantic="VERTEX" source="#v" offset="0"/><input semantic="NORMAL" source="#p" offset="1"/>
+<p>0 0 2 0 1 0 0 0 1 0 3 0</p></triangles>
+<polylist count="1"><input semantic="VERTEX" source="#v" offset="0"/><vcount>4</vcount><p>0 1 2 3</p></polylist>
+<tristrips count="1"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2 3</p></tristrips></mesh></geometry></library_geometries>
+<library_nodes><node id="s"><instance_geometry url="#g"/></node></library_nodes>
+<library_visual_scenes><visual_scene id="w"><node><translate>1 2 3</translate><rotate>0 0 1 90</rotate><scale>2 2 2</scale>
+<node id="b"><matrix>1 0 0 5 0 1 0 6 0 0 1 7 0 0 0 1</matrix><instance_geometry url="#g"/><instance_node url="#s"/></node></node>
+</visual_scene></library_visual_scenes><scene><instance_visual_scene url="#w"/></scene></COLLADA>)";
+
+constexpr std::string_view kStl =
+    "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1e0 0\nendloop\nendfacet\nendsolid s\n";
+
+std::string binary_stl() {
+  std::string bytes(84 + 3 * 50, '\0');
+  bytes[80] = 3;
+  for (std::size_t i = 84; i < bytes.size(); ++i) bytes[i] = static_cast<char>(i * 37 % 61);
+  return bytes;
+}
+
+class Mutator {
+ public:
+  explicit Mutator(unsigned seed) : random_(seed) {}
+
+  std::string mutated(std::string_view seed) {
+    std::string text(seed);
+    for (std::size_t n = 1 + below(5); n > 0 && !text.empty(); --n) mutate(text);
+    return text;
+  }
+
+ private:
+  std::size_t below(std::size_t n) { return random_() % n; }
+
+  /// The next stretch from `open` to `close`, as a place and a length.
+  std::pair<std::size_t, std::size_t> stretch(const std::string& text, char open, char close) {
+    const std::size_t from = text.find(open, below(text.size()));
+    const std::size_t to = from == text.npos ? from : text.find(close, from + 1);
+    return to == text.npos ? std::pair<std::size_t, std::size_t>{0, 0} : std::pair{from, to - from + 1};
+  }
+
+  void mutate(std::string& text) {
+    static constexpr std::string_view kMarks = "<>/\"'#=&;! -.0";
+    static constexpr std::string_view kNumbers[] = {"0",     "-1",    "nan",      "1e308", "-1e-320", "4294967295",
+                                                    "1e400", "-2147", "18446744", "0x10",  "1,2",     ""};
+    const std::size_t at = below(text.size());
+    switch (below(8)) {
+      case 0:
+        text[at] = static_cast<char>(random_());
+        break;
+      case 1:
+        text[at] = kMarks[below(kMarks.size())];
+        break;
+      case 2:
+        text.erase(at, 1 + below(30));
+        break;
+      case 3:
+        text.insert(at, text.substr(below(text.size()), below(200)));
+        break;
+      case 4: {  // a number becomes another
+        const std::size_t digit = text.find_first_of("0123456789", at);
+        if (digit != text.npos) text.replace(digit, 1, kNumbers[below(std::size(kNumbers))]);
+        break;
+      }
+      case 5: {  // a tag goes
+        const auto [from, size] = stretch(text, '<', '>');
+        text.erase(from, size);
+        break;
+      }
+      case 6: {  // an element comes twice, or somewhere else
+        const auto [from, size] = stretch(text, '<', '>');
+        text.insert(stretch(text, '<', '>').first, text.substr(from, size));
+        break;
+      }
+      default: {  // a value takes another's place
+        const auto [from, size] = stretch(text, '"', '"');
+        const auto [other, other_size] = stretch(text, '"', '"');
+        text.replace(from, size, text.substr(other, other_size));
+        break;
+      }
+    }
+  }
+
+  std::mt19937 random_;
+};
+
+unsigned rounds(unsigned usual) {
+  const char* const asked = std::getenv("MANYHANDS_FUZZ_ROUNDS");
+  return asked == nullptr ? usual : static_cast<unsigned>(std::strtoul(asked, nullptr, 10));
+}
+
+void expect_whole(const Model& model) {
+  for (const Link& link : model.links()) {
+    ASSERT_TRUE(std::isfinite(link.inertial.mass) && link.inertial.mass >= 0);
+    ASSERT_TRUE(link.body.is_valid());
+  }
+  for (const Joint& joint : model.joints()) {
+    ASSERT_NEAR(norm(joint.axis), 1, 1e-9);
+    ASSERT_LE(joint.limits.lower, joint.limits.upper);
+  }
+  for (const Body& body : model.bodies()) ASSERT_TRUE(std::isfinite(body.inertia.I.xx + body.X_PF.p.x));
+}
+
+TEST(UrdfFuzz, RobotsLoadOrGiveTheOneError) {
+  int loaded = 0, refused = 0;
+  for (unsigned seed = 0; seed < rounds(6000); ++seed) {
+    const std::string text = Mutator(seed).mutated(kUrdf);
+    try {
+      expect_whole(load_urdf_string(text, "fuzz.urdf", ".", {.fixed_base = seed % 2 == 0}).model);
+      ++loaded;
+    } catch (const UrdfError& error) {
+      ASSERT_TRUE(std::string(error.what()).starts_with("fuzz.urdf:"));
+      ++refused;
+    }
+  }
+  // The mutations must neither break everything nor nothing.
+  EXPECT_GT(loaded, refused / 20);
+  EXPECT_GT(refused, loaded / 20);
+}
+
+TEST(UrdfFuzz, MeshesLoadOrGiveTheOneError) {
+  const std::string binary = binary_stl();
+  const std::pair<std::string_view, Mesh (*)(std::string_view)> formats[] = {
+      {kDae, io::read_dae}, {kStl, io::read_stl}, {binary, io::read_stl}, {kTetrahedronObj, io::read_obj}};
+  for (const auto& [bytes, read] : formats) {
+    int loaded = 0, refused = 0;
+    for (unsigned seed = 0; seed < rounds(3000); ++seed) {
+      try {
+        const Mesh mesh = read(Mutator(seed).mutated(bytes));
+        for (const auto& triangle : mesh.triangles) {
+          for (const int i : triangle) ASSERT_TRUE(i >= 0 && i < std::ssize(mesh.vertices));
+        }
+        ++loaded;
+      } catch (const MeshError&) {
+        ++refused;
+      }
+    }
+    EXPECT_GT(loaded, 0);
+    EXPECT_GT(refused, 0);
+  }
+}
+
+}  // namespace
+}  // namespace manyhands::testing
