@@ -26,17 +26,19 @@ panda_tasks = pytest.importorskip("panda_gym.envs.panda_tasks")
 Array = NDArray[np.float64]
 Policy = Callable[[int, Array, Array], Array]  # (step, end effector, goal) -> action
 STEPS = 50
-SEEDS = 12
+SEEDS = 8
 ACTION_SIZE = {"ee": 3, "joints": 7}
 
 
 @contextmanager
-def panda_gym(control_type: str, repaired: bool = True) -> Iterator[Any]:
-    """A fresh environment of panda-gym, its link read-out made current if `repaired`; env.touched says whether the arm
-    has touched anything."""
+def panda_gym(control_type: str, repaired: bool = True, sweeps: int = 50) -> Iterator[Any]:
+    """A fresh environment of panda-gym, its link read-out made current if `repaired`, its solver given so many sweeps;
+    env.touched says whether the arm has touched anything."""
     env = panda_tasks.PandaReachEnv(control_type=control_type)
     sim, client = env.sim, env.sim.physics_client
     env.touched = False
+    if sweeps != 50:
+        client.setPhysicsEngineParameter(numSolverIterations=sweeps, solverResidualThreshold=0)
 
     def link_state(body: str, link: int) -> Any:
         return client.getLinkState(sim._bodies_idx[body], link, computeLinkVelocity=True, computeForwardKinematics=True)
@@ -142,6 +144,17 @@ def test_paths_are_those_of_panda_gym(control_type: str, kind: str, capsys: pyte
     assert len(all_errors) > 0.2 * steps, "nearly every step touches something: the comparison shows nothing"
     assert median < 2.0
     assert most < 12.0
+
+
+def test_what_is_left_is_their_solver_not_converging() -> None:
+    worst = []
+    for sweeps in (50, 1000):
+        with panda_gym("joints", sweeps=sweeps) as env:
+            theirs = recorded(env, 3, held_policy(7, 3), 30)
+        ours = replayed(theirs, "joints", 3)
+        worst.append(1000 * np.linalg.norm(ours.end_effector - theirs.end_effector, axis=1).max())
+    assert worst[0] > 5.0, "with its default of 50 sweeps"
+    assert worst[1] < 0.2, "with as many as it takes"
 
 
 @pytest.mark.parametrize("seed", [0, 1, 42, 123456])
