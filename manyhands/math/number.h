@@ -90,10 +90,13 @@ MANYHANDS_INLINE R sqrt(R a) {
   return std::sqrt(a);
 }
 
-/// a * b + c with one rounding.
+/// a * b + c with one rounding. Opaque, because GCC fuses a following negation in one place and not in another, and
+/// -fma(a, b, c) and the fused -(a * b) - c differ in the sign of a zero.
 template <Real R>
 MANYHANDS_INLINE R fma(R a, R b, R c) {
-  return std::fma(a, b, c);
+  R r = std::fma(a, b, c);
+  MANYHANDS_OPAQUE(r);
+  return r;
 }
 
 /// The nearest whole number, ties to even.

@@ -1,4 +1,7 @@
-"""Prints tests/math/numpy_golden.h from the installed numpy: `python tests/math/print_numpy_golden.py > tests/math/numpy_golden.h`."""
+"""Prints tests/math/numpy_golden.h from the installed numpy.
+
+`python tests/math/print_numpy_golden.py > tests/math/numpy_golden.h`
+"""
 
 import numpy as np
 

@@ -45,10 +45,56 @@ class Tape {
   Numbers<T> out_;
 };
 
+// What is computed, at namespace scope so that all lane types share one scalar instantiation.
+
+const auto vectors = []<class N>(Tape<N>& t) {
+  Vec3<N> a = t.vec3();
+  const Vec3<N> b = t.vec3();
+  const N s = t.number(), u = t.number();
+  t.put_all(a + b, a - b, -a, s * a, a * s, dot(a, b), cross(a, b), fma(s, a, b), squared_norm(a), norm(a),
+            select(s < u, a, b), Vec3<N>::zero());
+  a += b;
+  t.put(a);
+  a -= s * b;
+  t.put(a);
+};
+
+const auto matrices_and_transforms = []<class N>(Tape<N>& t) {
+  const Transform<N> a = t.transform(), b = t.transform();
+  const Vec3<N> p = t.vec3();
+  t.put_all(a.R * p, a.R * b.R, transpose_times(a.R, p), transpose(a.R), a * b, a * p, inverse(a),
+            Mat3<N>::identity(), Transform<N>::identity());
+};
+
+const auto quaternions = []<class N>(Tape<N>& t) {
+  const Quat<N> a = t.quat(), b = t.quat();
+  const Vec3<N> r = t.vec3();
+  const N time = t.number();
+  const Mat3<N> m = t.mat3();
+  t.put_all(a * b, normalized(a), to_matrix(a), to_quat(m), quat_from_rotation_vector(r), rotation_vector(a),
+            integrate(a, r, time), rotation_from_rpy(r), Quat<N>::identity());
+};
+
+const auto spatial_vectors = []<class N>(Tape<N>& t) {
+  const Motion<N> a = t.motion(), b = t.motion();
+  const Force<N> f = t.force(), g = t.force();
+  const N s = t.number();
+  t.put_all(a + b, a - b, s * a, f + g, f - g, s * f, fma(s, a, b), fma(s, f, g), dot(a, f), cross(a, b), cross(a, f),
+            Motion<N>::zero(), Force<N>::zero());
+};
+
+const auto inertias = []<class N>(Tape<N>& t) {
+  const RigidInertia<N> a = t.inertia(), b = t.inertia();
+  const Transform<N> X = t.transform();
+  const Motion<N> V = t.motion();
+  t.put_all(a + b, a * V, transformed(X, a), rotated(X.R, a.I), a.I * V.w, a.I + b.I, SymMat3<N>::zero(),
+            RigidInertia<N>::zero());
+};
+
 template <class T>
 class LaneAlgebra : public ::testing::Test {
  protected:
-  /// `body(tape)` is the same generic code for lanes and scalars; the brace order of the tape's reads is fixed.
+  /// `body(tape)` is the same generic code for lanes and scalars.
   template <class Body>
   void check(std::size_t arity, Body body) {
     const auto run = [&]<Number N>(const Numbers<N>& in) {
@@ -64,60 +110,15 @@ class LaneAlgebra : public ::testing::Test {
 };
 TYPED_TEST_SUITE(LaneAlgebra, LaneTypes);
 
-TYPED_TEST(LaneAlgebra, Vectors) {
-  this->check(8, []<class N>(Tape<N>& t) {
-    Vec3<N> a = t.vec3();
-    const Vec3<N> b = t.vec3();
-    const N s = t.number(), u = t.number();
-    t.put_all(a + b, a - b, -a, s * a, a * s, dot(a, b), cross(a, b), fma(s, a, b), squared_norm(a), norm(a),
-              select(s < u, a, b), Vec3<N>::zero());
-    a += b;
-    t.put(a);
-    a -= s * b;
-    t.put(a);
-  });
-}
+TYPED_TEST(LaneAlgebra, Vectors) { this->check(8, vectors); }
 
-TYPED_TEST(LaneAlgebra, MatricesAndTransforms) {
-  this->check(27, []<class N>(Tape<N>& t) {
-    const Transform<N> a = t.transform(), b = t.transform();
-    const Vec3<N> p = t.vec3();
-    t.put_all(a.R * p, a.R * b.R, transpose_times(a.R, p), transpose(a.R), a * b, a * p, inverse(a),
-              Mat3<N>::identity(), Transform<N>::identity());
-  });
-}
+TYPED_TEST(LaneAlgebra, MatricesAndTransforms) { this->check(27, matrices_and_transforms); }
 
-TYPED_TEST(LaneAlgebra, Quaternions) {
-  this->check(21, []<class N>(Tape<N>& t) {
-    const Quat<N> a = t.quat(), b = t.quat();
-    const Vec3<N> r = t.vec3();
-    const N time = t.number();
-    const Mat3<N> m = t.mat3();
-    t.put_all(a * b, normalized(a), to_matrix(a), to_quat(m), to_quat(to_matrix(normalized(a))),
-              quat_from_rotation_vector(r), rotation_vector(a), rotation_vector(normalized(a)), integrate(a, r, time),
-              rotation_from_rpy(r), Quat<N>::identity());
-  });
-}
+TYPED_TEST(LaneAlgebra, Quaternions) { this->check(21, quaternions); }
 
-TYPED_TEST(LaneAlgebra, SpatialVectors) {
-  this->check(25, []<class N>(Tape<N>& t) {
-    const Motion<N> a = t.motion(), b = t.motion();
-    const Force<N> f = t.force(), g = t.force();
-    const N s = t.number();
-    t.put_all(a + b, a - b, s * a, f + g, f - g, s * f, fma(s, a, b), fma(s, f, g), dot(a, f), cross(a, b), cross(a, f),
-              Motion<N>::zero(), Force<N>::zero());
-  });
-}
+TYPED_TEST(LaneAlgebra, SpatialVectors) { this->check(25, spatial_vectors); }
 
-TYPED_TEST(LaneAlgebra, Inertias) {
-  this->check(38, []<class N>(Tape<N>& t) {
-    const RigidInertia<N> a = t.inertia(), b = t.inertia();
-    const Transform<N> X = t.transform();
-    const Motion<N> V = t.motion();
-    t.put_all(a + b, a * V, transformed(X, a), rotated(X.R, a.I), a.I * V.w, a.I + b.I, SymMat3<N>::zero(),
-              RigidInertia<N>::zero());
-  });
-}
+TYPED_TEST(LaneAlgebra, Inertias) { this->check(38, inertias); }
 
 // A scalar of the model, in double, is the same rounded number in every lane.
 TYPED_TEST(LaneAlgebra, BroadcastFillsEveryLane) {

@@ -109,6 +109,19 @@ TYPED_TEST(NumberContract, RootsAndRounding) {
       });
 }
 
+// GCC fuses a negation into an fma although that turns the -0 of -(1 * 1 - 1) into +0.
+TYPED_TEST(NumberContract, ANegatedFmaKeepsTheSignOfItsZero) {
+  using T = TypeParam;
+  using R = real_t<T>;
+  const auto small_whole = [draw = Uniform<R>(R(-2.4), R(2.4))]() mutable { return std::nearbyint(draw()); };
+  expect_lanes<T>(
+      kTrials, 3, small_whole, [](const Numbers<T>& a) { return Numbers<T>{-fma(a[0], a[1], a[2])}; },
+      [](const Numbers<R>& a) {
+        const volatile R unfused = a[0] * a[1] + a[2];
+        return Numbers<R>{-unfused};
+      });
+}
+
 TYPED_TEST(NumberContract, Exponents) {
   using T = TypeParam;
   using R = real_t<T>;
