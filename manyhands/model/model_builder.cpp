@@ -140,49 +140,52 @@ Model ModelBuilder::compile() const {
   model.meshes_ = meshes_;
   model.bodies_.push_back({});
   for (const LinkId id : depth_first()) {
-    Link& link = model.links_[id.index()];
     if (id == world()) {
-      link.body = BodyId(0);
-      continue;
-    }
-    if (!link.joint.is_valid()) {
-      link.body = BodyId(0);
-      link.parent = world();
+      model.links_[id.index()].body = BodyId(0);
     } else {
-      Joint& joint = model.joints_[link.joint.index()];
-      const Link& parent = model.links_[joint.parent.index()];
-      const Transform<double> X_BF = parent.X_BL * joint.X_PF;
-      if (joint.type == JointType::kFixed) {
-        link.body = parent.body;
-        link.X_BL = X_BF;
-      } else {
-        const Mat3<double> R_FZ =
-            joint.type == JointType::kSpherical || joint.type == JointType::kFloating ? Mat3<double>::identity()
-                                                                                      : rotation_from_z_to(joint.axis);
-        Body body;
-        body.parent = parent.body;
-        body.joint = link.joint;
-        body.type = joint.type;
-        body.X_PF = {X_BF.R * R_FZ, X_BF.p};
-        body.iq = joint.iq = model.nq_;
-        body.iv = joint.iv = model.nv_;
-        body.nq = configuration_size(joint.type);
-        body.nv = velocity_size(joint.type);
-        model.nq_ += body.nq;
-        model.nv_ += body.nv;
-        link.body = BodyId(model.bodies_.size());
-        link.X_BL = {transpose(R_FZ), Vec3<double>::zero()};
-        model.bodies_.push_back(body);
-      }
+      compile_link(model, id);
     }
-    Body& body = model.bodies_[link.body.index()];
-    body.inertia = body.inertia + transformed(link.X_BL, link.inertial.about_origin());
   }
   for (const Link& link : model.links_) model.frames_.push_back({link.name, link.body, link.X_BL});
   for (const NamedFrame& frame : frames_) {
     const Link& link = model.link(frame.link);
     model.frames_.push_back({frame.name, link.body, link.X_BL * frame.X_LF});
   }
+  compile_dofs(model);
+  return model;
+}
+
+/// Puts a link on its body, which is its parent's, the world, or a new one that its joint moves.
+void ModelBuilder::compile_link(Model& model, LinkId id) {
+  Link& link = model.links_[id.index()];
+  if (!link.joint.is_valid()) {
+    link.body = BodyId(0);
+    link.parent = LinkId(0);
+  } else {
+    Joint& joint = model.joints_[link.joint.index()];
+    const Link& parent = model.links_[joint.parent.index()];
+    const Transform<double> X_BF = parent.X_BL * joint.X_PF;
+    if (joint.type == JointType::kFixed) {
+      link.body = parent.body;
+      link.X_BL = X_BF;
+    } else {
+      const bool has_axis = joint.type != JointType::kSpherical && joint.type != JointType::kFloating;
+      const Mat3<double> R_FZ = has_axis ? rotation_from_z_to(joint.axis) : Mat3<double>::identity();
+      Body body{.parent = parent.body, .joint = link.joint, .type = joint.type, .X_PF = {X_BF.R * R_FZ, X_BF.p}};
+      body.iq = joint.iq = model.nq_;
+      body.iv = joint.iv = model.nv_;
+      model.nq_ += body.nq = configuration_size(joint.type);
+      model.nv_ += body.nv = velocity_size(joint.type);
+      link.body = BodyId(model.bodies_.size());
+      link.X_BL = {transpose(R_FZ), Vec3<double>::zero()};
+      model.bodies_.push_back(body);
+    }
+  }
+  Body& body = model.bodies_[link.body.index()];
+  body.inertia = body.inertia + transformed(link.X_BL, link.inertial.about_origin());
+}
+
+void ModelBuilder::compile_dofs(Model& model) {
   std::vector<int> last_dof(model.bodies_.size(), -1);
   for (std::size_t b = 1; b < model.bodies_.size(); ++b) {
     const Body& body = model.bodies_[b];
@@ -200,8 +203,29 @@ Model ModelBuilder::compile() const {
     }
     last_dof[b] = previous;
   }
-  return model;
 }
+
+namespace {
+
+/// The least inertia that any motion of the joint meets, given its subtree's inertia I about the body's origin.
+double least_inertia(JointType type, const RigidInertia<double>& I) {
+  const double rotation = std::min({I.I.xx, I.I.yy, I.I.zz});
+  switch (type) {
+    case JointType::kRevolute:
+    case JointType::kContinuous:
+      return I.I.zz;
+    case JointType::kPrismatic:
+      return I.m;
+    case JointType::kSpherical:
+      return rotation;
+    case JointType::kPlanar:
+      return std::min(I.m, I.I.zz);
+    default:
+      return std::min(I.m, rotation);
+  }
+}
+
+}  // namespace
 
 std::vector<JointId> ModelBuilder::joints_without_inertia() const {
   const Model model = compile();
@@ -212,29 +236,8 @@ std::vector<JointId> ModelBuilder::joints_without_inertia() const {
     const Body& body = model.bodies_[b];
     composite[b] = composite[b] + body.inertia;
     composite[body.parent.index()] = composite[body.parent.index()] + transformed(body.X_PF, composite[b]);
-    const RigidInertia<double>& I = composite[b];
-    const double translation = I.m, about_z = I.I.zz;
-    const double rotation = std::min({I.I.xx, I.I.yy, I.I.zz});
-    double least = 0;
-    switch (body.type) {
-      case JointType::kRevolute:
-      case JointType::kContinuous:
-        least = about_z;
-        break;
-      case JointType::kPrismatic:
-        least = translation;
-        break;
-      case JointType::kSpherical:
-        least = rotation;
-        break;
-      case JointType::kPlanar:
-        least = std::min(translation, about_z);
-        break;
-      default:
-        least = std::min(translation, rotation);
-        break;
-    }
-    if (least + model.joint(body.joint).armature < 1e-12) found.push_back(body.joint);
+    const double inertia = least_inertia(body.type, composite[b]) + model.joint(body.joint).armature;
+    if (inertia < 1e-12) found.push_back(body.joint);
   }
   std::ranges::reverse(found);
   return found;

@@ -58,6 +58,8 @@ class ModelBuilder {
 
   [[nodiscard]] std::vector<LinkId> depth_first() const;
   [[nodiscard]] Model compile() const;
+  static void compile_link(Model& model, LinkId id);
+  static void compile_dofs(Model& model);
 
   std::string name_;
   std::vector<Link> links_;
