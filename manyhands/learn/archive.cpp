@@ -106,6 +106,7 @@ ArchiveReader::ArchiveReader(const std::filesystem::path& path) : path_(path) {
 
 void ArchiveReader::extract(void* data, std::size_t bytes) {
   check(bytes <= bytes_.size() - at_, "it ends too early");
+  if (bytes == 0) return;  // `data` may be null
   std::memcpy(data, bytes_.data() + at_, bytes);
   at_ += bytes;
 }

@@ -40,17 +40,28 @@ void Halves::post() {
   posted_.notify_one();
 }
 
+/// Whether the caller is the first to ask for the second half of the round.
+bool Halves::claim(unsigned round) {
+  unsigned before = round - 1;
+  return claimed_.compare_exchange_strong(before, round, std::memory_order_acq_rel);
+}
+
 void Halves::wait() {
-  const unsigned target = posted_.load(std::memory_order_relaxed);
-  if (finished_.load(std::memory_order_acquire) != target) await_change(finished_, target - 1);
+  const unsigned round = posted_.load(std::memory_order_relaxed);
+  for (unsigned seen = finished_.load(std::memory_order_acquire); seen != round;
+       seen = finished_.load(std::memory_order_acquire)) {
+    await_change(finished_, seen);
+  }
 }
 
 void Halves::serve() {
-  for (unsigned served = 0;; ++served) {
-    await_change(posted_, served);
+  for (unsigned seen = 0;;) {
+    await_change(posted_, seen);
+    seen = posted_.load(std::memory_order_acquire);
     if (stop_.load(std::memory_order_relaxed)) return;
+    if (!claim(seen)) continue;
     call_(context_);
-    finished_.fetch_add(1, std::memory_order_release);
+    finished_.store(seen, std::memory_order_release);
     finished_.notify_one();
   }
 }

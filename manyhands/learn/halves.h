@@ -6,12 +6,12 @@
 
 namespace manyhands::learn {
 
-/// Runs body(0) and body(1), each exactly once: the second on a helper thread if there is one.
+/// Runs body(0) and body(1), each exactly once: the second on a helper thread if there is one and it is free in time.
 ///
-/// What a half does must not depend on the other, so the number of threads never shows in the results.
+/// What a half does must not depend on the other, so neither threads nor their timing ever show in the results.
 class Halves {
  public:
-  /// `num_threads` 1: both halves run in turn on the calling thread; 2 or more: a helper thread takes the second.
+  /// `num_threads` 1: both halves run in turn on the calling thread; 2 or more: a helper thread may take the second.
   explicit Halves(int num_threads);
   ~Halves();
   Halves(const Halves&) = delete;
@@ -29,17 +29,22 @@ class Halves {
     call_ = [](void* context) { (*static_cast<std::remove_reference_t<Body>*>(context))(1); };
     post();
     body(0);
-    wait();
+    if (claim(posted_.load(std::memory_order_relaxed))) {  // a busy machine has not let the helper run yet
+      body(1);
+    } else {
+      wait();
+    }
   }
 
  private:
   void post();
+  bool claim(unsigned round);
   void wait();
   void serve();
 
   void* context_ = nullptr;
   void (*call_)(void*) = nullptr;
-  std::atomic<unsigned> posted_ = 0, finished_ = 0;
+  std::atomic<unsigned> posted_ = 0, claimed_ = 0, finished_ = 0;  // number of the last such round
   std::atomic<bool> stop_ = false;
   std::thread helper_;
 };

@@ -1,0 +1,115 @@
+// The actor-critic update on problems whose values and best actions are known.
+#include <gtest/gtest.h>
+
+#include "manyhands/learn/agent.h"
+#include "manyhands/learn/random.h"
+
+namespace manyhands::learn {
+namespace {
+
+constexpr ValueBounds kWide = {.low = -1e3f, .high = 1e3f};
+
+TrainerConfig config() {
+  TrainerConfig config;
+  config.hidden_layers = {32, 32};
+  config.batch_size = 64;
+  return config;
+}
+
+void fill_uniform(Matrix<float>& to, Random& random) {
+  for (Eigen::Index i = 0; i < to.size(); ++i) to(i) = random.uniform(-1.0f, 1.0f);
+}
+
+/// Trains on transitions with random states and actions, constant reward and discount, that lead back to their state.
+/// Returns the mean value at the end.
+double learned_value(const TrainerConfig& config, float reward, float discount, const ValueBounds& bounds) {
+  Agent agent(3, 2, config);
+  Halves halves(1);
+  double q = 0;
+  constexpr int kSteps = 1500, kAveraged = 100;
+  for (int step = 0; step < kSteps; ++step) {
+    for (int i = 0; i < 2; ++i) {
+      Random random(i == 0 ? 1 : 2, Purpose::kSampling, static_cast<std::uint64_t>(step));
+      AgentBatch& batch = agent.half(i);
+      fill_uniform(batch.state, random);
+      batch.next_state = batch.state;
+      fill_uniform(batch.action, random);
+      batch.reward.setConstant(reward);
+      batch.discount.setConstant(discount);
+    }
+    const UpdateStats stats = agent.update(halves, bounds);
+    if (step >= kSteps - kAveraged) q += static_cast<double>(stats.q) / kAveraged;
+  }
+  return q;
+}
+
+TEST(Agent, ValuesAnEndAtItsReward) { EXPECT_NEAR(learned_value(config(), -1, 0, kWide), -1.0, 0.02); }
+
+TEST(Agent, ValuesAnEndlessLoopAtTheGeometricSum) {
+  for (const int critics : {1, 2}) {
+    TrainerConfig twin = config();
+    twin.num_critics = critics;
+    twin.target_noise = critics == 2 ? 0.2f : 0.0f;
+    EXPECT_NEAR(learned_value(twin, -1, 0.8f, kWide), -1 / (1 - 0.8), 0.15);
+    EXPECT_NEAR(learned_value(twin, 0.5, 0.8f, kWide), 0.5 / (1 - 0.8), 0.15);
+  }
+}
+
+TEST(Agent, KeepsTargetsWithinTheBoundsOfAReturn) {
+  EXPECT_NEAR(learned_value(config(), -1, 0.8f, {.low = -3, .high = 0}), -3.0, 0.1);
+  EXPECT_NEAR(learned_value(config(), 1, 0.8f, {.low = -3, .high = 2}), 2.0, 0.1);
+}
+
+TEST(Agent, FindsTheBestActionOfEachState) {
+  // One step, reward -|a - a*(s)|^2: the best policy is a* = (s0 / 2, -s1 / 2).
+  TrainerConfig bandit = config();
+  Agent agent(2, 2, bandit);
+  Halves halves(1);
+  UpdateStats stats;
+  for (int step = 0; step < 2000; ++step) {
+    for (int i = 0; i < 2; ++i) {
+      Random random(i == 0 ? 1 : 2, Purpose::kSampling, static_cast<std::uint64_t>(step));
+      AgentBatch& batch = agent.half(i);
+      fill_uniform(batch.state, random);
+      batch.next_state = batch.state;
+      fill_uniform(batch.action, random);
+      batch.discount.setZero();
+      for (Eigen::Index c = 0; c < batch.reward.size(); ++c) {
+        const float x = batch.action(0, c) - 0.5f * batch.state(0, c),
+                    y = batch.action(1, c) + 0.5f * batch.state(1, c);
+        batch.reward[c] = -(x * x + y * y);
+      }
+    }
+    stats = agent.update(halves, kWide);
+  }
+  EXPECT_NEAR(stats.policy_q, 0.0, 0.02);
+  MlpTape<float> tape = agent.actor().make_tape(256);
+  Random random(3, Purpose::kSampling, 0);
+  fill_uniform(tape.input(), random);
+  agent.actor().forward(tape);
+  Matrix<float> regret = tape.output();
+  regret.row(0) -= 0.5f * tape.input().row(0);
+  regret.row(1) += 0.5f * tape.input().row(1);
+  EXPECT_LT(regret.colwise().squaredNorm().mean(), 0.02f) << "doing nothing costs 1/6";
+}
+
+TEST(Agent, MovesThePolicyOnlyWhenItIsDue) {
+  TrainerConfig delayed = config();
+  delayed.policy_delay = 3;
+  Agent agent(2, 1, delayed);
+  Halves halves(1);
+  for (int i = 0; i < 2; ++i) {
+    Random random(5, Purpose::kSampling, static_cast<std::uint64_t>(i));
+    fill_uniform(agent.half(i).state, random);
+    fill_uniform(agent.half(i).action, random);
+  }
+  for (int step = 1; step <= 7; ++step) {
+    const Vector<float> before = agent.actor().parameters();
+    const bool updated = agent.update(halves, kWide).policy_updated;
+    EXPECT_EQ(updated, step % 3 == 0);
+    EXPECT_EQ(agent.actor().parameters() != before, updated);
+  }
+}
+
+}  // namespace
+}  // namespace manyhands::learn

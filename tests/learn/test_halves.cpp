@@ -1,0 +1,50 @@
+// Each half runs once per round, whichever thread takes it.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <chrono>
+#include <thread>
+
+#include "manyhands/learn/halves.h"
+
+namespace manyhands::learn {
+namespace {
+
+TEST(Halves, RunsEachHalfOncePerRoundAndWaitsForBoth) {
+  for (const int threads : {1, 2, 5}) {
+    Halves halves(threads);
+    std::array<long, 2> runs{};  // plain: a half that overlapped the next round would be a race
+    for (long round = 1; round <= 20'000; ++round) {
+      halves.run([&](int half) { ++runs[static_cast<std::size_t>(half)]; });
+      ASSERT_EQ(runs[0], round);
+      ASSERT_EQ(runs[1], round);
+    }
+  }
+}
+
+TEST(Halves, WaitsForASlowHelperAndAfterALongPause) {
+  Halves halves(2);
+  for (int round = 0; round < 5; ++round) {
+    std::array<bool, 2> ran{};
+    halves.run([&](int half) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(half == 0 ? 1 : 5));
+      ran[static_cast<std::size_t>(half)] = true;
+    });
+    EXPECT_TRUE(ran[0] && ran[1]);
+    std::this_thread::sleep_for(std::chrono::milliseconds(3));  // the helper falls asleep
+  }
+}
+
+TEST(Halves, UsesTheHelper) {
+  Halves halves(2);
+  std::array<std::thread::id, 2> ids;
+  halves.run([&](int half) {
+    ids[static_cast<std::size_t>(half)] = std::this_thread::get_id();
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));  // long enough for it to wake up
+  });
+  EXPECT_EQ(ids[0], std::this_thread::get_id());
+  EXPECT_NE(ids[1], ids[0]);
+}
+
+}  // namespace
+}  // namespace manyhands::learn
