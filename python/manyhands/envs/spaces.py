@@ -33,7 +33,7 @@ def require_no_rendering(render_mode: str | None) -> None:
         )
 
 
-def observation_space(spec: EnvSpec) -> spaces.Dict:
+def observation_space(spec: EnvSpec) -> spaces.Space[Any]:
     """observation, achieved_goal and desired_goal, each a float32 Box(-10, 10)."""
 
     def box(size: int) -> spaces.Box:
@@ -44,7 +44,7 @@ def observation_space(spec: EnvSpec) -> spaces.Dict:
     )
 
 
-def action_space(spec: EnvSpec) -> spaces.Box:
+def action_space(spec: EnvSpec) -> spaces.Space[Any]:
     """Box(-1, 1, (action_dim,), float32)."""
     return spaces.Box(-1.0, 1.0, (spec.action_dim,), np.float32)
 

@@ -1,10 +1,11 @@
 """Policies as ONNX files."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import onnx
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 from onnx import TensorProto, helper, numpy_helper
 
 from manyhands._core.learn import Policy
@@ -22,11 +23,11 @@ def to_onnx(policy: Policy, env_id: str) -> onnx.ModelProto:
     constants: list[onnx.TensorProto] = []
     nodes: list[onnx.NodeProto] = []
 
-    def constant(name: str, value: NDArray[np.float32]) -> str:
+    def constant(name: str, value: ArrayLike) -> str:
         constants.append(numpy_helper.from_array(np.asarray(value, np.float32), name))
         return name
 
-    def apply(operation: str, inputs: list[str], output: str, **attributes: int) -> str:
+    def apply(operation: str, inputs: list[str], output: str, **attributes: Any) -> str:
         nodes.append(helper.make_node(operation, inputs, [output], **attributes))
         return output
 
@@ -34,7 +35,7 @@ def to_onnx(policy: Policy, env_id: str) -> onnx.ModelProto:
     x = apply("Concat", ["observation", "desired_goal", to_goal], "features", axis=1)
     x = apply("Sub", [x, constant("mean", policy.mean)], "centred")
     x = apply("Mul", [x, constant("scale", policy.scale)], "scaled")
-    limits = [constant(name, np.float32(value)) for name, value in (("low", -policy.clip), ("high", policy.clip))]
+    limits = [constant(name, value) for name, value in (("low", -policy.clip), ("high", policy.clip))]
     x = apply("Clip", [x, *limits], "normalised")
     for i, (weight, bias) in enumerate(policy.layers):
         last = i == len(policy.layers) - 1
