@@ -1,9 +1,9 @@
 // The repair of inertias against a search that knows nothing of its formulas.
-#include "manyhands/model/io/inertia_repair.h"
-
 #include <gtest/gtest.h>
 
 #include <random>
+
+#include "manyhands/model/io/inertia_repair.h"
 
 namespace manyhands::io {
 namespace {
@@ -30,9 +30,10 @@ TEST(InertiaRepair, NoPossibleMomentsAreNearer) {
 }
 
 TEST(InertiaRepair, LeavesWhatIsPossibleAlone) {
-  for (const SymMat3<double>& I : {SymMat3<double>{1, 2, 3, 0, 0, 0}, SymMat3<double>{0, 1, 1, 0, 0, 0},
-                                   SymMat3<double>{0, 0, 0, 0, 0, 0}, SymMat3<double>{2, 2, 2, 0.5, 0.5, 0.5},
-                                   SymMat3<double>{1e-9, 1e-9, 1.9e-9, 0, 0, 0}, SymMat3<double>{1, 1, 2.0000001, 0, 0, 0}}) {
+  for (const SymMat3<double>& I :
+       {SymMat3<double>{1, 2, 3, 0, 0, 0}, SymMat3<double>{0, 1, 1, 0, 0, 0}, SymMat3<double>{0, 0, 0, 0, 0, 0},
+        SymMat3<double>{2, 2, 2, 0.5, 0.5, 0.5}, SymMat3<double>{1e-9, 1e-9, 1.9e-9, 0, 0, 0},
+        SymMat3<double>{1, 1, 2.0000001, 0, 0, 0}}) {
     Inertial inertial{1, {0, 0, 0}, I};
     EXPECT_FALSE(repair_inertial(inertial).has_value());
     EXPECT_EQ(inertial.inertia.xx, I.xx);

@@ -1,9 +1,8 @@
 // Meshes written here, read back: formats, scales, units, axes, and what is no mesh.
-#include "manyhands/model/io/mesh_file.h"
-
 #include <cstring>
 
 #include "manyhands/math/vec3.h"
+#include "manyhands/model/io/mesh_file.h"
 #include "tests/model/urdf_testing.h"
 
 namespace manyhands::testing {
@@ -66,8 +65,10 @@ constexpr const char* kPlainNode = "<node><instance_geometry url=\"#g\"/></node>
 
 TEST(MeshFile, EveryFormatGivesTheSameCorner) {
   const ScratchFolder folder;
-  const std::pair<const char*, std::string> files[] = {
-      {"a.stl", ascii_stl()}, {"b.STL", binary_stl()}, {"c.obj", std::string(kTetrahedronObj)}, {"d.dae", dae("<up_axis>Z_UP</up_axis>", kPlainNode)}};
+  const std::pair<const char*, std::string> files[] = {{"a.stl", ascii_stl()},
+                                                       {"b.STL", binary_stl()},
+                                                       {"c.obj", std::string(kTetrahedronObj)},
+                                                       {"d.dae", dae("<up_axis>Z_UP</up_axis>", kPlainNode)}};
   for (const auto& [name, bytes] : files) {
     const Mesh mesh = load_mesh(folder.write(name, bytes));
     EXPECT_EQ(mesh.triangles.size(), 4u) << name;
@@ -99,7 +100,8 @@ TEST(MeshFile, DaeUnitAxesAndNodes) {
   EXPECT_NEAR(volume(x_up), 1.0 / 6, 1e-6);
 
   const std::string nested =
-      "<node><rotate>0 0 1 90</rotate><translate>1 0 0</translate><node><matrix>1 0 0 0 0 1 0 0 0 0 -1 5 0 0 0 1</matrix>"
+      "<node><rotate>0 0 1 90</rotate><translate>1 0 0</translate><node><matrix>1 0 0 0 0 1 0 0 0 0 -1 5 0 0 0 "
+      "1</matrix>"
       "<scale>2 2 2</scale><instance_geometry url=\"#g\"/></node></node>";
   const Mesh mesh = io::read_dae(dae("<up_axis>Z_UP</up_axis>", nested));
   EXPECT_NEAR(mesh.vertices[0].x, 0, 1e-6);  // (1, 0, 5) turned a quarter about z
@@ -122,21 +124,22 @@ TEST(MeshFile, DaeNodesCannotMultiplyWithoutEnd) {
 
 TEST(MeshFile, SaysWhatIsNoMesh) {
   const ScratchFolder folder;
-  const std::pair<const char*, std::string> files[] = {{"a.stl", "not a mesh"},
-                                                       {"short.stl", binary_stl().substr(0, 200)},
-                                                       {"cut.stl", ascii_stl().substr(0, 120)},
-                                                       {"word.stl", "solid x facet outer loop vertex 1 2 z"},
-                                                       {"nan.obj", "v nan 0 0\n"},
-                                                       {"index.obj", "v 0 0 0\nf 1 2 3\n"},
-                                                       {"fraction.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2.5 3\n"},
-                                                       {"huge.obj", "v 1e200 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"},
-                                                       {"empty.obj", ""},
-                                                       {"a.dae", "<COLLADA>"},
-                                                       {"b.dae", "<robot/>"},
-                                                       {"c.dae", dae("<up_axis>UP</up_axis>", kPlainNode)},
-                                                       {"d.dae", dae("<unit meter=\"0\"/>", kPlainNode)},
-                                                       {"e.dae", dae("", "<node><instance_geometry url=\"#none\"/></node>")},
-                                                       {"a.ply", "ply"}};
+  const std::pair<const char*, std::string> files[] = {
+      {"a.stl", "not a mesh"},
+      {"short.stl", binary_stl().substr(0, 200)},
+      {"cut.stl", ascii_stl().substr(0, 120)},
+      {"word.stl", "solid x facet outer loop vertex 1 2 z"},
+      {"nan.obj", "v nan 0 0\n"},
+      {"index.obj", "v 0 0 0\nf 1 2 3\n"},
+      {"fraction.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2.5 3\n"},
+      {"huge.obj", "v 1e200 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"},
+      {"empty.obj", ""},
+      {"a.dae", "<COLLADA>"},
+      {"b.dae", "<robot/>"},
+      {"c.dae", dae("<up_axis>UP</up_axis>", kPlainNode)},
+      {"d.dae", dae("<unit meter=\"0\"/>", kPlainNode)},
+      {"e.dae", dae("", "<node><instance_geometry url=\"#none\"/></node>")},
+      {"a.ply", "ply"}};
   for (const auto& [name, bytes] : files) {
     try {
       (void)load_mesh(folder.write(name, bytes));

@@ -71,7 +71,8 @@ TEST_F(PackagePathsTest, PackagesAboveTheFile) {
   scratch_.write("src/arm/meshes/m.stl", "x");
   scratch_.write("src/checkout-2/package.xml", "<package>\n<name> hand </name></package>");
   scratch_.write("src/checkout-2/urdf/m.stl", "x");
-  EXPECT_EQ(PackagePaths(at("src/arm/urdf"), {}, false).resolve("package://arm/meshes/m.stl"), at("src/arm/meshes/m.stl"));
+  EXPECT_EQ(PackagePaths(at("src/arm/urdf"), {}, false).resolve("package://arm/meshes/m.stl"),
+            at("src/arm/meshes/m.stl"));
   EXPECT_EQ(PackagePaths(at("src/arm"), {}, false).resolve("package://meshes/m.stl"), at("src/arm/meshes/m.stl"));
   EXPECT_EQ(PackagePaths(at("src/checkout-2/urdf"), {}, false).resolve("package://hand/urdf/m.stl"),
             at("src/checkout-2/urdf/m.stl"));
@@ -107,7 +108,8 @@ TEST_F(PackagePathsTest, NothingOutsideMayBeReached) {
 
 TEST_F(PackagePathsTest, AnEscapeIsAnErrorOfTheLoader) {
   scratch_.write("secret.obj", kTetrahedronObj);
-  const std::string text = robot(link("a", std::string(kInertial) + "\n<visual><geometry><mesh filename=\"../secret.obj\"/></geometry></visual>"));
+  const std::string text = robot(
+      link("a", std::string(kInertial) + "\n<visual><geometry><mesh filename=\"../secret.obj\"/></geometry></visual>"));
   const fs::path file = scratch_.write("robot/r.urdf", text);
   try {
     const LoadedModel loaded = load_urdf(file);

@@ -45,7 +45,8 @@ constexpr std::string_view kDae = R"(<COLLADA version="1.4.1"><asset><unit meter
 </visual_scene></library_visual_scenes><scene><instance_visual_scene url="#w"/></scene></COLLADA>)";
 
 constexpr std::string_view kStl =
-    "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1e0 0\nendloop\nendfacet\nendsolid s\n";
+    "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1e0 0\nendloop\nendfacet\nendsolid "
+    "s\n";
 
 std::string binary_stl() {
   std::string bytes(84 + 3 * 50, '\0');

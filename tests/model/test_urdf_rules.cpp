@@ -24,7 +24,8 @@ TEST(UrdfRules, ReadsLinksAndJointsDepthFirst) {
 TEST(UrdfRules, ReadsAJointWhole) {
   const std::string body =
       "<origin xyz=\"1 2 3\" rpy=\"0 0 1.5707963267948966\"/><axis xyz=\"0 1 0\"/>"
-      "<limit lower=\"-1.5\" upper=\"2.\" effort=\"+87\" velocity=\"1e-1\"/><dynamics damping=\".5\" friction=\"0.25\"/>";
+      "<limit lower=\"-1.5\" upper=\"2.\" effort=\"+87\" velocity=\"1e-1\"/><dynamics damping=\".5\" "
+      "friction=\"0.25\"/>";
   const LoadedModel loaded = load(two_links("revolute", body));
   const Joint& joint = loaded.model.joints()[0];
   EXPECT_EQ(joint.type, JointType::kRevolute);
@@ -75,9 +76,9 @@ TEST(UrdfRules, RotatesInertiaIntoTheLinkFrame) {
 }
 
 TEST(UrdfRules, MimicKeepsItsNumbers) {
-  const std::string text =
-      robot(link("a") + link("b") + link("c") + joint("j", "revolute", "a", "b", kHinge) +
-            joint("k", "prismatic", "a", "c", std::string(kHinge) + "<mimic joint=\"j\" multiplier=\"-2\" offset=\"0.5\"/>"));
+  const std::string text = robot(
+      link("a") + link("b") + link("c") + joint("j", "revolute", "a", "b", kHinge) +
+      joint("k", "prismatic", "a", "c", std::string(kHinge) + "<mimic joint=\"j\" multiplier=\"-2\" offset=\"0.5\"/>"));
   const Joint joint = load(text).model.joints()[1];
   ASSERT_TRUE(joint.mimic.has_value());
   EXPECT_EQ(joint.mimic->joint, "j");
@@ -134,8 +135,9 @@ TEST(UrdfRules, ContactIsPyBullets) {
                            "<spinning_friction value=\"0.02\"/><restitution value=\"0.3\"/><stiffness value=\"3e4\"/>"
                            "<damping value=\"1000\"/><inertia_scaling value=\"3\"/><contact_cfm value=\"0\"/></contact>"
                            "<collision><geometry><sphere radius=\"1\"/></geometry></collision>";
-  const LoadedModel loaded = load(robot(link("a", body) + link("b", "<collision><geometry><sphere radius=\"1\"/></geometry></collision>") +
-                                        joint("j", "fixed", "a", "b")));
+  const LoadedModel loaded =
+      load(robot(link("a", body) + link("b", "<collision><geometry><sphere radius=\"1\"/></geometry></collision>") +
+                 joint("j", "fixed", "a", "b")));
   const SurfaceMaterial& s = loaded.model.geoms()[0].surface;
   EXPECT_EQ(s.lateral_friction, 0.9);
   EXPECT_EQ(s.rolling_friction, 0.01);
@@ -176,13 +178,16 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Note{"NoRobotName", "<robot>" + link("a") + "</robot>", "r.urdf:1: defaulted: robot: <robot> has no name"},
         Note{"NoInertial", robot(link("a", "")), "r.urdf:2: defaulted: link 'a': no <inertial>; mass 0 taken"},
-        Note{"NoInertia", robot(link("a", "<inertial><mass value=\"1\"/></inertial>")), "<inertial> has no <inertia>; 0"},
-        Note{"NoProducts", robot(link("a", inertial("1", "ixx=\"1\" iyy=\"1\" izz=\"1\""))), "ixy, ixz and iyz; 0 taken"},
+        Note{"NoInertia", robot(link("a", "<inertial><mass value=\"1\"/></inertial>")),
+             "<inertial> has no <inertia>; 0"},
+        Note{"NoProducts", robot(link("a", inertial("1", "ixx=\"1\" iyy=\"1\" izz=\"1\""))),
+             "ixy, ixz and iyz; 0 taken"},
         Note{"NegativeMass", robot(link("a", inertial("-1", "ixx=\"1\" iyy=\"1\" izz=\"1\""))),
              "repaired: link 'a': mass -1 kg is negative; 0 taken"},
         Note{"Triangle", robot(link("a", inertial("1", "ixx=\"1\" iyy=\"1\" izz=\"5\""))),
              "principal moments of inertia 1 1 5 kg m^2; the nearest possible, 2 2 4, taken"},
-        Note{"Indefinite", robot(link("a", inertial("1", "ixx=\"1\" iyy=\"1\" izz=\"1\" ixy=\"3\" ixz=\"0\" iyz=\"0\""))),
+        Note{"Indefinite",
+             robot(link("a", inertial("1", "ixx=\"1\" iyy=\"1\" izz=\"1\" ixy=\"3\" ixz=\"0\" iyz=\"0\""))),
              "repaired: link 'a': no rigid body has the principal moments of inertia -2 1 4"},
         Note{"MasslessMoving", robot(link("a") + link("b", "") + joint("j", "revolute", "a", "b", kHinge)),
              "r.urdf:3: repaired: link 'b': joint 'j' would move no inertia; a mass of 0.001 kg"},
@@ -190,44 +195,63 @@ INSTANTIATE_TEST_SUITE_P(
         Note{"NoAxisXyz", two_links("revolute", kLimit + "<axis/>"), "defaulted: joint 'j': <axis> has no xyz"},
         Note{"ZeroAxis", two_links("revolute", kLimit + "\n<axis xyz=\"0 0 0\"/>"),
              "r.urdf:5: repaired: joint 'j': the axis is 0; 1 0 0 taken"},
-        Note{"LongAxis", two_links("revolute", kLimit + "<axis xyz=\"0 3 4\"/>"), "the axis has length 5; brought to 1"},
+        Note{"LongAxis", two_links("revolute", kLimit + "<axis xyz=\"0 3 4\"/>"),
+             "the axis has length 5; brought to 1"},
         Note{"SecondAxis", two_links("revolute", kHinge + kAxis), "a further <axis>; only the first counts"},
         Note{"NoLimit", two_links("prismatic", kAxis), "defaulted: joint 'j': no <limit>; unlimited"},
-        Note{"NoRange", two_links("revolute", kAxis + "<limit effort=\"1\" velocity=\"1\"/>"), "neither lower nor upper"},
-        Note{"NoUpper", two_links("revolute", kAxis + "<limit lower=\"-1\" effort=\"1\" velocity=\"1\"/>"), "no upper; 0"},
-        Note{"NoEffort", two_links("revolute", kAxis + "<limit lower=\"-1\" upper=\"1\" velocity=\"1\"/>"), "no effort"},
-        Note{"CrossedLimits", two_links("revolute", kAxis + "<limit lower=\"1\" upper=\"-1\" effort=\"1\" velocity=\"1\"/>"),
+        Note{"NoRange", two_links("revolute", kAxis + "<limit effort=\"1\" velocity=\"1\"/>"),
+             "neither lower nor upper"},
+        Note{"NoUpper", two_links("revolute", kAxis + "<limit lower=\"-1\" effort=\"1\" velocity=\"1\"/>"),
+             "no upper; 0"},
+        Note{"NoEffort", two_links("revolute", kAxis + "<limit lower=\"-1\" upper=\"1\" velocity=\"1\"/>"),
+             "no effort"},
+        Note{"CrossedLimits",
+             two_links("revolute", kAxis + "<limit lower=\"1\" upper=\"-1\" effort=\"1\" velocity=\"1\"/>"),
              "lower 1 is above upper -1; no range taken"},
-        Note{"NegativeEffort", two_links("revolute", kAxis + "<limit lower=\"0\" upper=\"1\" effort=\"-1\" velocity=\"1\"/>"),
+        Note{"NegativeEffort",
+             two_links("revolute", kAxis + "<limit lower=\"0\" upper=\"1\" effort=\"-1\" velocity=\"1\"/>"),
              "the effort limit -1 is negative; unlimited"},
-        Note{"NegativeDamping", two_links("revolute", kHinge + std::string("<dynamics damping=\"-1\"/>")), "damping -1 is neg"},
+        Note{"NegativeDamping", two_links("revolute", kHinge + std::string("<dynamics damping=\"-1\"/>")),
+             "damping -1 is neg"},
         Note{"RangeOfContinuous", two_links("continuous", kHinge), "ignored: joint 'j': attribute 'lower' of <limit>"},
-        Note{"MimicOfFixed", two_links("fixed", "<mimic joint=\"j\"/>"), "ignored: joint 'j': a fixed joint cannot mimic"},
+        Note{"MimicOfFixed", two_links("fixed", "<mimic joint=\"j\"/>"),
+             "ignored: joint 'j': a fixed joint cannot mimic"},
         Note{"Safety", two_links("revolute", kHinge + std::string("<safety_controller k_velocity=\"1\"/>")),
              "ignored: joint 'j': <safety_controller> in <joint> is not used"},
-        Note{"Calibration", two_links("revolute", kHinge + std::string("<calibration rising=\"0\"/>")), "<calibration> in <joint>"},
-        Note{"Transmission", robot(link("a") + "<transmission name=\"t\"/>"), "r.urdf:3: ignored: robot: <transmission> 't'"},
-        Note{"Gazebo", robot(link("a") + "<gazebo reference=\"a\"><mu1>${x}</mu1></gazebo>"), "ignored: robot: <gazebo>"},
-        Note{"UnknownElement", robot(link("a") + "<sensor/>"), "r.urdf:3: ignored: robot: <sensor> in <robot> is not used"},
+        Note{"Calibration", two_links("revolute", kHinge + std::string("<calibration rising=\"0\"/>")),
+             "<calibration> in <joint>"},
+        Note{"Transmission", robot(link("a") + "<transmission name=\"t\"/>"),
+             "r.urdf:3: ignored: robot: <transmission> 't'"},
+        Note{"Gazebo", robot(link("a") + "<gazebo reference=\"a\"><mu1>${x}</mu1></gazebo>"),
+             "ignored: robot: <gazebo>"},
+        Note{"UnknownElement", robot(link("a") + "<sensor/>"),
+             "r.urdf:3: ignored: robot: <sensor> in <robot> is not used"},
         Note{"UnknownAttribute", robot("<link name=\"a\" mood=\"good\">" + std::string(kInertial) + "</link>"),
              "r.urdf:2: ignored: link 'a': attribute 'mood' of <link> is not used"},
         Note{"StrayText", robot(link("a") + "oops"), "ignored: robot: text 'oops'... in <robot>"},
-        Note{"UnknownShape", geom("<cone/>"), "r.urdf:3: ignored: link 'a': the shape <cone> is not known; the geom is"},
+        Note{"UnknownShape", geom("<cone/>"),
+             "r.urdf:3: ignored: link 'a': the shape <cone> is not known; the geom is"},
         Note{"NoSize", geom("<sphere radius=\"0\"/>"), "the <sphere> has no size; the geom is left out"},
         Note{"TwoShapes", geom("<sphere radius=\"1\"/><box/>"), "<box> in <geometry>; only the first shape counts"},
-        Note{"NoMesh", geom("<mesh filename=\"none.stl\"/>"), "r.urdf:3: ignored: link 'a': mesh 'none.stl': there is no"},
+        Note{"NoMesh", geom("<mesh filename=\"none.stl\"/>"),
+             "r.urdf:3: ignored: link 'a': mesh 'none.stl': there is no"},
         Note{"NoPackage", geom("<mesh filename=\"package://surely_none/a.stl\"/>"), "no package 'surely_none' in"},
-        Note{"Http", geom("<mesh filename=\"http://a/b.stl\"/>"), "only package://, model:// and file:// names are read"},
+        Note{"Http", geom("<mesh filename=\"http://a/b.stl\"/>"),
+             "only package://, model:// and file:// names are read"},
         Note{"OneScale", geom("<mesh filename=\"none.stl\" scale=\"2\"/>"), "holds one number; 2 taken for all axes"},
-        Note{"NegativeFriction", robot(link("a", std::string(kInertial) + "<contact><lateral_friction value=\"-1\"/></contact>")),
+        Note{"NegativeFriction",
+             robot(link("a", std::string(kInertial) + "<contact><lateral_friction value=\"-1\"/></contact>")),
              "<lateral_friction> -1 is negative; 0 taken"},
-        Note{"TrailingComma", two_links("revolute", kLimit + "<axis xyz=\"0, 0, 1\"/>"), "holds '0, 0, 1'; 0 0 1 taken"},
-        Note{"TooManyNumbers", two_links("revolute", kLimit + "<axis xyz=\"0 0 1 0\"/>"), "holds '0 0 1 0'; 0 0 1 taken"},
+        Note{"TrailingComma", two_links("revolute", kLimit + "<axis xyz=\"0, 0, 1\"/>"),
+             "holds '0, 0, 1'; 0 0 1 taken"},
+        Note{"TooManyNumbers", two_links("revolute", kLimit + "<axis xyz=\"0 0 1 0\"/>"),
+             "holds '0 0 1 0'; 0 0 1 taken"},
         Note{"Optenv", two_links("fixed", "<origin xyz=\"$(optenv X 0 0 1)\"/>"), "its default taken"}),
     [](const auto& of) { return of.param.name; });
 
 TEST(UrdfRules, RepairsAreInTheModel) {
-  const LoadedModel loaded = load(robot(link("a") + link("b", "") + joint("j", "revolute", "a", "b", "<axis xyz=\"0 0 0\"/>")));
+  const LoadedModel loaded =
+      load(robot(link("a") + link("b", "") + joint("j", "revolute", "a", "b", "<axis xyz=\"0 0 0\"/>")));
   EXPECT_EQ(loaded.model.joints()[0].axis.x, 1);
   EXPECT_EQ(loaded.model.links()[2].inertial.mass, 1e-3);
   EXPECT_EQ(loaded.model.joints()[0].limits.lower, -std::numeric_limits<double>::infinity());
@@ -249,7 +273,8 @@ TEST(UrdfRules, MasslessRootStaysFixed) {
 
 TEST(UrdfRules, ReportFollowsTheFile) {
   const LoadReport report =
-      load(robot(link("a", "") + "<sensor/>\n" + link("b", "") + joint("j", "revolute", "a", "b") + "<camera/>")).report;
+      load(robot(link("a", "") + "<sensor/>\n" + link("b", "") + joint("j", "revolute", "a", "b") + "<camera/>"))
+          .report;
   ASSERT_GE(report.notes.size(), 5u);
   EXPECT_TRUE(std::ranges::is_sorted(report.notes, {}, &LoadNote::line));
 }

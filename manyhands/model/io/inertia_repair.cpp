@@ -51,8 +51,8 @@ std::optional<std::string> repair_inertial(Inertial& inertial) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(matrix);
   const Eigen::Vector3d& values = solver.eigenvalues();
   const Vec3<double> moments{values[0], values[1], values[2]};
-  const bool positive = std::min({I.xx, I.yy, I.zz, moments.x}) >= -1e-12 * largest(moments) &&
-                        std::min({I.xx, I.yy, I.zz}) >= 0;
+  const bool positive =
+      std::min({I.xx, I.yy, I.zz, moments.x}) >= -1e-12 * largest(moments) && std::min({I.xx, I.yy, I.zz}) >= 0;
   if (!positive || violation(moments) > kTolerance * largest(moments)) {
     const Vec3<double> nearest = nearest_principal_moments(moments);
     const Eigen::Vector3d roots(std::sqrt(nearest.x), std::sqrt(nearest.y), std::sqrt(nearest.z));
@@ -60,8 +60,8 @@ std::optional<std::string> repair_inertial(Inertial& inertial) {
     const Eigen::Matrix3d repaired = half * half.transpose();
     I = {repaired(0, 0), repaired(1, 1), repaired(2, 2), repaired(0, 1), repaired(0, 2), repaired(1, 2)};
     if (!done.empty()) done += "; ";
-    done += "no rigid body has the principal moments of inertia " + format(moments) + " kg m^2; the nearest possible, " +
-            format(nearest) + ", taken";
+    done += "no rigid body has the principal moments of inertia " + format(moments) +
+            " kg m^2; the nearest possible, " + format(nearest) + ", taken";
   }
   return done.empty() ? std::nullopt : std::optional(done);
 }

@@ -119,7 +119,8 @@ class DaeReader {
     const std::string_view reference = from.attribute(attribute).value();
     const auto found = reference.starts_with('#') ? ids_.find(reference.substr(1)) : ids_.end();
     if (found == ids_.end()) {
-      throw MeshError("<" + std::string(from.name()) + "> refers to " + in_quotes(reference) + ", which is not in the file");
+      throw MeshError("<" + std::string(from.name()) + "> refers to " + in_quotes(reference) +
+                      ", which is not in the file");
     }
     return found->second;
   }
@@ -151,7 +152,8 @@ class DaeReader {
       spend(kWorkOfNode);
       X = X * read_transform(child);
     }
-    for (const pugi::xml_node& child : visit.node.children("instance_geometry")) append(geometry(target(child, "url")), X);
+    for (const pugi::xml_node& child : visit.node.children("instance_geometry"))
+      append(geometry(target(child, "url")), X);
     for (const pugi::xml_node& child : visit.node.children("instance_node")) {
       stack.push_back({target(child, "url"), X, visit.depth + 1});
     }
@@ -209,7 +211,8 @@ class DaeReader {
 
   void read_primitive(const pugi::xml_node& primitive, Geometry& geometry) {
     const std::string_view tag = primitive.name();
-    const bool known = tag == "triangles" || tag == "polylist" || tag == "polygons" || tag == "trifans" || tag == "tristrips";
+    const bool known =
+        tag == "triangles" || tag == "polylist" || tag == "polygons" || tag == "trifans" || tag == "tristrips";
     if (!known) return;
     std::size_t width = 0, offset = 0;
     pugi::xml_node vertices;
@@ -241,7 +244,8 @@ class DaeReader {
     std::vector<int> corners;
     for (std::size_t i = offset; i < numbers.size(); i += width) {
       if (!(numbers[i] >= 0 && numbers[i] < static_cast<double>(num_positions))) {
-        throw MeshError("a face names the vertex " + format_number(numbers[i]) + " of " + std::to_string(num_positions));
+        throw MeshError("a face names the vertex " + format_number(numbers[i]) + " of " +
+                        std::to_string(num_positions));
       }
       corners.push_back(static_cast<int>(numbers[i]));
     }
@@ -261,7 +265,8 @@ class DaeReader {
         // A fan turns about its first corner; every other triangle of a strip is the other way round.
         const std::size_t a = is_strip ? k - 2 + k % 2 : 0;
         const std::size_t b = is_strip ? k - 1 - k % 2 : k - 1;
-        geometry.triangles.push_back({first + corners[start + a], first + corners[start + b], first + corners[start + k]});
+        geometry.triangles.push_back(
+            {first + corners[start + a], first + corners[start + b], first + corners[start + k]});
       }
       start += n;
     }
@@ -279,7 +284,8 @@ class DaeReader {
 Mesh read_dae(std::string_view bytes) {
   try {
     const XmlFile file(bytes);
-    if (std::string_view(file.root().name()) != "COLLADA") throw MeshError("not a COLLADA file: its root is not <COLLADA>");
+    if (std::string_view(file.root().name()) != "COLLADA")
+      throw MeshError("not a COLLADA file: its root is not <COLLADA>");
     return DaeReader(file.root()).read();
   } catch (const XmlError& error) {
     throw MeshError("line " + std::to_string(error.line()) + ": " + error.what());

@@ -20,7 +20,8 @@ std::string read_bytes(const fs::path& path) {
   std::error_code error;
   if (!fs::is_regular_file(path, error)) throw MeshError("there is no such file");
   const std::uintmax_t size = fs::file_size(path, error);
-  if (error || size > kMostBytes) throw MeshError("the file has more than " + std::to_string(kMostBytes >> 20) + " MiB");
+  if (error || size > kMostBytes)
+    throw MeshError("the file has more than " + std::to_string(kMostBytes >> 20) + " MiB");
   std::string bytes(static_cast<std::size_t>(size), '\0');
   std::ifstream stream(path, std::ios::binary);
   stream.read(bytes.data(), static_cast<std::streamsize>(size));
@@ -30,7 +31,8 @@ std::string read_bytes(const fs::path& path) {
 
 Mesh read(const fs::path& path) {
   std::string extension = path.extension().string();
-  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::ranges::transform(extension, extension.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (extension == ".stl") return io::read_stl(read_bytes(path));
   if (extension == ".obj") return io::read_obj(read_bytes(path));
   if (extension == ".dae") return io::read_dae(read_bytes(path));

@@ -17,8 +17,8 @@ class MeshError : public std::runtime_error {
 
 /// Loads the triangles of an STL (ASCII or binary), OBJ or DAE file, told by its extension. Coordinates are those of
 /// the file times `scale`; DAE files also by their unit, and turned so that their up axis is z. Polygons become fans of
-/// triangles, equal vertices of an STL become one, triangles with a repeated vertex are left out. A mirroring scale turns
-/// the triangles round, so that they still face outwards. Files of more than 128 MiB are refused.
+/// triangles, equal vertices of an STL become one, triangles with a repeated vertex are left out. A mirroring scale
+/// turns the triangles round, so that they still face outwards. Files of more than 128 MiB are refused.
 [[nodiscard]] Mesh load_mesh(const std::filesystem::path& path, const Vec3<double>& scale = {1, 1, 1});
 
 namespace io {

@@ -41,9 +41,7 @@ class Welder {
     }
   };
   struct Equal {
-    bool operator()(const Vec3<float>& a, const Vec3<float>& b) const {
-      return a.x == b.x && a.y == b.y && a.z == b.z;
-    }
+    bool operator()(const Vec3<float>& a, const Vec3<float>& b) const { return a.x == b.x && a.y == b.y && a.z == b.z; }
   };
 
   Mesh mesh_;

@@ -117,8 +117,9 @@ class Assembler {
       given = "a mass of " + io::format_number(kMass) + " kg and ";
     }
     inertial.inertia = inertial.inertia + SymMat3<double>{kInertia, kInertia, kInertia, 0, 0, 0};
-    element.note(LoadAction::kRepaired, "joint '" + joint.name + "' would move no inertia; " + given + "an inertia of " +
-                                            io::format_number(kInertia) + " kg m^2 given to the link");
+    element.note(LoadAction::kRepaired, "joint '" + joint.name + "' would move no inertia; " + given +
+                                            "an inertia of " + io::format_number(kInertia) +
+                                            " kg m^2 given to the link");
   }
 
   void add_geom(const io::UrdfGeom& part, LinkId link) {

@@ -61,7 +61,6 @@ class FileNotFound : public std::runtime_error {
 
 /// The same for a text in memory. `file` names it in messages; `folder` is where its relative paths start.
 [[nodiscard]] LoadedModel load_urdf_string(std::string_view text, const std::string& file = "urdf",
-                                           const std::filesystem::path& folder = ".",
-                                           const UrdfOptions& options = {});
+                                           const std::filesystem::path& folder = ".", const UrdfOptions& options = {});
 
 }  // namespace manyhands

@@ -70,8 +70,7 @@ std::optional<double> UrdfElement::optional_number(const char* attribute, Magnit
 }
 
 std::vector<double> UrdfElement::numbers(const char* attribute, std::size_t count, const char* example) const {
-  const std::string expected =
-      std::to_string(count) + " finite numbers between blanks, such as \"" + example + "\"";
+  const std::string expected = std::to_string(count) + " finite numbers between blanks, such as \"" + example + "\"";
   return read_numbers(attribute, count, expected, Magnitude::kPhysical);
 }
 
@@ -162,7 +161,9 @@ void UrdfElement::expect(std::initializer_list<std::string_view> attributes,
   }
 }
 
-void UrdfElement::fail(const std::string& message) const { throw UrdfError(source_->file, line(), what_ + ": " + message); }
+void UrdfElement::fail(const std::string& message) const {
+  throw UrdfError(source_->file, line(), what_ + ": " + message);
+}
 
 void UrdfElement::note(LoadAction action, std::string message) const {
   source_->report.notes.push_back({action, source_->file, line(), what_, std::move(message)});

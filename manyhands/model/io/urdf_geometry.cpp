@@ -21,7 +21,8 @@ void read_plane(const UrdfElement& element, Geom& geom) {
   const Vec3<double> normal = element.vec3_or("normal", {0, 0, 1});
   const double length = norm(normal);
   if (length < 1e-9) element.fail("the normal of <plane> is 0; expected a direction such as \"0 0 1\"");
-  if (normal.x != 0 || normal.y != 0 || normal.z < 0) geom.X_LG.R = geom.X_LG.R * rotation_to_normal((1 / length) * normal);
+  if (normal.x != 0 || normal.y != 0 || normal.z < 0)
+    geom.X_LG.R = geom.X_LG.R * rotation_to_normal((1 / length) * normal);
 }
 
 /// PyBullet reads a single number as the scale of all axes, and files rely on it.
@@ -113,12 +114,14 @@ std::optional<UrdfGeom> read_geom(const UrdfElement& element, GeomRole role, con
   const std::vector<UrdfElement> shapes = geometry.children();
   if (shapes.empty()) geometry.fail("<geometry> is empty; expected a shape such as <box size=\"0.1 0.2 0.3\"/>");
   for (std::size_t i = 1; i < shapes.size(); ++i) {
-    shapes[i].note(LoadAction::kIgnored, "<" + std::string(shapes[i].tag()) + "> in <geometry>; only the first shape counts");
+    shapes[i].note(LoadAction::kIgnored,
+                   "<" + std::string(shapes[i].tag()) + "> in <geometry>; only the first shape counts");
   }
   if (!read_shape(shapes[0], result)) return std::nullopt;
   if (role == GeomRole::kVisual) result.geom.rgba = read_material(element, materials, result.geom.rgba);
   if (!is_solid(result)) {
-    shapes[0].note(LoadAction::kIgnored, "the <" + std::string(shapes[0].tag()) + "> has no size; the geom is left out");
+    shapes[0].note(LoadAction::kIgnored,
+                   "the <" + std::string(shapes[0].tag()) + "> has no size; the geom is left out");
     return std::nullopt;
   }
   return result;

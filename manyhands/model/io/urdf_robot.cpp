@@ -7,7 +7,9 @@ namespace manyhands::io {
 
 namespace {
 
-std::string named(const char* kind, std::string_view name) { return std::string(kind) + " '" + std::string(name) + "'"; }
+std::string named(const char* kind, std::string_view name) {
+  return std::string(kind) + " '" + std::string(name) + "'";
+}
 
 /// Stops at what xacro would have replaced; a <gazebo> block may hold anything.
 void refuse_xacro(const UrdfElement& robot) {
@@ -19,7 +21,8 @@ void refuse_xacro(const UrdfElement& robot) {
     stack.pop_back();
     if (element.tag() == "gazebo") continue;
     if (element.tag().starts_with("xacro:")) element.fail("found <" + std::string(element.tag()) + ">" + advice);
-    if (const auto leftover = element.attribute_with_substitution()) element.fail("found " + in_quotes(*leftover) + advice);
+    if (const auto leftover = element.attribute_with_substitution())
+      element.fail("found " + in_quotes(*leftover) + advice);
     const std::vector<UrdfElement> children = element.children();
     stack.insert(stack.end(), children.rbegin(), children.rend());
   }
@@ -167,7 +170,8 @@ SurfaceMaterial read_contact(const UrdfElement& link) {
   SurfaceMaterial surface;
   const UrdfElement contact = link.child("contact");
   if (!contact) return surface;
-  contact.expect({}, {"lateral_friction", "spinning_friction", "rolling_friction", "restitution", "stiffness", "damping"});
+  contact.expect({},
+                 {"lateral_friction", "spinning_friction", "rolling_friction", "restitution", "stiffness", "damping"});
   const auto read = [&](const char* tag) -> std::optional<double> {
     const UrdfElement element = contact.child(tag);
     if (!element) return std::nullopt;

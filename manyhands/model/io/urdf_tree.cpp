@@ -29,11 +29,13 @@ std::vector<std::size_t> find_parents(const UrdfRobot& robot, const Indices& lin
     const UrdfJoint& joint = robot.joints[j];
     const std::size_t parent = find_link(links, joint, "parent", joint.parent);
     const std::size_t child = find_link(links, joint, "child", joint.child);
-    if (parent == child) joint.source.fail("parent and child are both " + in_quotes(joint.child) + "; expected two links");
+    if (parent == child)
+      joint.source.fail("parent and child are both " + in_quotes(joint.child) + "; expected two links");
     if (parent_joint[child] != kNone) {
       const UrdfJoint& other = robot.joints[parent_joint[child]];
-      joint.source.fail("its child " + in_quotes(joint.child) + " is the child of joint " + in_quotes(other.joint.name) +
-                        " (line " + std::to_string(other.source.line()) + ") already; expected one parent");
+      joint.source.fail("its child " + in_quotes(joint.child) + " is the child of joint " +
+                        in_quotes(other.joint.name) + " (line " + std::to_string(other.source.line()) +
+                        ") already; expected one parent");
     }
     parent_joint[child] = j;
   }
@@ -43,7 +45,8 @@ std::vector<std::size_t> find_parents(const UrdfRobot& robot, const Indices& lin
 std::size_t find_root(const UrdfRobot& robot, const std::vector<std::size_t>& parent_joint) {
   const auto root = static_cast<std::size_t>(std::ranges::find(parent_joint, kNone) - parent_joint.begin());
   if (root == robot.links.size()) {
-    robot.links.front().source.fail("every link is the child of another: the joints form a cycle; expected one root link");
+    robot.links.front().source.fail(
+        "every link is the child of another: the joints form a cycle; expected one root link");
   }
   const auto after = parent_joint.begin() + static_cast<std::ptrdiff_t>(root) + 1;
   const auto second = static_cast<std::size_t>(std::find(after, parent_joint.end(), kNone) - parent_joint.begin());
@@ -65,7 +68,8 @@ void check_mimics(const UrdfRobot& robot) {
     if (!joint.joint.mimic) continue;
     const auto found = joints.find(joint.joint.mimic->joint);
     if (found == joints.end()) {
-      joint.source.fail("it mimics " + in_quotes(joint.joint.mimic->joint) + ", which is no joint; expected the name of a <joint>");
+      joint.source.fail("it mimics " + in_quotes(joint.joint.mimic->joint) +
+                        ", which is no joint; expected the name of a <joint>");
     }
     if (velocity_size(robot.joints[found->second].joint.type) != 1) {
       joint.source.fail("it mimics " + in_quotes(found->first) + ", which is " +
@@ -80,7 +84,8 @@ void check_mimics(const UrdfRobot& robot) {
       if (walked_by[j] >= 0) break;
       walked_by[j] = static_cast<int>(start);
       if (driver[j] != kNone && walked_by[driver[j]] == static_cast<int>(start)) {
-        robot.joints[j].source.fail("it mimics, directly or through others, itself; expected a joint that moves freely");
+        robot.joints[j].source.fail(
+            "it mimics, directly or through others, itself; expected a joint that moves freely");
       }
     }
   }
