@@ -35,7 +35,7 @@ tsan: $(VENV)/.cpp  ## C++ tests under the thread sanitizer
 bench: $(VENV)/.test $(VENV)/.installed $(VENV)/.cpp  ## Benchmarks: a table, and build/bench.json
 	cmake --preset release >build/configure.log || { cat build/configure.log; exit 1; }
 	cmake --build --preset release -j $(JOBS)
-	python benchmarks/run.py
+	python -m benchmarks
 
 lint: $(VENV)/.test $(VENV)/.installed $(VENV)/.cpp  ## All checks that run no program, with clang-tidy (slow)
 	tools/lint.sh --tidy

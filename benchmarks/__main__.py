@@ -1,0 +1,70 @@
+"""The command line: `python -m benchmarks`."""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from benchmarks.pinocchio_peer import run_pinocchio
+from benchmarks.programs import run_programs
+from benchmarks.reach import run_reach
+from benchmarks.report import machine, stage_tree, table, write_json
+from benchmarks.targets import compare_with_peers, judge
+
+DESCRIPTION = """\
+Measures manyhands and, in the same run and in turns, the programs people use today: panda-gym and Pinocchio.
+Prints a table and the profile of a Reach step, and writes a file of JSON with the same rows.
+"""
+EPILOG = """\
+How to read it: values are medians over rounds, ± is the scatter between rounds (over 10 % is marked "noisy": something
+else ran on the machine). Figures of the C++ programs count the thread's own processor time, rates of environments the
+clock on the wall. A result that was not what it must be, to the bit, is refused and ends the run with status 1.
+A target that is missed is "short" and ends it with status 0. docs/performance.md explains every row.
+"""
+
+
+def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
+    """The command line's options."""
+    parser = argparse.ArgumentParser(
+        "python -m benchmarks",
+        description=DESCRIPTION,
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--quick", action="store_true", help="few and short rounds: shows that it runs, not how fast")
+    parser.add_argument(
+        "--programs",
+        type=Path,
+        default=Path("build/release/benchmarks"),
+        help="folder of the C++ benchmarks (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--output", type=Path, default=Path("build/bench.json"), help="where the rows go (default: %(default)s)"
+    )
+    return parser.parse_args(arguments)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs everything; returns the exit status."""
+    options = parse(arguments)
+    rounds, seconds = (2, 0.02) if options.quick else (9, 0.4)
+    about = machine() | {"quick": options.quick}
+    print(f"{about['cpu']}, {about['cores']} cores, {about['compiler']}, load {about['load']}", flush=True)
+    if about["load"] > 0.5:
+        print("Something else is running: figures, above all those of two threads, will fall short.", flush=True)
+    rows = run_programs(options.programs, options.quick)
+    rows += run_pinocchio(rounds, seconds / 4)
+    rows += run_reach(rounds, seconds)
+    compare_with_peers(rows)
+    judge(rows)
+    print(f"\n{table(rows)}\n\n{stage_tree(rows)}\n")
+    write_json(options.output, rows, about)
+    print(f"Written: {options.output}")
+    wrong = [row for row in rows if row.wrong]
+    for row in wrong:
+        print(f"{row.benchmark} ({row.number_type}): {row.note}", file=sys.stderr)
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,231 @@
+// Where the time of a Reach environment step goes, for every number type.
+//
+// The same 128 worlds, driven by random actions, give the states that are timed. The stages of a physics step are
+// timed by running a step up to the end of each stage: the difference of two such times is a stage's own.
+#include <functional>
+#include <random>
+
+#include "benchmarks/support.h"
+#include "manyhands/envs/make.h"
+#include "manyhands/envs/panda.h"
+#include "manyhands/envs/reach.h"
+
+namespace benchmarks {
+
+namespace {
+
+using namespace manyhands;
+
+constexpr int kWorlds = 128;
+constexpr int kSubsteps = 20;
+constexpr int kSampledSubsteps = 4;  // of the 20
+constexpr int kWarmUpSteps = 10;     // environment steps before the sampled one
+constexpr int kEpisodeSteps = 50;
+constexpr double kTimeStep = 0.002;  // [s]
+constexpr const char* kId = "PandaReach-v3";
+
+/// Random actions (steps, worlds, 3), the same for every number type.
+std::vector<float> random_actions(int steps) {
+  std::mt19937_64 random(2);
+  std::uniform_real_distribution<float> uniform(-1, 1);
+  std::vector<float> actions(static_cast<std::size_t>(steps * kWorlds * 3));
+  for (float& a : actions) a = uniform(random);
+  return actions;
+}
+
+template <Number T>
+class Stages {
+  using R = real_t<T>;
+  static constexpr int kBlocks = kWorlds / width_v<T>;
+  enum Stage { kCopy, kBias, kPrepare, kSolve, kIntegrate };
+
+ public:
+  explicit Stages(const PandaRobot& robot)
+      : robot_(robot), tree_(robot.model), params_(robot.model), ws_(tree_), state_(robot.model) {
+    set_panda_motors(params_);
+    sample(random_actions(kWarmUpSteps + 1));
+  }
+
+  /// What is timed: each stage of the environment step, then the physics step up to each of its stages.
+  std::vector<std::function<void()>> calls() {
+    return {[this] { copy_starts(); },   [this] { inverse_kinematics(); }, [this] { observe(); },
+            [this] { physics(kCopy); },  [this] { physics(kBias); },       [this] { physics(kPrepare); },
+            [this] { physics(kSolve); }, [this] { physics(kIntegrate); }};
+  }
+
+  /// Of the whole physics steps, which `calls` times last.
+  [[nodiscard]] Results results() const { return unpack<T>(results_, 2 * PandaRobot::kJoints); }
+
+ private:
+  struct Start {
+    State<T> state;
+    HandState<T> hand;
+    std::array<T, PandaRobot::kArmJoints> action;
+  };
+
+  /// Drives the worlds, and keeps the states before the last action and at some physics steps after it.
+  void sample(const std::vector<float>& actions) {
+    steps_.assign(kSampledSubsteps * kBlocks, state_);
+    for (int b = 0; b < kBlocks; ++b) {
+      for (int k = 0; k < width_v<T>; ++k) reset_panda(state_, k);
+      for (int i = 0; i <= kWarmUpSteps; ++i) {
+        Start start{state_, observe_hand(robot_, tree_, state_, ws_.dynamics), {}};
+        for (int k = 0; k < width_v<T>; ++k) {
+          for (int c = 0; c < 3; ++c) {
+            const float a = actions[static_cast<std::size_t>((i * kWorlds + b * width_v<T> + k) * 3 + c)];
+            set_lane(start.action[static_cast<std::size_t>(c)], k, static_cast<R>(a));
+          }
+        }
+        apply_panda_action(robot_, tree_, params_, start.hand, start.action.data(), state_, ws_.dynamics);
+        if (i == kWarmUpSteps) starts_.push_back(start);
+        for (int substep = 0; substep < kSubsteps; ++substep) {
+          constexpr int kEvery = kSubsteps / kSampledSubsteps;
+          if (i == kWarmUpSteps && substep % kEvery == 0) {
+            steps_[static_cast<std::size_t>(substep / kEvery * kBlocks + b)] = state_;
+          }
+          step(tree_, params_, static_cast<R>(kTimeStep), state_, ws_);
+        }
+      }
+    }
+    results_.resize(steps_.size() * 2 * PandaRobot::kJoints);
+  }
+
+  void copy(const State<T>& from) { std::ranges::copy(from.numbers(), state_.numbers().begin()); }
+
+  void copy_starts() {
+    for (const Start& start : starts_) {
+      copy(start.state);
+      consume(&state_);
+    }
+  }
+
+  void inverse_kinematics() {
+    for (const Start& start : starts_) {
+      copy(start.state);
+      apply_panda_action(robot_, tree_, params_, start.hand, start.action.data(), state_, ws_.dynamics);
+      consume(&state_);
+    }
+  }
+
+  void observe() {
+    const Vec3<T> goal{T(R(0.1)), T(R(-0.1)), T(R(0.2))};
+    for (const Start& start : starts_) {
+      copy(start.state);
+      const HandState<T> hand = observe_hand(robot_, tree_, state_, ws_.dynamics);
+      const Outcome<T> outcome = judge(ReachTask{}, hand.p, goal);
+      consume(&hand);
+      consume(&outcome);
+    }
+  }
+
+  void physics(Stage last) {
+    T* out = results_.data();
+    for (const State<T>& start : steps_) {
+      copy(start);
+      if (last >= kBias) bias_and_mass_matrix(tree_, params_, state_.q(), state_.v(), ws_.dynamics);
+      if (last >= kPrepare) {
+        prepare_joint_constraints(tree_, params_, static_cast<R>(kTimeStep), state_, ws_.dynamics, ws_.joints);
+      }
+      if (last >= kSolve) solve_joint_constraints(tree_, state_, ws_.dynamics, ws_.joints);
+      if (last >= kIntegrate) {
+        for (std::size_t i = 0; i < ws_.joints.dv.size(); ++i) state_.v()[i] += ws_.joints.dv[i];
+        integrate_configuration(tree_, state_.v(), T(static_cast<R>(kTimeStep)), state_.q());
+        out = std::copy_n(state_.q(), PandaRobot::kJoints, out);
+        out = std::copy_n(state_.v(), PandaRobot::kJoints, out);
+      }
+      consume(&state_);
+    }
+    consume(results_.data());
+  }
+
+  const PandaRobot& robot_;
+  Tree<R> tree_;
+  Params<R> params_;
+  StepWorkspace<T> ws_;
+  State<T> state_;
+  std::vector<Start> starts_;    // (blocks)
+  std::vector<State<T>> steps_;  // (kSampledSubsteps, blocks)
+  std::vector<T> results_;
+};
+
+/// The environment as trainers step it, on one thread.
+class WholeStep {
+ public:
+  explicit WholeStep(int lanes)
+      : envs_(make_env_batch(kId, kWorlds, {.num_threads = 1, .lanes = lanes})),
+        actions_(random_actions(kEpisodeSteps)) {
+    for (std::uint64_t i = 0; i < kWorlds; ++i) seeds_.push_back(i);
+  }
+
+  void step() {
+    if (steps_ % kEpisodeSteps == 0) envs_->reset({}, seeds_);
+    const std::size_t size = static_cast<std::size_t>(kWorlds) * 3;
+    envs_->step(std::span(actions_).subspan(static_cast<std::size_t>(steps_++ % kEpisodeSteps) * size, size));
+  }
+
+  /// The hash of the worlds at the end of the running episode.
+  std::uint64_t hash() {
+    do step();
+    while (steps_ % kEpisodeSteps != 0);
+    return envs_->state_hash();
+  }
+
+ private:
+  std::unique_ptr<EnvBatch> envs_;
+  std::vector<float> actions_;
+  std::vector<std::uint64_t> seeds_;
+  int steps_ = 0;
+};
+
+template <Number T>
+void profile(const Settings& settings, const PandaRobot& robot, const Results& expected, std::uint64_t expected_hash) {
+  Stages<T> stages(robot);
+  std::vector<std::function<void()>> calls = stages.calls();
+  constexpr bool kHasEnvironment = !std::is_same_v<T, double>;
+  WholeStep whole(kHasEnvironment ? width_v<T> : 1);
+  if (kHasEnvironment) calls.emplace_back([&] { whole.step(); });
+  const std::vector<Timing> timings = time_in_turns<std::function<void()>>(settings, calls);
+  const std::string wrong = compare<T>(stages.results(), expected, 1e-3);
+
+  const auto emit = [&](const char* name, const std::string& why, std::uint64_t hash, std::size_t to, std::size_t from,
+                        double scale) {
+    const double ns = 1e9 * scale / kWorlds;
+    const bool whole_call = from == to;
+    print({std::string("Reach step: ") + name, number_name<T>(), 1,
+           ns * (timings[to].cpu - (whole_call ? 0 : timings[from].cpu)), "ns/env step",
+           ns * (timings[to].wall - (whole_call ? 0 : timings[from].wall)), timings[to].variation, hash, why});
+  };
+  constexpr double kScale = static_cast<double>(kSubsteps) / kSampledSubsteps;
+  const std::uint64_t hash = stages.results().hash;
+  emit("inverse kinematics", wrong, hash, 1, 0, 1);
+  emit("bias and mass matrix", wrong, hash, 4, 3, kScale);
+  emit("motors and limits: prepare", wrong, hash, 5, 4, kScale);
+  emit("motors and limits: solve", wrong, hash, 6, 5, kScale);
+  emit("integrate", wrong, hash, 7, 6, kScale);
+  emit("observation and reward", wrong, hash, 2, 0, 1);
+  if (!kHasEnvironment) return;
+  const std::uint64_t end = whole.hash();
+  emit("all", end == expected_hash ? "" : "not the bits of the scalar float run", end, 8, 8, 1);
+}
+
+void run(const Settings& settings) {
+  const PandaRobot robot(PandaControl::kEndEffector);
+  Stages<float> scalar(robot);
+  for (const std::function<void()>& call : scalar.calls()) call();
+  const Results expected = scalar.results();
+  const std::uint64_t expected_hash = WholeStep(1).hash();
+  profile<double>(settings, robot, expected, expected_hash);
+  profile<float>(settings, robot, expected, expected_hash);
+  profile<Lanes4>(settings, robot, expected, expected_hash);
+  profile<Lanes8>(settings, robot, expected, expected_hash);
+  profile<Lanes16>(settings, robot, expected, expected_hash);
+}
+
+}  // namespace
+
+}  // namespace benchmarks
+
+int main(int argc, char** argv) {
+  benchmarks::run(benchmarks::parse(argc, argv, "Nanoseconds of each stage of a Reach step, per environment step."));
+  return 0;
+}

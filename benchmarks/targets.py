@@ -1,0 +1,44 @@
+"""What the figures ought to be, and whether they are."""
+
+from benchmarks.reach import WORLDS
+from benchmarks.rows import Row
+
+TIMES_PANDA_GYM = 300.0
+TIMES_ONE_THREAD = 1.9
+NS_PER_ARM = 100.0
+LANES = ("lanes4", "lanes8", "lanes16")
+
+
+def compare_with_peers(rows: list[Row]) -> None:
+    """Fills the ratios of our dynamics to Pinocchio's, and of two threads to one."""
+    pinocchio = {row.benchmark: row.value for row in rows if row.engine.startswith("Pinocchio")}
+    one_thread = {row.benchmark: row.value for row in rows if row.threads == 1 and row.engine == "manyhands"}
+    for row in rows:
+        if row.engine != "manyhands" or not row.value or row.ratio:
+            continue
+        peer, one = pinocchio.get(row.benchmark), one_thread.get(row.benchmark)
+        if peer:
+            row.ratio, row.ratio_to = peer / row.value, "Pinocchio"
+        elif row.threads > 1 and one:
+            row.ratio, row.ratio_to = row.value / one, "1 thread"
+
+
+def judge(rows: list[Row]) -> None:
+    """Fills target and verdict of the rows that have one."""
+    for row in rows:
+        if row.benchmark == f"Reach, make_vec of {WORLDS}":
+            least = TIMES_PANDA_GYM if row.threads == 1 else TIMES_ONE_THREAD
+            row.target = f">= {least:g}x {row.ratio_to or 'the peer'}"
+            set_verdict(row, row.ratio, row.ratio is not None and row.ratio >= least)
+    for benchmark in ("RNEA", "ABA"):
+        lanes = [row for row in rows if row.benchmark == benchmark and row.number_type in LANES and row.value]
+        if lanes:
+            best = min(lanes, key=lambda row: row.value or 0.0)
+            best.target = f"<= {NS_PER_ARM:g} ns/arm"
+            set_verdict(best, best.value, (best.value or 0.0) <= NS_PER_ARM)
+
+
+def set_verdict(row: Row, figure: float | None, reached: bool) -> None:
+    """Leaves the verdict open where there is no figure."""
+    if figure is not None:
+        row.verdict = "pass" if reached else "short"
