@@ -29,7 +29,7 @@ class ThreadPool {
   void for_each(int n, Body&& body) {
     run(n, [](void* context, int item, int worker) {
       (*static_cast<std::remove_reference_t<Body>*>(context))(item, worker);
-    }, &body);
+    }, const_cast<void*>(static_cast<const void*>(&body)));
   }
 
  private:

@@ -4,7 +4,7 @@
 // is needed in between; at a position limit any impulse back inside is allowed. The solver finds, for every dof, its
 // place on the staircase (the `stance`), by pivoting: solve the linear system that the stances imply, move the dofs
 // whose answer contradicts their stance, repeat (Júdice and Pires 1994, block principal pivoting for strictly convex
-// box problems, with Murty's single pivots as the safeguard that makes it finite).
+// box problems: all such dofs move while that makes them fewer, else the first alone, which is Murty's finite method).
 #pragma once
 
 #include "manyhands/math/control_flow.h"
@@ -19,7 +19,7 @@ template <Number T>
 struct JointConstraints {
   explicit JointConstraints(int nv)
       : rhs(static_cast<std::size_t>(nv)), dv(rhs), held(rhs), impulse(rhs), max_impulse(rhs), target(rhs), lower(rhs),
-        upper(rhs), least(rhs), most(rhs), forced(rhs), is_forced(rhs.size()), forced_parent(rhs.size()) {
+        upper(rhs), least(rhs), most(rhs), better(rhs), forced(rhs), is_forced(rhs.size()), forced_parent(rhs.size()) {
     forced_dofs.reserve(rhs.size());
   }
 
@@ -31,6 +31,7 @@ struct JointConstraints {
   std::vector<T> target;       ///< dv that brings the dof to its motor's velocity, kept within the limits
   std::vector<T> lower, upper; ///< dv that brings the dof just to a position limit by the step's end
   std::vector<T> least, most;  ///< the impulses that can hold the dof at `target`
+  std::vector<T> better;       ///< the stances to which the present answer points
   std::vector<T> forced;       ///< 1 where the stance prescribes the impulse, 0 where it prescribes dv
   std::vector<std::uint8_t> is_forced;  ///< whether the dof is forced in some lane
   std::vector<int> forced_parent;       ///< the next dof towards the root that is forced in some lane, or -1
@@ -45,8 +46,9 @@ inline constexpr int kHeld = 0, kPushedUp = 1, kPushedDown = -1, kAtLower = 2, k
 /// How much of a limit's violation a step removes, as PyBullet does.
 inline constexpr double kLimitRecovery = 0.2;
 
-inline constexpr int kBlockPivots = 6;
-inline constexpr int kMaxPivots = 60;
+/// Block pivots without progress before dofs move one by one.
+inline constexpr int kPatience = 6;
+inline constexpr int kMaxPivots = 400;
 
 template <Number T>
 inline constexpr real_t<T> kPivotTolerance = std::same_as<real_t<T>, float> ? real_t<T>(1e-5) : real_t<T>(1e-12);
@@ -107,7 +109,8 @@ MANYHANDS_INLINE void prepare_joint_constraints(const Tree<real_t<T>>& tree, con
     jc.most[i] = select(free_target < jc.lower[i], infinity, F);
     jc.least[i] = select(free_target > jc.upper[i], -infinity, -F);
     T& stance = state.stance()[i];
-    stance = select(motor, stance, select(stance == zero, T(R(internal::kPushedUp)), stance));
+    // Without a motor the target may be infinite: the search must not begin where that holds or comes next.
+    stance = select(motor, stance, select(abs(stance) <= one, T(R(internal::kPushedUp)), stance));
   }
 }
 
@@ -206,18 +209,27 @@ MANYHANDS_INLINE T better_stance(T s, std::size_t i, const JointConstraints<T>& 
 template <Number T>
 MANYHANDS_INLINE void solve_joint_constraints(const Tree<real_t<T>>& tree, State<T>& state, Workspace<T>& ws,
                                               JointConstraints<T>& jc) {
+  using R = real_t<T>;
   const auto nv = static_cast<std::size_t>(tree.nv);
+  const T zero(R(0)), one(R(1));
   T* stances = state.stance();
+  T fewest(std::numeric_limits<R>::infinity()), patience = zero;
   for (int pivot = 0; pivot < internal::kMaxPivots; ++pivot) {
     internal::solve_stances(tree, stances, ws, jc);
-    mask_t<T> moved(false);
+    T wrong = zero;
     for (std::size_t i = 0; i < nv; ++i) {
-      const T better = internal::better_stance(stances[i], i, jc);
-      const auto moves = pivot < internal::kBlockPivots ? better != stances[i] : (better != stances[i]) & !moved;
-      stances[i] = select(moves, better, stances[i]);
-      moved = moved | moves;
+      jc.better[i] = internal::better_stance(stances[i], i, jc);
+      wrong += select(jc.better[i] != stances[i], one, zero);
     }
-    if (none(moved)) break;
+    if (none(wrong > zero)) break;
+    patience = select(wrong < fewest, T(R(internal::kPatience)), patience - one);
+    fewest = min(wrong, fewest);
+    mask_t<T> may_move(true);
+    for (std::size_t i = 0; i < nv; ++i) {
+      const auto moves = (jc.better[i] != stances[i]) & may_move;
+      stances[i] = select(moves, jc.better[i], stances[i]);
+      may_move = may_move & !(moves & (patience < zero));
+    }
   }
 }
 

@@ -1,0 +1,176 @@
+#include "manyhands/physics/contact/joint_constraints.h"
+
+#include <gtest/gtest.h>
+
+#include <iostream>
+#include <map>
+
+#include "tests/physics/contact/joint_problem.h"
+
+namespace manyhands {
+namespace {
+
+using testing::Generator;
+using testing::JointLaw;
+using testing::JointProblem;
+
+template <Real R>
+struct Answer {
+  std::vector<double> dv, impulse;
+  std::vector<R> stance;
+};
+
+/// Solves for a copy of the state, from the stances given or, if none are, from those of the state.
+template <Real R>
+Answer<R> answer(const JointProblem<R>& p, std::span<const R> stances = {}) {
+  State<R> state = p.state;
+  std::copy(stances.begin(), stances.end(), state.stance());
+  Workspace<R> ws(p.tree);
+  JointConstraints<R> jc(p.tree.nv);
+  bias_and_mass_matrix(p.tree, p.params, state.q(), state.v(), ws);
+  prepare_joint_constraints(p.tree, p.params, p.h, state, ws, jc);
+  solve_joint_constraints(p.tree, state, ws, jc);
+  return {{jc.dv.begin(), jc.dv.end()}, {jc.impulse.begin(), jc.impulse.end()}, {state.stance(), state.stance() + p.size()}};
+}
+
+double worst_difference(const std::vector<double>& a, const std::vector<double>& b) {
+  double worst = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) worst = std::max(worst, std::abs(a[i] - b[i]) / (1 + std::abs(b[i])));
+  return worst;
+}
+
+constexpr int kTrees = 1500;
+
+TEST(JointConstraints, ObeyTheStaircaseInDouble) {
+  for (std::uint64_t seed = 0; seed < kTrees; ++seed) {
+    const JointProblem<double> p(seed, 1 + static_cast<int>(seed % 12));
+    const Answer<double> found = answer(p);
+    EXPECT_LE(JointLaw(p).residual(found.dv, 1e-11), 1e-10) << "seed " << seed << ", nv " << p.tree.nv;
+  }
+}
+
+/// Speeds and impulses to 5e-4: float's 1e-7 times the ratio of inertias in a tree, which reaches thousands here.
+TEST(JointConstraints, ObeyTheStaircaseInFloat) {
+  for (std::uint64_t seed = 0; seed < kTrees; ++seed) {
+    const JointProblem<float> p(seed, 1 + static_cast<int>(seed % 12));
+    EXPECT_LE(JointLaw(p).residual(answer(p).dv, 5e-4), 5e-4) << "seed " << seed << ", nv " << p.tree.nv;
+  }
+}
+
+TEST(JointConstraints, ReportTheImpulseThatTheAnswerNeeds) {
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    const JointProblem<double> p(seed, 8);
+    const JointLaw law(p);
+    const Answer<double> found = answer(p);
+    for (std::size_t i = 0; i < law.n; ++i) {
+      double impulse = -law.rhs[i], scale = std::abs(law.rhs[i]) + law.F[i];
+      for (std::size_t j = 0; j < law.n; ++j) {
+        impulse += law.M[i * law.n + j] * found.dv[j];
+        scale += std::abs(law.M[i * law.n + j] * found.dv[j]);
+      }
+      EXPECT_NEAR(found.impulse[i], impulse, 1e-12 * scale) << "seed " << seed << ", dof " << i;
+    }
+  }
+}
+
+TEST(JointConstraints, EqualGaussSeidelRunToConvergence) {
+  for (std::uint64_t seed = 0; seed < 150; ++seed) {
+    const JointProblem<double> p(seed, 1 + static_cast<int>(seed % 6));
+    const JointLaw law(p);
+    const std::vector<double> slow = law.by_gauss_seidel(200000);
+    ASSERT_LE(law.residual(slow, 1e-8), 1e-7) << "Gauss-Seidel has not converged, seed " << seed;
+    EXPECT_LE(worst_difference(answer(p).dv, slow), 1e-7) << "seed " << seed << ", nv " << p.tree.nv;
+  }
+}
+
+/// The answer is unique; where the search begins may show in its rounding only.
+TEST(JointConstraints, DoNotDependOnTheirWarmStart) {
+  for (std::uint64_t seed = 0; seed < 400; ++seed) {
+    const JointProblem<double> p(seed, 10);
+    const JointLaw law(p);
+    const Answer<double> cold = answer(p);
+    Generator rng(seed);
+    for (int start = 0; start < 5; ++start) {
+      std::vector<double> stances(p.size());
+      for (std::size_t i = 0; i < stances.size(); ++i) {
+        const bool low = p.tree.dof_limited[i] && std::isfinite(law.lower[i]),
+                   high = p.tree.dof_limited[i] && std::isfinite(law.upper[i]);
+        const int stance = static_cast<int>(rng() % 5) - 2;
+        stances[i] = (stance == internal::kAtLower && !low) || (stance == internal::kAtUpper && !high) ? 0 : stance;
+      }
+      EXPECT_LE(worst_difference(answer<double>(p, stances).dv, cold.dv), 1e-9) << "seed " << seed << ", start " << start;
+    }
+    const Answer<double> again = answer<double>(p, cold.stance);
+    EXPECT_EQ(again.stance, cold.stance) << "seed " << seed;
+    EXPECT_LE(worst_difference(again.dv, cold.dv), 1e-9) << "seed " << seed;
+  }
+}
+
+/// A motor that pushed down and is then switched off leaves its stance behind.
+TEST(JointConstraints, ForgetAMotorThatWasSwitchedOff) {
+  JointProblem<double> p(5, 6);
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    p.tree.dof_limited[i] = false;
+    p.params.motor_max_force[i] = 0;
+  }
+  const std::vector<double> cold = answer(p).dv;
+  for (const double stance : {-1.0, 0.0, 1.0}) {
+    const std::vector<double> left(p.size(), stance);
+    EXPECT_LE(worst_difference(answer<double>(p, left).dv, cold), 1e-12) << "stance " << stance;
+  }
+}
+
+/// How many linear systems the search solves: `solve_joint_constraints` with a counter.
+template <Real R>
+int count_pivots(const JointProblem<R>& p) {
+  State<R> state = p.state;
+  Workspace<R> ws(p.tree);
+  JointConstraints<R> jc(p.tree.nv);
+  bias_and_mass_matrix(p.tree, p.params, state.q(), state.v(), ws);
+  prepare_joint_constraints(p.tree, p.params, p.h, state, ws, jc);
+  int fewest = p.tree.nv + 1, patience = 0;
+  for (int pivot = 1; pivot <= internal::kMaxPivots; ++pivot) {
+    internal::solve_stances(p.tree, state.stance(), ws, jc);
+    int wrong = 0;
+    for (std::size_t i = 0; i < p.size(); ++i) {
+      jc.better[i] = internal::better_stance(state.stance()[i], i, jc);
+      wrong += jc.better[i] != state.stance()[i];
+    }
+    if (wrong == 0) return pivot;
+    patience = wrong < fewest ? internal::kPatience : patience - 1;
+    fewest = std::min(wrong, fewest);
+    for (std::size_t i = 0, moved = 0; i < p.size() && (patience >= 0 || moved == 0); ++i) {
+      moved += jc.better[i] != state.stance()[i];
+      state.stance()[i] = jc.better[i];
+    }
+  }
+  return internal::kMaxPivots + 1;
+}
+
+template <Real R>
+void expect_few_pivots(const char* number, int links, double mean) {
+  constexpr int kProblems = 600;
+  std::map<int, int> histogram;
+  int sum = 0;
+  for (std::uint64_t seed = 0; seed < kProblems; ++seed) {
+    const int pivots = count_pivots(JointProblem<R>(seed, links));
+    ++histogram[pivots];
+    sum += pivots;
+    EXPECT_LE(pivots, internal::kMaxPivots) << "no answer, " << number << ", " << links << " links, seed " << seed;
+  }
+  std::cout << number << ", " << links << " links, pivots x problems:";
+  for (const auto& [pivots, count] : histogram) std::cout << ' ' << pivots << 'x' << count;
+  std::cout << '\n';
+  EXPECT_LE(sum, mean * kProblems);
+}
+
+TEST(JointConstraints, NeedFewPivots) {
+  expect_few_pivots<double>("double", 3, 4);  // from a cold start, every dof with a motor or limit of its own kind
+  expect_few_pivots<float>("float", 3, 4);
+  expect_few_pivots<double>("double", 12, 8);
+  expect_few_pivots<float>("float", 12, 8);
+  expect_few_pivots<double>("double", 40, 12);
+}
+
+}  // namespace
+}  // namespace manyhands
