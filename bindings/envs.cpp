@@ -135,6 +135,7 @@ void bind_batch(nb::module_& m) {
       .def_prop_ro(
           "truncated", [](const EnvBatch& envs) { return copied_bools(envs.truncated()); },
           nb::sig("def truncated(self) -> numpy.typing.NDArray[numpy.bool_]"), "(n), the step limit ended the episode.")
+      .def_prop_ro("state_hash", &EnvBatch::state_hash, "Of the physics of all worlds: equal bits, equal hash.")
       .def("compute_reward", &compute_reward, "achieved_goal"_a, "desired_goal"_a,
            nb::sig("def compute_reward(self, achieved_goal: numpy.typing.NDArray[numpy.float32], "
                    "desired_goal: numpy.typing.NDArray[numpy.float32]) -> numpy.typing.NDArray[numpy.float32]"),
