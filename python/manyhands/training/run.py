@@ -19,7 +19,8 @@ from manyhands.training.recorder import Recorder
 from manyhands.training.run_folder import RunFolder
 from manyhands.training.settings import FIRST_EVALUATION_SEED, TrainSettings
 
-_SECONDS_PER_PIECE = 0.1  # of training between two looks at it
+_SECONDS_PER_PIECE = (0.05, 1.0)  # of training between two looks at it: shortest and longest
+_SHARE_PER_PIECE = 0.01  # of the training so far, between these
 _SECONDS_PER_CHECKPOINT = 30.0
 
 
@@ -85,7 +86,9 @@ class TrainingRun:
                 metrics = self._trainer.advance(min(piece, left))
                 elapsed = time.perf_counter() - begin
                 progress.update(recorder.add(metrics, elapsed))
-                piece = max(1, round(piece * min(_SECONDS_PER_PIECE / max(elapsed, 1e-6), 2.0)))
+                shortest, longest = _SECONDS_PER_PIECE
+                wanted = min(max(shortest, _SHARE_PER_PIECE * recorder.seconds), longest)
+                piece = max(1, round(piece * min(wanted / max(elapsed, 1e-6), 2.0)))
                 if time.monotonic() - last_checkpoint > _SECONDS_PER_CHECKPOINT:
                     self._trainer.save(self._folder.checkpoint)
                     last_checkpoint = time.monotonic()
