@@ -12,9 +12,13 @@ from manyhands.training.recorder import Row
 _SECONDS_BETWEEN_LINES = 2.0
 
 
+def _speed(row: Row) -> float:
+    return row.env_steps / max(row.seconds, 1e-9)
+
+
 def _seconds_left(row: Row, max_env_steps: int) -> float:
-    """Until the step limit, at the present speed: training ends earlier if the task is solved."""
-    return max(max_env_steps - row.env_steps, 0) / max(row.env_steps_per_second, 1.0)
+    """Until the step limit, at the mean speed: training ends earlier if the task is solved."""
+    return max(max_env_steps - row.env_steps, 0) / max(_speed(row), 1.0)
 
 
 def _clock(seconds: float) -> str:
@@ -23,7 +27,7 @@ def _clock(seconds: float) -> str:
 
 class _Figures(ProgressColumn):
     def render(self, task: Task) -> Text:
-        return Text(task.fields["figures"])
+        return Text(task.fields["figures"], no_wrap=True)
 
 
 class TrainingProgress:
@@ -35,22 +39,26 @@ class TrainingProgress:
         self._bar: Progress | None = None
         self._last_line = 0.0
         if console.is_terminal:
-            columns = (SpinnerColumn(), TextColumn("[bold]{task.description}"), BarColumn(None), _Figures())
-            self._bar = Progress(*columns, console=console, expand=True)
+            columns = (SpinnerColumn(), TextColumn("[bold]{task.description}"), BarColumn(12), _Figures())
+            self._bar = Progress(*columns, console=console)
             self._task = self._bar.add_task(env_id, total=max_env_steps, figures="starting")
 
     def update(self, row: Row) -> None:
         """Shows where training stands."""
-        figures = (
-            f"{row.env_steps:,} steps  {row.env_steps_per_second:,.0f} steps/s  "
-            f"success {row.success_rate:.0%}, evaluated {row.evaluation_success_rate:.1%}  "
-            f"at most {_clock(_seconds_left(row, self._limit))} left"
-        )
+        speed = f"{_speed(row):,.0f} steps/s"
+        left = f"at most {_clock(_seconds_left(row, self._limit))} left"
         if self._bar is not None:
-            self._bar.update(self._task, completed=row.env_steps, figures=figures)
+            self._bar.update(
+                self._task, completed=row.env_steps, figures=f"{speed}  success {row.success_rate:.0%}  {left}"
+            )
         elif time.monotonic() - self._last_line >= _SECONDS_BETWEEN_LINES:
             self._last_line = time.monotonic()
-            self._console.print(figures, highlight=False, soft_wrap=True)
+            self._console.print(
+                f"{row.env_steps:,} steps  {speed}  success {row.success_rate:.0%}, without exploration "
+                f"{row.evaluation_success_rate:.1%}  {left}",
+                highlight=False,
+                soft_wrap=True,
+            )
 
     def __enter__(self) -> "TrainingProgress":
         if self._bar is not None:
