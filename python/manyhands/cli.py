@@ -105,7 +105,7 @@ def _train(arguments: argparse.Namespace) -> int:
         settings = folder.read_settings(**changes)
         run = TrainingRun(folder, settings, resume=True)
         folder.write_config(settings)
-        console.print(f"Resuming at {run.metrics.env_steps:,} steps: {folder.path}", highlight=False)
+        console.print(f"Resuming at {run.metrics.env_steps:,} steps: {folder.path}", highlight=False, soft_wrap=True)
     else:
         if arguments.task is None:
             raise ValueError("name a task, for example: manyhands train PandaReach (manyhands envs lists them)")
@@ -119,7 +119,9 @@ def _train(arguments: argparse.Namespace) -> int:
         settings.trainer_config()
         folder = RunFolder.create(arguments.runs, settings)
         run = TrainingRun(folder, settings)
-        console.print(f"Training {settings.env_id}, seed {settings.seed}: {folder.path}", highlight=False)
+        console.print(
+            f"Training {settings.env_id}, seed {settings.seed}: {folder.path}", highlight=False, soft_wrap=True
+        )
     outcome = run.train(console)
     _summarise(outcome, folder, settings.seed, console.print)
     if outcome.evaluation is None:

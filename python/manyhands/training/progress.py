@@ -46,7 +46,7 @@ class TrainingProgress:
     def update(self, row: Row) -> None:
         """Shows where training stands."""
         speed = f"{_speed(row):,.0f} steps/s"
-        left = f"at most {_clock(_seconds_left(row, self._limit))} left"
+        left = f"≤ {_clock(_seconds_left(row, self._limit))} left"
         if self._bar is not None:
             self._bar.update(
                 self._task, completed=row.env_steps, figures=f"{speed}  success {row.success_rate:.0%}  {left}"
