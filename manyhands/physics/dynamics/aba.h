@@ -27,9 +27,8 @@ void aba(const Tree<real_t<T>>& tree, const Params<P>& params, const T* q, const
   // Inward: each joint leaves its parent the inertia and the force that it cannot give way to.
   for (std::size_t b = nb - 1; b > 0; --b) {
     const TreeBody<real_t<T>>& body = tree.bodies[b];
-    ArticulatedInertia<T>& I_A = ws.I_A[b];
-    Force<T>& p_A = ws.F[b];
-    p_A = p_A + I_A * ws.A[b];
+    ArticulatedInertia<T> I_A = ws.I_A[b];
+    Force<T> p_A = ws.F[b] + I_A * ws.A[b];
     for (int k = body.iv + body.nv - 1; k >= body.iv; --k) {
       const auto i = static_cast<std::size_t>(k);
       ws.U[i] = I_A * ws.S[i];
