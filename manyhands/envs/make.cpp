@@ -24,6 +24,7 @@ constexpr std::array<ReachId, 4> kReachIds{{
 
 constexpr int kMaxEpisodeSteps = 50;
 constexpr int kMaxEnvs = 1 << 20;
+constexpr int kMaxThreads = 1024;
 
 void require(bool condition, const std::string& message) {
   if (!condition) throw std::invalid_argument(message);
@@ -32,6 +33,8 @@ void require(bool condition, const std::string& message) {
 void check(int num_envs, const EnvOptions& options) {
   require(num_envs >= 1 && num_envs <= kMaxEnvs,
           "num_envs is " + std::to_string(num_envs) + "; expected 1 to " + std::to_string(kMaxEnvs));
+  require(options.num_threads >= 0 && options.num_threads <= kMaxThreads,
+          "num_threads is " + std::to_string(options.num_threads) + "; expected 0 to " + std::to_string(kMaxThreads));
   require(options.n_substeps >= 1, "n_substeps is " + std::to_string(options.n_substeps) + "; expected 1 or more");
   require(options.time_step > 0 && options.time_step <= 0.1,
           "time_step is " + std::to_string(options.time_step) + " s; expected more than 0, at most 0.1");
