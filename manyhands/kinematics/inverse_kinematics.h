@@ -93,9 +93,9 @@ MANYHANDS_INLINE IkResult<T> solve_ik(const Tree<real_t<T>>& tree, const Params<
   const Transform<R> X_BF = broadcast<R>(chain.X_BF);
   const Motion<T> e = internal::pose_error(target, internal::place_chain(tree, chain, X_BF, q, ws));
   const T position_error = norm(e.v), rotation_error = norm(e.w);
-  return {(position_error <= T(static_cast<R>(settings.position_tolerance))) &
-              (rotation_error <= T(static_cast<R>(settings.rotation_tolerance))),
-          position_error, rotation_error};
+  const mask_t<T> success((position_error <= T(static_cast<R>(settings.position_tolerance))) &
+                          (rotation_error <= T(static_cast<R>(settings.rotation_tolerance))));
+  return {success, position_error, rotation_error};
 }
 
 }  // namespace manyhands

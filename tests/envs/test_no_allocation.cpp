@@ -1,0 +1,140 @@
+// No step, no algorithm of the dynamics and no inverse kinematics allocates: all scratch is there beforehand.
+//
+// This file replaces the global operator new of the test program; it counts only while a `Watch` lives.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "manyhands/envs/make.h"
+#include "manyhands/envs/panda.h"
+#include "manyhands/math/instantiate.h"
+#include "tests/physics/contact/joint_problem.h"
+
+namespace {
+
+std::atomic<bool> watching{false};
+std::atomic<int> allocations{0};
+
+void* counted(std::size_t size, std::size_t alignment) {
+  if (watching) ++allocations;
+  void* memory = std::aligned_alloc(alignment, (std::max<std::size_t>(size, 1) + alignment - 1) / alignment * alignment);
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+
+constexpr std::size_t kAlignment = __STDCPP_DEFAULT_NEW_ALIGNMENT__;
+
+}  // namespace
+
+void* operator new(std::size_t size) { return counted(size, kAlignment); }
+void* operator new[](std::size_t size) { return counted(size, kAlignment); }
+void* operator new(std::size_t size, std::align_val_t alignment) { return counted(size, static_cast<std::size_t>(alignment)); }
+void* operator new[](std::size_t size, std::align_val_t alignment) { return counted(size, static_cast<std::size_t>(alignment)); }
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete[](void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
+void operator delete[](void* memory, std::align_val_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
+void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
+
+namespace manyhands {
+namespace {
+
+class Watch {
+ public:
+  Watch() {
+    allocations = 0;
+    watching = true;
+  }
+  ~Watch() { watching = false; }
+  Watch(const Watch&) = delete;
+  Watch& operator=(const Watch&) = delete;
+
+  [[nodiscard]] int stop() const {
+    watching = false;
+    return allocations;
+  }
+};
+
+TEST(Allocation, IsSeen) {
+  const Watch watch;
+  std::vector<Lanes16> lanes(3);
+  const auto number = std::make_unique<int>(1);
+  EXPECT_EQ(watch.stop(), 2) << lanes.size() << *number;
+}
+
+template <class T>
+class NoAllocation : public ::testing::Test {};
+using NumberTypes = ::testing::Types<double, float, Lanes4, Lanes8, Lanes16>;
+TYPED_TEST_SUITE(NoAllocation, NumberTypes);
+
+/// Motors and limits of every kind, so that pivots are needed, on trees with every type of joint.
+TYPED_TEST(NoAllocation, InAStep) {
+  using T = TypeParam;
+  using R = real_t<T>;
+  for (std::uint64_t seed = 0; seed < 10; ++seed) {
+    const testing::JointProblem<R> p(seed, 7);
+    State<T> state(p.model);
+    for (std::size_t i = 0; i < state.numbers().size(); ++i) state.numbers()[i] = T(p.state.numbers()[i]);
+    StepWorkspace<T> ws(p.tree);
+    const Watch watch;
+    for (int i = 0; i < 20; ++i) step(p.tree, p.params, p.h, state, ws);
+    EXPECT_EQ(watch.stop(), 0) << "seed " << seed;
+  }
+}
+
+TYPED_TEST(NoAllocation, InTheDynamics) {
+  using T = TypeParam;
+  const testing::JointProblem<real_t<T>> p(3, 9);
+  const State<T> state(p.model);
+  std::vector<T> a(p.size()), tau(p.size(), T(real_t<T>(0)));
+  Workspace<T> ws(p.tree);
+  const Watch watch;
+  aba(p.tree, p.params, state.q(), state.v(), tau.data(), a.data(), ws);
+  rnea(p.tree, p.params, state.q(), state.v(), a.data(), tau.data(), ws);
+  crba(p.tree, p.params, state.q(), ws);
+  EXPECT_EQ(watch.stop(), 0);
+}
+
+TYPED_TEST(NoAllocation, InInverseKinematics) {
+  using T = TypeParam;
+  using R = real_t<T>;
+  const PandaRobot robot(PandaControl::kEndEffector);
+  const Tree<R> tree(robot.model);
+  const Params<R> params(robot.model);
+  Workspace<T> ws(tree);
+  std::vector<T> q;
+  for (const double x : kPandaNeutral) q.push_back(T(static_cast<R>(x)));
+  Transform<T> target = Transform<T>::identity();
+  target.p.x = T(R(0.1));
+  const IkSettings settings;
+  const Watch watch;
+  (void)solve_ik(tree, params, robot.chain, settings, target, q.data(), ws);
+  EXPECT_EQ(watch.stop(), 0);
+}
+
+TEST(NoAllocation, InABatchOfEnvironments) {
+  for (const char* id : {"PandaReach-v3", "PandaReachJoints-v3"}) {
+    for (const int threads : {1, 2}) {
+      for (const int lanes : {1, 4, 8, 16}) {
+        const auto env = make_env_batch(id, 40, {.num_threads = threads, .lanes = lanes});
+        const std::vector<float> action(static_cast<std::size_t>(40 * env->spec().action_dim), 0.7f);
+        const std::vector<std::uint8_t> mask(40, 1);
+        const std::vector<std::uint64_t> seeds(40, 5);
+        const Watch watch;
+        for (int i = 0; i < 5; ++i) env->step(action);
+        env->reset(mask);
+        env->reset({}, seeds);
+        EXPECT_EQ(watch.stop(), 0) << id << ", " << threads << " threads, " << lanes << " lanes";
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace manyhands
