@@ -37,7 +37,7 @@ struct TrainerConfig {
   int evaluation_interval = 25;    ///< iterations between evaluations
   int evaluation_episodes = 250;   ///< episodes of each
   double stop_success_rate = 1.0;  ///< an evaluation at or above this counts towards stopping
-  int stop_streak = 2;             ///< this many in a row end the training; 0: never
+  int stop_streak = 3;             ///< this many in a row end the training; 0: never
 
   /// Throws std::invalid_argument naming the first field that makes no sense, its value and what would.
   void validate() const;
