@@ -168,9 +168,8 @@ nb::tuple energy(PythonModel& model, const Input<R>& q, const Input<R>& v, int w
   const Batch batch = batch_of(q, size(model.model->nq()));
   const auto v_rows = rows("v", v, batch, size(model.model->nv()));
   Result<R> kinetic(batch, {}), potential(batch, {});
-  run<R>(model, width, [&](auto& d) {
-    d.energy(batch.n, std::span(q.data(), q.size()), v_rows, kinetic.span(), potential.span());
-  });
+  run<R>(model, width,
+         [&](auto& d) { d.energy(batch.n, std::span(q.data(), q.size()), v_rows, kinetic.span(), potential.span()); });
   return nb::make_tuple(kinetic.array(), potential.array());
 }
 
@@ -212,8 +211,9 @@ void bind_functions(nb::module_& m, const std::string& real) {
 
 void bind_dynamics(nb::module_& m) {
   nb::module_ dynamics = m.def_submodule(
-      "dynamics", "Dynamics over rows; manyhands.dynamics describes the functions. Arrays are C-contiguous, (columns) or "
-                  "(n, columns), all of one type. `width`: rows at once, see BatchDynamics.");
+      "dynamics",
+      "Dynamics over rows; manyhands.dynamics describes the functions. Arrays are C-contiguous, (columns) or "
+      "(n, columns), all of one type. `width`: rows at once, see BatchDynamics.");
   bind_functions<double>(dynamics, "float64");
   bind_functions<float>(dynamics, "float32");
 }

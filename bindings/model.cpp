@@ -136,8 +136,9 @@ void bind_parts(nb::module_& m) {
           "body", [](const Link& link) { return link.body.value(); },
           "The moving body that carries the link; links joined by fixed joints share one, 0 is the world.");
 
-  nb::class_<Joint>(m, "Joint", "Joins a child link to its parent P. Frame F is fixed in P; at q = 0 the child's frame "
-                                "is F.")
+  nb::class_<Joint>(m, "Joint",
+                    "Joins a child link to its parent P. Frame F is fixed in P; at q = 0 the child's frame "
+                    "is F.")
       .def_ro("name", &Joint::name)
       .def_prop_ro(
           "type", [](const Joint& joint) { return to_string(joint.type); },
@@ -184,7 +185,8 @@ void bind_model_class(nb::module_& m) {
       m, "Model",
       "A robot or scene that never changes, made by `load_urdf` or `ModelBuilder.build`.\n\n"
       "Coordinates, depth first over the joints (see `Joint.iq`, `Joint.iv`): revolute, continuous: angle [rad]; "
-      "prismatic: shift [m]; planar: x, y [m] across the axis and the angle [rad]; spherical: q is a quaternion xyzw, v "
+      "prismatic: shift [m]; planar: x, y [m] across the axis and the angle [rad]; spherical: q is a quaternion xyzw, "
+      "v "
       "the angular velocity in the joint frame F; floating: q is position [m] and quaternion xyzw, v is angular "
       "velocity, then velocity of the origin, both in F.")
       .def_prop_ro("name", [](const PythonModel& self) { return self.model->name(); })
@@ -204,7 +206,9 @@ void bind_model_class(nb::module_& m) {
           "name"_a, "The link of that name. Raises KeyError, which lists the names there are.")
       .def(
           "joint",
-          [](const PythonModel& self, const std::string& name) { return self.model->joint(self.model->joint_id(name)); },
+          [](const PythonModel& self, const std::string& name) {
+            return self.model->joint(self.model->joint_id(name));
+          },
           "name"_a, "The joint of that name. Raises KeyError, which lists the names there are.")
       .def_prop_ro(
           "gravity", [](const PythonModel& self) { return vector3(self.model->gravity()); },
@@ -283,7 +287,8 @@ void bind_builder(nb::module_& m) {
           "gravity"_a, "(3) [m/s^2] in the world frame; (0, 0, -9.81) if never set.")
       .def(
           "build", [](const ModelBuilder& self) { return std::make_unique<PythonModel>(self.build()); },
-          "Checks the whole and makes the model. Raises ValueError, naming the part, on a cycle or on a joint that moves "
+          "Checks the whole and makes the model. Raises ValueError, naming the part, on a cycle or on a joint that "
+          "moves "
           "no inertia.");
 }
 

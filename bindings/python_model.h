@@ -9,8 +9,7 @@
 namespace manyhands {
 
 struct PythonModel {
-  explicit PythonModel(Model m)
-      : model(std::make_shared<const Model>(std::move(m))), doubles(*model), floats(*model) {}
+  explicit PythonModel(Model m) : model(std::make_shared<const Model>(std::move(m))), doubles(*model), floats(*model) {}
 
   template <Real R>
   [[nodiscard]] DynamicsPool<R>& pool() {

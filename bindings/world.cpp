@@ -1,4 +1,6 @@
 // manyhands._core.World: one world in double precision.
+#include "manyhands/physics/step/world.h"
+
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/pair.h>
@@ -9,7 +11,6 @@
 #include "bindings/arrays.h"
 #include "bindings/bindings.h"
 #include "bindings/python_model.h"
-#include "manyhands/physics/step/world.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -128,10 +129,11 @@ void bind_measures(nb::class_<World>& world) {
 }  // namespace
 
 void bind_world(nb::module_& m) {
-  auto world = nb::class_<World>(m, "World",
-                                 "A model in motion, in double precision, without contact.\n\n"
-                                 "Starts at rest in the neutral configuration with motors off. Setters raise ValueError "
-                                 "on a wrong length, a number that is not finite, or a quaternion not of unit length.");
+  auto world =
+      nb::class_<World>(m, "World",
+                        "A model in motion, in double precision, without contact.\n\n"
+                        "Starts at rest in the neutral configuration with motors off. Setters raise ValueError "
+                        "on a wrong length, a number that is not finite, or a quaternion not of unit length.");
   world
       .def(
           "__init__",
@@ -145,12 +147,13 @@ void bind_world(nb::module_& m) {
           "'rk4': the classic method of fourth order with Munthe-Kaas' correction for rotations; no motors or limits.")
       .def("step", &World::step, "n"_a = 1, nb::call_guard<nb::gil_scoped_release>(),
            "Advances by n steps. With 'rk4' raises RuntimeError if a motor is on or a joint leaves its limits.")
-      .def("set_motors", &set_motors, nb::kw_only(), "target_q"_a = 0.0, "target_v"_a = 0.0, "kp"_a = 0.1, "kd"_a = 1.0,
-           "max_force"_a, nb::sig(kSetMotors.c_str()),
-           "Motors as PyBullet's: each step drives a dof towards the velocity kp (target_q - q) / time_step + v' + "
-           "kd (target_v - v') with at most max_force, where v' is what it would reach without. One number for all dofs "
-           "or one each (nv); targets [rad or m] and [rad/s or m/s], forces [N m or N], 0 switches a motor off. "
-           "target_q is not read for rotations by quaternion.")
+      .def(
+          "set_motors", &set_motors, nb::kw_only(), "target_q"_a = 0.0, "target_v"_a = 0.0, "kp"_a = 0.1, "kd"_a = 1.0,
+          "max_force"_a, nb::sig(kSetMotors.c_str()),
+          "Motors as PyBullet's: each step drives a dof towards the velocity kp (target_q - q) / time_step + v' + "
+          "kd (target_v - v') with at most max_force, where v' is what it would reach without. One number for all dofs "
+          "or one each (nv); targets [rad or m] and [rad/s or m/s], forces [N m or N], 0 switches a motor off. "
+          "target_q is not read for rotations by quaternion.")
       .def_prop_ro("time_step", &World::time_step, "[s]")
       .def_prop_ro("time", &World::time, "[s]");
   bind_state(world);

@@ -4,9 +4,9 @@ Every function takes a single state, q (nq,), or n of them as rows, q (n, nq), a
 have the rows in front. If all arrays are float32 the states run side by side in SIMD lanes; otherwise everything is
 float64, the reference. A row with NaN or infinity spoils its own results only.
 
-Units are SI; the world's z is up; quaternions are xyzw and must be of unit length in q; spatial vectors have the angular
-part first. `Model` says what q and v mean for each type of joint. A wrong shape raises ValueError, which names the
-array; an unknown frame raises KeyError.
+Units are SI; the world's z is up; quaternions are xyzw and must be of unit length in q; spatial vectors have the
+angular part first. `Model` says what q and v mean for each type of joint. A wrong shape raises ValueError, which names
+the array; an unknown frame raises KeyError.
 
 Algorithms: Featherstone, Rigid Body Dynamics Algorithms, 2008.
 """

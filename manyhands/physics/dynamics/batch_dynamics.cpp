@@ -39,8 +39,10 @@ R* rows(const char* name, std::span<R> array, std::size_t n, std::size_t columns
 
 template <Real R>
 BatchDynamics<R>::BatchDynamics(const Model& model, int width)
-    : nq_(static_cast<std::size_t>(model.nq())), nv_(static_cast<std::size_t>(model.nv())),
-      frames_(model.frames().begin(), model.frames().end()), kernel_(choose_kernel<R>(model, width)) {}
+    : nq_(static_cast<std::size_t>(model.nq())),
+      nv_(static_cast<std::size_t>(model.nv())),
+      frames_(model.frames().begin(), model.frames().end()),
+      kernel_(choose_kernel<R>(model, width)) {}
 
 template <Real R>
 BatchDynamics<R>::~BatchDynamics() = default;

@@ -25,8 +25,12 @@ class RowKernelOf final : public RowKernel<real_t<T>> {
 
  public:
   explicit RowKernelOf(const Model& model)
-      : tree_(model), params_(model), ws_(tree_), nq_(static_cast<std::size_t>(model.nq())),
-        nv_(static_cast<std::size_t>(model.nv())), in_(nq_ + 2 * nv_, T(R(0))),
+      : tree_(model),
+        params_(model),
+        ws_(tree_),
+        nq_(static_cast<std::size_t>(model.nq())),
+        nv_(static_cast<std::size_t>(model.nv())),
+        in_(nq_ + 2 * nv_, T(R(0))),
         out_(std::max({nv_ * nv_, 6 * nv_, 7 * model.frames().size()}), T(R(0))) {}
 
   [[nodiscard]] int width() const override { return width_v<T>; }

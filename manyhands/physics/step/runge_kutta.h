@@ -12,8 +12,15 @@ namespace manyhands {
 template <Number T>
 struct RungeKutta {
   explicit RungeKutta(const Tree<real_t<T>>& tree)
-      : dynamics(tree), q(static_cast<std::size_t>(tree.nq)), v(static_cast<std::size_t>(tree.nv)), phi(v), d_phi(v),
-        d_v(v), sum_phi(v), sum_v(v), tau(v) {}
+      : dynamics(tree),
+        q(static_cast<std::size_t>(tree.nq)),
+        v(static_cast<std::size_t>(tree.nv)),
+        phi(v),
+        d_phi(v),
+        d_v(v),
+        sum_phi(v),
+        sum_v(v),
+        tau(v) {}
 
   Workspace<T> dynamics;
   std::vector<T> q, v;            ///< at a stage

@@ -25,16 +25,26 @@ void require_numbers(const std::string& name, std::span<const double> values, st
 
 void require_not_negative(const std::string& name, std::span<const double> values) {
   for (std::size_t i = 0; i < values.size(); ++i) {
-    if (values[i] < 0) throw std::invalid_argument(name + "[" + std::to_string(i) + "] is negative; expected 0 or more");
+    if (values[i] < 0)
+      throw std::invalid_argument(name + "[" + std::to_string(i) + "] is negative; expected 0 or more");
   }
 }
 
 }  // namespace
 
 World::World(std::shared_ptr<const Model> model, double time_step, Integrator integrator)
-    : model_(required(std::move(model))), time_step_(time_step), integrator_(integrator),
-      nq_(static_cast<std::size_t>(model_->nq())), nv_(static_cast<std::size_t>(model_->nv())), tree_(*model_),
-      params_(*model_), state_(*model_), before_(*model_), step_(tree_), runge_kutta_(tree_), scratch_(tree_) {
+    : model_(required(std::move(model))),
+      time_step_(time_step),
+      integrator_(integrator),
+      nq_(static_cast<std::size_t>(model_->nq())),
+      nv_(static_cast<std::size_t>(model_->nv())),
+      tree_(*model_),
+      params_(*model_),
+      state_(*model_),
+      before_(*model_),
+      step_(tree_),
+      runge_kutta_(tree_),
+      scratch_(tree_) {
   if (!(time_step > 0) || !is_finite(time_step)) {
     throw std::invalid_argument("time_step is " + std::to_string(time_step) + " s; expected a number above 0");
   }
@@ -120,9 +130,7 @@ void World::set_motors(const MotorCommands& commands) {
   std::ranges::copy(commands.max_force, params_.motor_max_force.begin());
 }
 
-Energy<double> World::energy() const {
-  return manyhands::energy(tree_, params_, state_.q(), state_.v(), scratch_);
-}
+Energy<double> World::energy() const { return manyhands::energy(tree_, params_, state_.q(), state_.v(), scratch_); }
 
 MassProperties<double> World::mass_properties() const {
   return manyhands::mass_properties(tree_, params_, state_.q(), state_.v(), scratch_);
@@ -141,8 +149,9 @@ void World::restore(std::span<const double> snapshot) {
   const std::size_t state_size = state_.numbers().size();
   const std::size_t expected = 1 + state_size + 3 * nv_;
   if (snapshot.size() != expected) {
-    throw std::invalid_argument("the snapshot holds " + std::to_string(snapshot.size()) + " numbers; this world's hold " +
-                                std::to_string(expected) + ": is it of another model?");
+    throw std::invalid_argument("the snapshot holds " + std::to_string(snapshot.size()) +
+                                " numbers; this world's hold " + std::to_string(expected) +
+                                ": is it of another model?");
   }
   steps_ = static_cast<std::int64_t>(snapshot[0]);
   std::ranges::copy(snapshot.subspan(1, state_size), state_.numbers().begin());

@@ -16,10 +16,10 @@ enum class Integrator {
 
 /// Motor commands, one number per dof (nv) each; see `World::set_motors`.
 struct MotorCommands {
-  std::span<const double> target_q;   ///< [rad or m]; read for dofs with one coordinate, not for rotations by quaternion
-  std::span<const double> target_v;   ///< [rad/s or m/s]
-  std::span<const double> kp;         ///< share of the position error that one step removes
-  std::span<const double> kd;         ///< share of the velocity error that one step removes
+  std::span<const double> target_q;  ///< [rad or m]; read for dofs with one coordinate, not for rotations by quaternion
+  std::span<const double> target_v;  ///< [rad/s or m/s]
+  std::span<const double> kp;        ///< share of the position error that one step removes
+  std::span<const double> kd;        ///< share of the velocity error that one step removes
   std::span<const double> max_force;  ///< [N m or N]; 0 switches the motor off
 };
 
@@ -32,7 +32,8 @@ class World {
                  Integrator integrator = Integrator::kSemiImplicit);
 
   /// Advances by n steps. With kRungeKutta4 throws std::runtime_error if a motor is on, or if a joint with limits lies
-  /// outside them before or after a step: this integrator would ignore both. The state stays as it was before that step.
+  /// outside them before or after a step: this integrator would ignore both. The state stays as it was before that
+  /// step.
   void step(int n = 1);
 
   [[nodiscard]] const Model& model() const { return *model_; }
@@ -51,7 +52,7 @@ class World {
   /// kp (target_q - q) / h + v' + kd (target_v - v') with at most max_force, where v' is what it would reach without.
   void set_motors(const MotorCommands& commands);
 
-  [[nodiscard]] Energy<double> energy() const;                 ///< [J]
+  [[nodiscard]] Energy<double> energy() const;                   ///< [J]
   [[nodiscard]] MassProperties<double> mass_properties() const;  ///< centre of mass, momentum about the world's origin
 
   /// All that a run continues from, bit for bit: state, motor gains and clock, as plain numbers.

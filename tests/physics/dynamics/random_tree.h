@@ -20,9 +20,7 @@ inline Vec3<double> random_vector(Generator& rng, double reach) {
   return {uniform(rng, -reach, reach), uniform(rng, -reach, reach), uniform(rng, -reach, reach)};
 }
 
-inline Quat<double> random_rotation(Generator& rng) {
-  return quat_from_rotation_vector(random_vector(rng, 2.0));
-}
+inline Quat<double> random_rotation(Generator& rng) { return quat_from_rotation_vector(random_vector(rng, 2.0)); }
 
 /// A box of 0.2 to 5 kg, turned at random.
 inline Inertial random_inertial(Generator& rng) {
@@ -34,8 +32,9 @@ inline Inertial random_inertial(Generator& rng) {
 
 /// `links` links, joined at random places; every type of joint anywhere, the root included.
 inline Model random_tree(std::uint64_t seed, int links) {
-  constexpr std::array kTypes{JointType::kFixed,     JointType::kRevolute, JointType::kContinuous, JointType::kPrismatic,
-                              JointType::kSpherical, JointType::kPlanar,   JointType::kFloating};
+  constexpr std::array kTypes{JointType::kFixed,     JointType::kRevolute,  JointType::kContinuous,
+                              JointType::kPrismatic, JointType::kSpherical, JointType::kPlanar,
+                              JointType::kFloating};
   Generator rng(seed);
   ModelBuilder builder("random tree " + std::to_string(seed));
   std::vector<LinkId> all{builder.world()};
@@ -45,14 +44,14 @@ inline Model random_tree(std::uint64_t seed, int links) {
     const LinkId child = builder.add_link("link" + std::to_string(i), random_inertial(rng));
     const JointType type = kTypes[rng() % kTypes.size()];
     const bool plain = uniform(rng, 0, 1) < 0.3;
-    builder.add_joint({.name = "joint" + std::to_string(i),
-                       .type = type,
-                       .parent = parent,
-                       .child = child,
-                       .X_PF = {plain ? Mat3<double>::identity() : to_matrix(random_rotation(rng)),
-                                random_vector(rng, 0.5)},
-                       .axis = plain ? Vec3<double>{0, 0, 1} : random_vector(rng, 1.0),
-                       .armature = uniform(rng, 0.0, 0.3)});
+    builder.add_joint(
+        {.name = "joint" + std::to_string(i),
+         .type = type,
+         .parent = parent,
+         .child = child,
+         .X_PF = {plain ? Mat3<double>::identity() : to_matrix(random_rotation(rng)), random_vector(rng, 0.5)},
+         .axis = plain ? Vec3<double>{0, 0, 1} : random_vector(rng, 1.0),
+         .armature = uniform(rng, 0.0, 0.3)});
     all.push_back(child);
   }
   return builder.build();

@@ -1,10 +1,9 @@
-#include "manyhands/physics/dynamics/batch_dynamics.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstring>
 
+#include "manyhands/physics/dynamics/batch_dynamics.h"
 #include "tests/physics/dynamics/random_tree.h"
 
 namespace manyhands {
@@ -52,9 +51,10 @@ std::vector<std::pair<std::string, std::vector<R>>> run_all(const Model& model, 
   dynamics.center_of_mass(n, s.q, com);
   dynamics.momentum(n, s.q, s.v, h);
   dynamics.energy(n, s.q, s.v, kinetic, potential);
-  return {{"rnea", tau},      {"aba", a},         {"crba", M}, {"position", p}, {"quaternion", r},
-          {"positions", all_p}, {"quaternions", all_r}, {"jacobian", J}, {"com", com},  {"momentum", h},
-          {"kinetic", kinetic}, {"potential", potential}};
+  return {{"rnea", tau},          {"aba", a},           {"crba", M},
+          {"position", p},        {"quaternion", r},    {"positions", all_p},
+          {"quaternions", all_r}, {"jacobian", J},      {"com", com},
+          {"momentum", h},        {"kinetic", kinetic}, {"potential", potential}};
 }
 
 TEST(BatchDynamics, EveryWidthGivesTheBitsOfScalarFloat) {
@@ -147,13 +147,13 @@ TEST(BatchDynamics, AxesNearMinusZKeepFramesOrthonormal) {
     ModelBuilder builder;
     const LinkId link = builder.add_link("link", {.mass = 1, .inertia = {1, 1, 1, 0, 0, 0}});
     const Vec3<double> axis{0.6 * std::sin(tilt), 0.8 * std::sin(tilt), -std::cos(tilt)};
-    builder.add_joint({.name = "joint", .type = JointType::kContinuous, .parent = builder.world(), .child = link,
-                       .axis = axis});
+    builder.add_joint(
+        {.name = "joint", .type = JointType::kContinuous, .parent = builder.world(), .child = link, .axis = axis});
     const Mat3<double> R = builder.build().bodies()[1].X_PF.R;
     EXPECT_NEAR(norm(R.z - axis), 0, 1e-15) << tilt;
     const Mat3<double> square = transpose(R) * R;
-    for (const Vec3<double>& error : {square.x - Vec3<double>{1, 0, 0}, square.y - Vec3<double>{0, 1, 0},
-                                      square.z - Vec3<double>{0, 0, 1}}) {
+    for (const Vec3<double>& error :
+         {square.x - Vec3<double>{1, 0, 0}, square.y - Vec3<double>{0, 1, 0}, square.z - Vec3<double>{0, 0, 1}}) {
       EXPECT_NEAR(norm(error), 0, 1e-15) << tilt;
     }
   }

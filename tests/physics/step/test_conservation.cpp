@@ -24,8 +24,8 @@ std::shared_ptr<const Model> four_legs() {
     LinkId parent = base;
     for (int k = 0; k < 3; ++k) {
       const std::string name = std::to_string(leg) + std::to_string(k);
-      const LinkId child = builder.add_link(
-          "link" + name, {.mass = 1, .com = {0, 0, -0.15}, .inertia = diagonal(0.008, 0.008, 0.001)});
+      const LinkId child =
+          builder.add_link("link" + name, {.mass = 1, .com = {0, 0, -0.15}, .inertia = diagonal(0.008, 0.008, 0.001)});
       const Vec3<double> hip{leg < 2 ? 0.3 : -0.3, leg % 2 == 0 ? 0.2 : -0.2, 0};
       builder.add_joint({.name = "joint" + name,
                          .type = JointType::kContinuous,
@@ -104,7 +104,8 @@ TEST(Conservation, RungeKuttaIsOfFourthOrder) {
   }
 }
 
-/// A body about its middle axis: Euler's equations have elliptic solutions (Landau and Lifshitz, Mechanics, section 37).
+/// A body about its middle axis: Euler's equations have elliptic solutions (Landau and Lifshitz, Mechanics, section
+/// 37).
 TEST(Conservation, TorqueFreeSpinFlipsAtTheAnalyticPeriod) {
   const double A = 1.0, B = 2.0, C = 3.0;  // moments of inertia [kg m^2]
   ModelBuilder builder("spinner");
@@ -203,8 +204,8 @@ TEST(Conservation, DampingIsImplicitAndRightInBothIntegrators) {
   ModelBuilder builder("slider");
   builder.set_gravity(Vec3<double>::zero());
   const LinkId body = builder.add_link("body", {.mass = 2});
-  builder.add_joint({.name = "slide", .type = JointType::kPrismatic, .parent = builder.world(), .child = body,
-                     .damping = 3});
+  builder.add_joint(
+      {.name = "slide", .type = JointType::kPrismatic, .parent = builder.world(), .child = body, .damping = 3});
   const auto model = std::make_shared<const Model>(builder.build());
   const double exact = std::exp(-1.5);  // v' = -(3 / 2) v, after 1 s
   World rk4(model, 0.01, Integrator::kRungeKutta4), euler(model, 0.01), coarse(model, 10.0);

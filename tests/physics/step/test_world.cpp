@@ -1,10 +1,9 @@
-#include "manyhands/physics/step/world.h"
-
 #include <gtest/gtest.h>
 
 #include <limits>
 
 #include "manyhands/model/model_builder.h"
+#include "manyhands/physics/step/world.h"
 #include "tests/physics/dynamics/random_tree.h"
 
 namespace manyhands {
@@ -13,8 +12,12 @@ namespace {
 std::shared_ptr<const Model> hinge(double lower, double upper) {
   ModelBuilder builder("hinge");
   const LinkId rod = builder.add_link("rod", {.mass = 1, .com = {0, 0, -0.5}, .inertia = {0.1, 0.1, 0.01, 0, 0, 0}});
-  builder.add_joint({.name = "hinge", .type = JointType::kRevolute, .parent = builder.world(), .child = rod,
-                     .axis = {0, 1, 0}, .limits = {.lower = lower, .upper = upper}});
+  builder.add_joint({.name = "hinge",
+                     .type = JointType::kRevolute,
+                     .parent = builder.world(),
+                     .child = rod,
+                     .axis = {0, 1, 0},
+                     .limits = {.lower = lower, .upper = upper}});
   return std::make_shared<const Model>(builder.build());
 }
 
@@ -90,9 +93,8 @@ TEST(World, RefusesWhatIsNoState) {
   EXPECT_THROW(world.set_v(std::vector{std::numeric_limits<double>::quiet_NaN()}), std::invalid_argument);
   EXPECT_THROW(world.step(-1), std::invalid_argument);
   const std::vector<double> one{1.0}, negative{-1.0};
-  EXPECT_THROW(
-      world.set_motors({.target_q = one, .target_v = one, .kp = one, .kd = one, .max_force = negative}),
-      std::invalid_argument);
+  EXPECT_THROW(world.set_motors({.target_q = one, .target_v = one, .kp = one, .kd = one, .max_force = negative}),
+               std::invalid_argument);
 
   ModelBuilder builder;
   const LinkId ball = builder.add_link("ball", {.mass = 1, .inertia = {1, 1, 1, 0, 0, 0}});
