@@ -2,8 +2,6 @@
 
 namespace manyhands::internal {
 
-template std::unique_ptr<RowKernel<float>> make_row_kernel<Lanes4>(const Model&);
 template std::unique_ptr<RowKernel<float>> make_row_kernel<Lanes8>(const Model&);
-template std::unique_ptr<RowKernel<float>> make_row_kernel<Lanes16>(const Model&);
 
 }  // namespace manyhands::internal

@@ -1,0 +1,7 @@
+#include "manyhands/physics/dynamics/row_kernel_impl.h"
+
+namespace manyhands::internal {
+
+template std::unique_ptr<RowKernel<float>> make_row_kernel<Lanes16>(const Model&);
+
+}  // namespace manyhands::internal
