@@ -256,6 +256,8 @@ void bind_builder(nb::module_& m) {
             self.add_link(name, {.mass = mass, .com = vec3(com), .inertia = symmetric("link '" + name + "'", inertia)});
           },
           "name"_a, nb::kw_only(), "mass"_a = 0.0, "com"_a = Numbers3{}, "inertia"_a = Matrix3{},
+          nb::sig("def add_link(self, name: str, *, mass: float = 0.0, com: numpy.typing.ArrayLike = (0, 0, 0), "
+                  "inertia: numpy.typing.ArrayLike = ((0, 0, 0), (0, 0, 0), (0, 0, 0))) -> None"),
           "mass [kg]; com: centre of mass in the link's frame (3) [m]; inertia about it in the frame's axes (3, 3) "
           "[kg m^2].")
       .def(
@@ -272,6 +274,11 @@ void bind_builder(nb::module_& m) {
           "quaternion"_a = Numbers4{0, 0, 0, 1}, "axis"_a = Numbers3{0, 0, 1}, "lower"_a = -kInfinity,
           "upper"_a = kInfinity, "effort"_a = kInfinity, "velocity"_a = kInfinity, "damping"_a = 0.0,
           "friction"_a = 0.0, "armature"_a = 0.0,
+          nb::sig("def add_joint(self, name: str, type: str, parent: str, child: str, *, "
+                  "position: numpy.typing.ArrayLike = (0, 0, 0), quaternion: numpy.typing.ArrayLike = (0, 0, 0, 1), "
+                  "axis: numpy.typing.ArrayLike = (0, 0, 1), lower: float = ..., upper: float = ..., "
+                  "effort: float = ..., velocity: float = ..., damping: float = 0.0, friction: float = 0.0, "
+                  "armature: float = 0.0) -> None"),
           "Joins two links. type: as `Joint.type`; position (3) [m] and quaternion xyzw (4): the joint frame F in the "
           "parent; axis in F (3).")
       .def(
@@ -281,10 +288,13 @@ void bind_builder(nb::module_& m) {
             self.add_frame(name, link_of(self, link), transform("frame '" + name + "'", position, orientation));
           },
           "name"_a, "link"_a, nb::kw_only(), "position"_a = Numbers3{}, "quaternion"_a = Numbers4{0, 0, 0, 1},
+          nb::sig("def add_frame(self, name: str, link: str, *, position: numpy.typing.ArrayLike = (0, 0, 0), "
+                  "quaternion: numpy.typing.ArrayLike = (0, 0, 0, 1)) -> None"),
           "Names a pose on a link: position (3) [m] and quaternion xyzw (4) in its frame.")
       .def(
           "set_gravity", [](ModelBuilder& self, const Numbers3& gravity) { self.set_gravity(vec3(gravity)); },
-          "gravity"_a, "(3) [m/s^2] in the world frame; (0, 0, -9.81) if never set.")
+          "gravity"_a, nb::sig("def set_gravity(self, gravity: numpy.typing.ArrayLike) -> None"),
+          "(3) [m/s^2] in the world frame; (0, 0, -9.81) if never set.")
       .def(
           "build", [](const ModelBuilder& self) { return std::make_unique<PythonModel>(self.build()); },
           "Checks the whole and makes the model. Raises ValueError, naming the part, on a cycle or on a joint that "
