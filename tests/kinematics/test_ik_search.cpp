@@ -1,0 +1,101 @@
+#include "manyhands/kinematics/ik_search.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <iostream>
+
+#include "manyhands/envs/panda.h"
+#include "manyhands/math/philox.h"
+
+namespace manyhands {
+namespace {
+
+struct Panda {
+  PandaRobot robot{PandaControl::kEndEffector};
+  Tree<double> tree{robot.model};
+  Params<double> params{robot.model};
+  Workspace<double> ws{tree};
+  std::vector<double> neutral{kPandaNeutral.begin(), kPandaNeutral.end()};
+
+  Transform<double> hand(const double* q) {
+    forward_kinematics(tree, q, ws);
+    return frame_pose(robot.chain.body, robot.chain.X_BF, ws);
+  }
+
+  /// Hand poses of random configurations within the limits.
+  std::vector<Transform<double>> reachable(int n) {
+    std::vector<Transform<double>> poses;
+    for (int i = 0; i < n; ++i) {
+      RandomStream random(4, static_cast<std::uint32_t>(i), 0);
+      std::vector<double> q = neutral;
+      for (const std::size_t dof : robot.chain.dofs) q[dof] = random.uniform(params.lower[dof], params.upper[dof]);
+      poses.push_back(hand(q.data()));
+    }
+    return poses;
+  }
+};
+
+double angle(const Mat3<double>& a, const Mat3<double>& b) { return norm(rotation_vector(to_quat(a * transpose(b)))); }
+
+TEST(IkSearch, ReachesNearlyAllThatCanBeReached) {
+  constexpr int n = 10000;
+  Panda panda;
+  const std::vector<Transform<double>> targets = panda.reachable(n);
+  const auto begin = std::chrono::steady_clock::now();
+  const IkSolutions found = search_ik(panda.robot.model, panda.robot.hand, targets, panda.neutral);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  int solved = 0, at_first = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double* q = &found.q[i * PandaRobot::kJoints];
+    for (std::size_t j = 0; j < PandaRobot::kJoints; ++j) {  // the model's dofs are its coordinates
+      ASSERT_GE(q[j], panda.params.lower[j]) << "target " << i;
+      ASSERT_LE(q[j], panda.params.upper[j]) << "target " << i;
+    }
+    EXPECT_EQ(q[7], panda.neutral[7]);
+    EXPECT_EQ(q[8], panda.neutral[8]);
+    const Transform<double> X_WF = panda.hand(q);
+    EXPECT_NEAR(found.position_error[i], norm(X_WF.p - targets[i].p), 1e-9);
+    EXPECT_NEAR(found.rotation_error[i], angle(X_WF.R, targets[i].R), 1e-7);
+    if (found.success[i] == 0) continue;
+    ++solved;
+    at_first += found.attempts[i] == 1;
+    ASSERT_LE(norm(X_WF.p - targets[i].p), 1e-5 + 1e-12) << "target " << i;
+    ASSERT_LE(angle(X_WF.R, targets[i].R), 1e-4 + 1e-7) << "target " << i;
+  }
+  EXPECT_GE(solved, n * 995 / 1000);
+  double attempts = 0;
+  for (const int a : found.attempts) attempts += a;
+  std::cout << solved << " of " << n << " solved, " << at_first << " of them at the first attempt, " << attempts / n
+            << " attempts a target, " << seconds << " s\n";
+}
+
+TEST(IkSearch, GivesEachTargetItsOwnAnswer) {
+  Panda panda;
+  const std::vector<Transform<double>> targets = panda.reachable(37);
+  const IkSolutions all = search_ik(panda.robot.model, panda.robot.hand, targets, panda.neutral);
+  const IkSolutions some = search_ik(panda.robot.model, panda.robot.hand, std::span(targets).first(5), panda.neutral);
+  EXPECT_EQ(std::vector<double>(all.q.begin(), all.q.begin() + 5 * PandaRobot::kJoints), some.q);
+  EXPECT_EQ(std::vector<int>(all.attempts.begin(), all.attempts.begin() + 5), some.attempts);
+}
+
+TEST(IkSearch, SaysHowFarOffAnUnreachableTargetIs) {
+  Panda panda;
+  Transform<double> far = panda.hand(panda.neutral.data());
+  far.p = {-0.6, 0, 3.0};  // the arm reaches about 1.19 m above its base
+  const IkSolutions found = search_ik(panda.robot.model, panda.robot.hand, std::span(&far, 1), panda.neutral, {.restarts = 5});
+  EXPECT_EQ(found.success[0], 0);
+  EXPECT_EQ(found.attempts[0], 6);
+  EXPECT_NEAR(found.position_error[0], norm(panda.hand(found.q.data()).p - far.p), 1e-12);
+  EXPECT_GT(found.position_error[0], 3.0 - 1.4);
+  EXPECT_LT(found.position_error[0], 3.0);  // it stretches towards it
+}
+
+TEST(IkSearch, RefusesAStartOfTheWrongLength) {
+  Panda panda;
+  EXPECT_THROW((void)search_ik(panda.robot.model, panda.robot.hand, {}, std::vector<double>(7)), std::invalid_argument);
+  EXPECT_TRUE(search_ik(panda.robot.model, panda.robot.hand, {}, panda.neutral).q.empty());
+}
+
+}  // namespace
+}  // namespace manyhands
