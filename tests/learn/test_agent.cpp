@@ -93,6 +93,34 @@ TEST(Agent, FindsTheBestActionOfEachState) {
   EXPECT_LT(regret.colwise().squaredNorm().mean(), 0.02f) << "doing nothing costs 1/6";
 }
 
+TEST(Agent, LearnsFromBothHalves) {
+  // The halves hold different states where opposite actions pay, so each must be learned from its own half.
+  Agent agent(2, 1, config());
+  Halves halves(1);
+  UpdateStats stats;
+  for (int step = 0; step < 600; ++step) {
+    for (int i = 0; i < 2; ++i) {
+      Random random(i == 0 ? 1 : 2, Purpose::kSampling, static_cast<std::uint64_t>(step));
+      AgentBatch& batch = agent.half(i);
+      fill_uniform(batch.state, random);
+      batch.state.row(0).setConstant(i == 0 ? -1.0f : 1.0f);
+      fill_uniform(batch.action, random);
+      batch.reward = (i == 0 ? -1.0f : 1.0f) * batch.action.row(0).transpose();
+    }
+    stats = agent.update(halves, kWide);
+  }
+  EXPECT_LT(stats.critic_loss, 0.01f);
+  EXPECT_NEAR(stats.policy_q, 1.0f, 0.1f);
+}
+
+TEST(Agent, TwinCriticsArePessimistic) {
+  // With nothing to earn, what the critics disagree on is error: the smaller value must not drift above the truth.
+  TrainerConfig twin = config();
+  twin.num_critics = 2;
+  const double pessimistic = learned_value(twin, 0, 0.99f, kWide), plain = learned_value(config(), 0, 0.99f, kWide);
+  EXPECT_LT(pessimistic, plain);
+}
+
 TEST(Agent, MovesThePolicyOnlyWhenItIsDue) {
   TrainerConfig delayed = config();
   delayed.policy_delay = 3;

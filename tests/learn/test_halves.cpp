@@ -15,7 +15,10 @@ TEST(Halves, RunsEachHalfOncePerRoundAndWaitsForBoth) {
     Halves halves(threads);
     std::array<long, 2> runs{};  // plain: a half that overlapped the next round would be a race
     for (long round = 1; round <= 20'000; ++round) {
-      halves.run([&](int half) { ++runs[static_cast<std::size_t>(half)]; });
+      halves.run([&](int half) {
+        for (volatile int i = 0; i < 1000;) i = i + 1;  // long enough for the helper to take part
+        ++runs[static_cast<std::size_t>(half)];
+      });
       ASSERT_EQ(runs[0], round);
       ASSERT_EQ(runs[1], round);
     }

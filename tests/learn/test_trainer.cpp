@@ -120,27 +120,17 @@ TEST(Trainer, DependsOnTheSeed) {
   EXPECT_NE(policies[0].mean, policies[1].mean);
 }
 
-/// Takes the first action of the policy under test and remembers it.
-class Probe final : public EnvBatch {
+/// Passes everything on; tests override what they change.
+class Wrapper : public EnvBatch {
  public:
-  explicit Probe(PointReach& envs) : envs_(envs) {}
-  std::vector<float> first_action, first_observation, first_achieved, first_desired;
+  explicit Wrapper(PointReach& envs) : envs_(envs) {}
 
   const EnvSpec& spec() const override { return envs_.spec(); }
   int num_envs() const override { return envs_.num_envs(); }
   void reset(std::span<const std::uint8_t> mask, std::span<const std::uint64_t> seeds) override {
     envs_.reset(mask, seeds);
   }
-  void step(std::span<const float> action) override {
-    if (first_action.empty()) {
-      const auto copied = [](std::span<const float> values) { return std::vector(values.begin(), values.end()); };
-      first_action = copied(action);
-      first_observation = copied(observation());
-      first_achieved = copied(achieved_goal());
-      first_desired = copied(desired_goal());
-    }
-    envs_.step(action);
-  }
+  void step(std::span<const float> action) override { envs_.step(action); }
   std::span<const float> observation() const override { return envs_.observation(); }
   std::span<const float> achieved_goal() const override { return envs_.achieved_goal(); }
   std::span<const float> desired_goal() const override { return envs_.desired_goal(); }
@@ -154,8 +144,57 @@ class Probe final : public EnvBatch {
   }
   std::uint64_t state_hash() const override { return envs_.state_hash(); }
 
- private:
+ protected:
   PointReach& envs_;
+};
+
+/// Every step earns -1 and ends the episode, by termination or by truncation.
+class EndsAtOnce final : public Wrapper {
+ public:
+  EndsAtOnce(PointReach& envs, bool terminates)
+      : Wrapper(envs),
+        reward_(static_cast<std::size_t>(envs.num_envs()), -1.0f),
+        terminated_(reward_.size(), terminates ? 1 : 0),
+        truncated_(reward_.size(), terminates ? 0 : 1) {}
+  std::span<const float> reward() const override { return reward_; }
+  std::span<const std::uint8_t> terminated() const override { return terminated_; }
+  std::span<const std::uint8_t> truncated() const override { return truncated_; }
+
+ private:
+  std::vector<float> reward_;
+  std::vector<std::uint8_t> terminated_, truncated_;
+};
+
+TEST(Trainer, BootstrapsBeyondTheStepLimitButNotBeyondTheEnd) {
+  for (const bool terminates : {true, false}) {
+    PointReach point(16);
+    EndsAtOnce envs(point, terminates);
+    TrainerConfig config = small_config();
+    config.gamma = 0.5;
+    config.hindsight_fraction = 0;
+    Trainer trainer(envs, nullptr, config);
+    trainer.advance(400);
+    EXPECT_NEAR(trainer.advance(100).q_mean, terminates ? -1.0 : -1.0 / (1.0 - 0.5),
+                0.25);  // the policy's maximum and the bound lift it
+  }
+}
+
+/// Remembers the first action of the policy under test and what it was based on.
+class Probe final : public Wrapper {
+ public:
+  using Wrapper::Wrapper;
+  std::vector<float> first_action, first_observation, first_achieved, first_desired;
+
+  void step(std::span<const float> action) override {
+    if (first_action.empty()) {
+      const auto copied = [](std::span<const float> values) { return std::vector(values.begin(), values.end()); };
+      first_action = copied(action);
+      first_observation = copied(observation());
+      first_achieved = copied(achieved_goal());
+      first_desired = copied(desired_goal());
+    }
+    envs_.step(action);
+  }
 };
 
 TEST(Trainer, ExportsThePolicyThatItRuns) {

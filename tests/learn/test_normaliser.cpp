@@ -1,0 +1,47 @@
+// Running statistics against the two-pass formulas.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "manyhands/learn/normaliser.h"
+#include "manyhands/learn/random.h"
+
+namespace manyhands::learn {
+namespace {
+
+TEST(InputNormaliser, ScalesByMeanAndDeviationOfWhatItWasGiven) {
+  Random random(1, Purpose::kSampling, 0);
+  InputNormaliser normaliser(2, 1, 1.5f);
+  std::vector<std::array<double, 4>> samples;
+  for (int i = 0; i < 500; ++i) {
+    const std::array<float, 2> observation = {100.0f + 3.0f * random.normal(), 7.0f};  // the second never moves
+    const float achieved = random.normal(), desired = 0.1f * random.normal();
+    normaliser.add(observation.data(), &achieved, &desired);
+    samples.push_back({static_cast<double>(observation[0]), 7.0, static_cast<double>(desired),
+                       static_cast<double>(desired - achieved)});
+  }
+  normaliser.refresh();
+  for (std::size_t k = 0; k < 4; ++k) {
+    double mean = 0, variance = 0;
+    for (const auto& sample : samples) mean += sample[k] / 500;
+    for (const auto& sample : samples) variance += (sample[k] - mean) * (sample[k] - mean) / 500;
+    const double deviation = std::max(std::sqrt(variance), 1e-2);
+    const auto at = static_cast<Eigen::Index>(k);
+    EXPECT_NEAR(static_cast<double>(normaliser.mean()[at]), mean, 1e-5 + 1e-6 * std::abs(mean)) << k;
+    EXPECT_NEAR(static_cast<double>(normaliser.scale()[at]) * deviation, 1.0, 1e-5) << k;
+  }
+}
+
+TEST(InputNormaliser, LaysOutObservationGoalAndTheWayToItAndClips) {
+  const InputNormaliser fresh(2, 1, 1.5f);  // mean 0, scale 1
+  const std::array<float, 2> observation = {0.5f, -9.0f};
+  const float achieved = 1.0f, desired = 0.25f;
+  std::array<float, 4> z{};
+  fresh.write(observation.data(), &achieved, &desired, z.data());
+  EXPECT_EQ(z, (std::array<float, 4>{0.5f, -1.5f, 0.25f, -0.75f}));
+}
+
+}  // namespace
+}  // namespace manyhands::learn
