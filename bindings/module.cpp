@@ -7,6 +7,7 @@ NB_MODULE(_core, m) {
   m.doc() = "The C++ library behind the manyhands package.";
   manyhands::bind_model(m);
   manyhands::bind_dynamics(m);
+  manyhands::bind_kinematics(m);
   manyhands::bind_world(m);
   manyhands::bind_envs(m);
   manyhands::bind_learn(m);

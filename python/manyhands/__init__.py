@@ -18,6 +18,7 @@ from manyhands._core import (
     load_urdf,
     set_asset_root,
 )
+from manyhands.kinematics import IkResult, inverse_kinematics
 
 try:
     __version__ = version("manyhands")
@@ -32,6 +33,7 @@ envs.register()
 
 __all__ = [
     "Frame",
+    "IkResult",
     "Joint",
     "Link",
     "LoadNote",
@@ -44,5 +46,6 @@ __all__ = [
     "asset_path",
     "dynamics",
     "envs",
+    "inverse_kinematics",
     "load_urdf",
 ]

@@ -1,0 +1,55 @@
+// manyhands._core.kinematics: inverse kinematics over rows of targets.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/string.h>
+
+#include "bindings/arrays.h"
+#include "bindings/bindings.h"
+#include "bindings/python_model.h"
+#include "manyhands/kinematics/ik_search.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace manyhands {
+
+namespace {
+
+using bindings::Array;
+using bindings::copied;
+
+nb::tuple search(PythonModel& model, const std::string& frame, const Array<double, 2>& position,
+                 const Array<double, 2>& quaternion, const Array<double, 1>& start, int restarts, std::uint64_t seed,
+                 bool respect_limits, double position_tolerance, double rotation_tolerance) {
+  const std::size_t n = position.shape(0);
+  std::vector<Transform<double>> targets;
+  for (std::size_t i = 0; i < n; ++i) {
+    const Quat<double> r = normalized(
+        Quat<double>{quaternion(i, 0), quaternion(i, 1), quaternion(i, 2), quaternion(i, 3)});
+    targets.push_back({to_matrix(r), {position(i, 0), position(i, 1), position(i, 2)}});
+  }
+  IkSearchSettings settings{.restarts = restarts, .seed = seed};
+  settings.ik.respect_limits = respect_limits;
+  settings.ik.position_tolerance = position_tolerance;
+  settings.ik.rotation_tolerance = rotation_tolerance;
+  const FrameId id = model.model->frame_id(frame);
+  IkSolutions found;
+  {
+    const nb::gil_scoped_release release;
+    found = search_ik(*model.model, id, targets, bindings::as_span(start), settings);
+  }
+  return nb::make_tuple(copied(found.q.data(), {n, static_cast<std::size_t>(model.model->nq())}),
+                        bindings::copied_bools(found.success), copied(found.position_error.data(), {n}),
+                        copied(found.rotation_error.data(), {n}));
+}
+
+}  // namespace
+
+void bind_kinematics(nb::module_& parent) {
+  nb::module_ m = parent.def_submodule("kinematics", "Inverse kinematics over rows of targets.");
+  m.def("search", &search, "model"_a, "frame"_a, "position"_a, "quaternion"_a, "start"_a, nb::kw_only(), "restarts"_a,
+        "seed"_a, "respect_limits"_a, "position_tolerance"_a, "rotation_tolerance"_a,
+        "position (n, 3), quaternion (n, 4) xyzw, start (nq,) -> q (n, nq), success (n,), position_error (n,), "
+        "rotation_error (n,); see manyhands.inverse_kinematics.");
+}
+
+}  // namespace manyhands
