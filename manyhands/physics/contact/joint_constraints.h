@@ -10,7 +10,7 @@
 #include "manyhands/math/control_flow.h"
 #include "manyhands/physics/dynamics/ltdl.h"
 #include "manyhands/physics/dynamics/workspace.h"
-#include "manyhands/physics/step/state.h"
+#include "manyhands/physics/dynamics/state.h"
 
 namespace manyhands {
 

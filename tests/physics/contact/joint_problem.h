@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "manyhands/physics/dynamics/crba.h"
-#include "manyhands/physics/step/state.h"
+#include "manyhands/physics/dynamics/state.h"
 #include "tests/physics/dynamics/random_tree.h"
 
 namespace manyhands::testing {
