@@ -23,8 +23,8 @@ nb::tuple search(PythonModel& model, const std::string& frame, const Array<doubl
   const std::size_t n = position.shape(0);
   std::vector<Transform<double>> targets;
   for (std::size_t i = 0; i < n; ++i) {
-    const Quat<double> r = normalized(
-        Quat<double>{quaternion(i, 0), quaternion(i, 1), quaternion(i, 2), quaternion(i, 3)});
+    const Quat<double> r =
+        normalized(Quat<double>{quaternion(i, 0), quaternion(i, 1), quaternion(i, 2), quaternion(i, 3)});
     targets.push_back({to_matrix(r), {position(i, 0), position(i, 1), position(i, 2)}});
   }
   IkSearchSettings settings{.restarts = restarts, .seed = seed};

@@ -27,9 +27,12 @@ class ThreadPool {
   /// body is thrown again here. One caller at a time.
   template <class Body>
   void for_each(int n, Body&& body) {
-    run(n, [](void* context, int item, int worker) {
-      (*static_cast<std::remove_reference_t<Body>*>(context))(item, worker);
-    }, const_cast<void*>(static_cast<const void*>(&body)));
+    run(
+        n,
+        [](void* context, int item, int worker) {
+          (*static_cast<std::remove_reference_t<Body>*>(context))(item, worker);
+        },
+        const_cast<void*>(static_cast<const void*>(&body)));
   }
 
  private:

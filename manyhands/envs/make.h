@@ -10,12 +10,12 @@
 namespace manyhands {
 
 struct EnvOptions {
-  int num_threads = 0;      ///< 0: the variable MANYHANDS_THREADS, else as many as the machine has cores
-  int n_substeps = 20;      ///< physics steps of one environment step
-  double time_step = 0.002; ///< of the physics [s]
+  int num_threads = 0;       ///< 0: the variable MANYHANDS_THREADS, else as many as the machine has cores
+  int n_substeps = 20;       ///< physics steps of one environment step
+  double time_step = 0.002;  ///< of the physics [s]
   bool terminate_on_success = true;
   double distance_threshold = 0.05;  ///< success is nearer than this [m]
-  int lanes = 0;            ///< 0: the fastest for this build, or scalars for a single world; else 1, 4, 8 or 16
+  int lanes = 0;  ///< 0: the fastest for this build, or scalars for a single world; else 1, 4, 8 or 16
 };
 
 /// The ids that `make_env_batch` knows, for example "PandaReachDense-v3".

@@ -80,8 +80,7 @@ MANYHANDS_INLINE HandState<T> observe_hand(const PandaRobot& robot, const Tree<r
 /// The hand keeps pointing straight down and never aims below the table. `hand` is observe_hand of the same state.
 template <Number T, Number P>
 MANYHANDS_INLINE void apply_panda_action(const PandaRobot& robot, const Tree<real_t<T>>& tree, const Params<P>& params,
-                                         const HandState<T>& hand, const T* action, State<T>& state,
-                                         Workspace<T>& ws) {
+                                         const HandState<T>& hand, const T* action, State<T>& state, Workspace<T>& ws) {
   using R = real_t<T>;
   const T zero(R(0)), one(R(1)), scale(R(0.05));
   const auto clipped = [&](std::size_t i) { return clamp(action[i], -one, one); };

@@ -19,8 +19,14 @@ class Search {
  public:
   Search(const Model& model, FrameId frame, std::span<const Transform<double>> targets, std::span<const double> start,
          const IkSearchSettings& settings)
-      : chain_(model, frame), targets_(targets), settings_(settings), tree_(model), params_(model), ws_(tree_),
-        start_(start.begin(), start.end()), q_(start.size()),
+      : chain_(model, frame),
+        targets_(targets),
+        settings_(settings),
+        tree_(model),
+        params_(model),
+        ws_(tree_),
+        start_(start.begin(), start.end()),
+        q_(start.size()),
         error2_(targets.size(), std::numeric_limits<double>::infinity()) {
     for (std::size_t i = 0; i < targets.size(); ++i) found_.q.insert(found_.q.end(), start.begin(), start.end());
     found_.success.assign(targets.size(), 0);
@@ -60,7 +66,8 @@ class Search {
   void attempt_block(int round, std::span<const std::size_t> block) {
     Transform<T> target = Transform<T>::identity();
     for (int k = 0; k < W; ++k) {
-      const std::size_t i = block[std::min(static_cast<std::size_t>(k), block.size() - 1)];  // spare lanes repeat the last
+      const std::size_t i =
+          block[std::min(static_cast<std::size_t>(k), block.size() - 1)];  // spare lanes repeat the last
       set_target(target, k, broadcast<float>(targets_[i]));
       set_start(round, i, k);
     }

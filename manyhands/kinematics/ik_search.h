@@ -6,17 +6,17 @@
 namespace manyhands {
 
 struct IkSearchSettings {
-  IkSettings ik{};          ///< of one attempt
-  int restarts = 100;       ///< attempts after the first, from random configurations within the limits
-  std::uint64_t seed = 0;   ///< of those
+  IkSettings ik{};         ///< of one attempt
+  int restarts = 100;      ///< attempts after the first, from random configurations within the limits
+  std::uint64_t seed = 0;  ///< of those
 };
 
 /// Rows are targets. A target's row depends on it, the start and the settings, not on the other targets.
 struct IkSolutions {
-  std::vector<double> q;                                 ///< (n, nq) the solution, or the nearest that was found
-  std::vector<std::uint8_t> success;                     ///< (n) both errors are within tolerance
-  std::vector<double> position_error, rotation_error;    ///< (n) at q [m], [rad]
-  std::vector<int> attempts;                             ///< (n) how many were made
+  std::vector<double> q;                               ///< (n, nq) the solution, or the nearest that was found
+  std::vector<std::uint8_t> success;                   ///< (n) both errors are within tolerance
+  std::vector<double> position_error, rotation_error;  ///< (n) at q [m], [rad]
+  std::vector<int> attempts;                           ///< (n) how many were made
 };
 
 /// For each pose in `targets` (X_WF of the frame) a configuration that reaches it; the first attempt begins at

@@ -4,8 +4,7 @@
 
 namespace manyhands {
 
-IkChain::IkChain(const Model& model, FrameId frame)
-    : body(model.frame(frame).body), X_BF(model.frame(frame).X_BF) {
+IkChain::IkChain(const Model& model, FrameId frame) : body(model.frame(frame).body), X_BF(model.frame(frame).X_BF) {
   for (BodyId b = body; b.value() != 0; b = model.body(b).parent) {
     const Body& link = model.body(b);
     if (link.nq != 1) {

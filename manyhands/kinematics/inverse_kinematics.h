@@ -13,9 +13,9 @@ struct IkSettings {
   int max_iterations = 50;
   double damping = 1e-6;
   double error_damping = 0.1;
-  double position_tolerance = 1e-5;     ///< [m]
-  double rotation_tolerance = 1e-4;     ///< [rad]; infinite: only the position decides when to stop
-  bool respect_limits = true;           ///< keeps every iterate within the joint limits
+  double position_tolerance = 1e-5;  ///< [m]
+  double rotation_tolerance = 1e-4;  ///< [rad]; infinite: only the position decides when to stop
+  bool respect_limits = true;        ///< keeps every iterate within the joint limits
 };
 
 /// The bodies and dofs that move a frame, from the root out: found once, used in every solve.
@@ -76,7 +76,8 @@ MANYHANDS_INLINE void improve_ik(const Tree<real_t<T>>& tree, const Params<P>& p
       const Motion<T> J = at_point(ws.S[i], p_OF);
       T& qi = q[static_cast<std::size_t>(tree.dof_q[i])];
       T next = qi + dot(J.w, y.w) + dot(J.v, y.v);
-      if (settings.respect_limits && tree.dof_limited[i]) next = clamp(next, broadcast<T>(params.lower[i]), broadcast<T>(params.upper[i]));
+      if (settings.respect_limits && tree.dof_limited[i])
+        next = clamp(next, broadcast<T>(params.lower[i]), broadcast<T>(params.upper[i]));
       qi = select(active, next, qi);
     }
     return !((position2 <= position_tolerance) & (rotation2 <= rotation_tolerance));
@@ -86,8 +87,7 @@ MANYHANDS_INLINE void improve_ik(const Tree<real_t<T>>& tree, const Params<P>& p
 /// The same, with the errors that remain.
 template <Number T, Number P>
 MANYHANDS_INLINE IkResult<T> solve_ik(const Tree<real_t<T>>& tree, const Params<P>& params, const IkChain& chain,
-                                      const IkSettings& settings, const Transform<T>& target, T* q,
-                                      Workspace<T>& ws) {
+                                      const IkSettings& settings, const Transform<T>& target, T* q, Workspace<T>& ws) {
   using R = real_t<T>;
   improve_ik(tree, params, chain, settings, target, q, ws);
   const Transform<R> X_BF = broadcast<R>(chain.X_BF);

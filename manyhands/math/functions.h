@@ -156,9 +156,9 @@ template <Number T>
 MANYHANDS_INLINE T log_reduced(T m, T e) {
   const T z = m * m;
   if constexpr (std::same_as<real_t<T>, float>) {
-    constexpr std::array<float, 9> p{7.0376836292e-2f, -1.1514610310e-1f, 1.1676998740e-1f,
-                                     -1.2420140846e-1f, 1.4249322787e-1f, -1.6668057665e-1f,
-                                     2.0000714765e-1f, -2.4999993993e-1f, 3.3333331174e-1f};
+    constexpr std::array<float, 9> p{7.0376836292e-2f,  -1.1514610310e-1f, 1.1676998740e-1f,
+                                     -1.2420140846e-1f, 1.4249322787e-1f,  -1.6668057665e-1f,
+                                     2.0000714765e-1f,  -2.4999993993e-1f, 3.3333331174e-1f};
     T y = m * z * polynomial(m, p);
     y = fma(e, T(-2.12194440e-4f), y);
     y = fma(T(-0.5f), z, y);

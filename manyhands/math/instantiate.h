@@ -20,6 +20,5 @@ using NativeLanes = Lanes4;
 
 }  // namespace manyhands
 
-#define MANYHANDS_FOR_EACH_NUMBER(macro)                                             \
-  macro(double) macro(float) macro(manyhands::Lanes4) macro(manyhands::Lanes8) macro( \
-      manyhands::Lanes16)
+#define MANYHANDS_FOR_EACH_NUMBER(macro) \
+  macro(double) macro(float) macro(manyhands::Lanes4) macro(manyhands::Lanes8) macro(manyhands::Lanes16)

@@ -111,9 +111,7 @@ MANYHANDS_INLINE R floor(R a) {
 }
 
 /// 2^n for a whole number n within the exponents of normal numbers.
-MANYHANDS_INLINE float exp2_whole(float n) {
-  return std::bit_cast<float>((static_cast<std::int32_t>(n) + 127) << 23);
-}
+MANYHANDS_INLINE float exp2_whole(float n) { return std::bit_cast<float>((static_cast<std::int32_t>(n) + 127) << 23); }
 MANYHANDS_INLINE double exp2_whole(double n) {
   return std::bit_cast<double>((static_cast<std::int64_t>(n) + 1023) << 52);
 }

@@ -39,9 +39,8 @@ MANYHANDS_INLINE Mat3<T> to_matrix(const Quat<T>& q) {
   const T xx = q.x * x2, yy = q.y * y2, zz = q.z * z2;
   const T xy = q.x * y2, xz = q.x * z2, yz = q.y * z2;
   const T wx = q.w * x2, wy = q.w * y2, wz = q.w * z2;
-  return {{one - (yy + zz), xy + wz, xz - wy},
-          {xy - wz, one - (xx + zz), yz + wx},
-          {xz + wy, yz - wx, one - (xx + yy)}};
+  return {
+      {one - (yy + zz), xy + wz, xz - wy}, {xy - wz, one - (xx + zz), yz + wx}, {xz + wy, yz - wx, one - (xx + yy)}};
 }
 
 /// The quaternion of a rotation matrix, w >= 0 where it can be; every branch is taken by selection (Shepperd, 1978).

@@ -128,8 +128,8 @@ MANYHANDS_INLINE RigidInertia<T> transformed(const Transform<T>& X, const RigidI
   const T two(real_t<T>(2));
   return {a.m,
           fma(a.m, p, h),
-          {fma(two, gy + gz, I.xx), fma(two, gx + gz, I.yy), fma(two, gx + gy, I.zz),
-           I.xy - fma(g.x, p.y, g.y * p.x), I.xz - fma(g.x, p.z, g.z * p.x), I.yz - fma(g.y, p.z, g.z * p.y)}};
+          {fma(two, gy + gz, I.xx), fma(two, gx + gz, I.yy), fma(two, gx + gy, I.zz), I.xy - fma(g.x, p.y, g.y * p.x),
+           I.xz - fma(g.x, p.z, g.z * p.x), I.yz - fma(g.y, p.z, g.z * p.y)}};
 }
 
 }  // namespace manyhands

@@ -29,9 +29,9 @@ enum class JointType {
 
 /// Mass properties of a link: rotational inertia about the centre of mass, in the link frame's axes.
 struct Inertial {
-  double mass{};               ///< [kg]
-  Vec3<double> com{};          ///< centre of mass in the link frame [m]
-  SymMat3<double> inertia{};   ///< about the centre of mass [kg m^2]
+  double mass{};              ///< [kg]
+  Vec3<double> com{};         ///< centre of mass in the link frame [m]
+  SymMat3<double> inertia{};  ///< about the centre of mass [kg m^2]
 
   [[nodiscard]] RigidInertia<double> about_origin() const;
 };
@@ -40,9 +40,9 @@ struct Inertial {
 struct Link {
   std::string name{};
   Inertial inertial{};
-  LinkId parent{};  ///< invalid for a root
-  JointId joint{};  ///< the joint to the parent; invalid for a root
-  BodyId body{};    ///< the moving body that carries the link (set by build)
+  LinkId parent{};                                         ///< invalid for a root
+  JointId joint{};                                         ///< the joint to the parent; invalid for a root
+  BodyId body{};                                           ///< the moving body that carries the link (set by build)
   Transform<double> X_BL = Transform<double>::identity();  ///< pose on that body (set by build)
 };
 
@@ -69,9 +69,9 @@ struct Joint {
   Transform<double> X_PF = Transform<double>::identity();
   Vec3<double> axis{0, 0, 1};  ///< unit, in F; of revolute, continuous, prismatic; the normal of planar
   JointLimits limits{};
-  double damping = 0;    ///< [N m s/rad or N s/m]
-  double friction = 0;   ///< dry friction [N m or N]
-  double armature = 0;   ///< rotor inertia seen at the joint [kg m^2 or kg]
+  double damping = 0;   ///< [N m s/rad or N s/m]
+  double friction = 0;  ///< dry friction [N m or N]
+  double armature = 0;  ///< rotor inertia seen at the joint [kg m^2 or kg]
   std::optional<Mimic> mimic{};
   int iq = -1;  ///< first index in q; -1 for fixed joints (set by build)
   int iv = -1;  ///< first index in v; -1 for fixed joints (set by build)
@@ -98,8 +98,8 @@ enum class GeomRole { kVisual, kCollision };
 /// How a link touches others; PyBullet's <contact> block where a URDF has one.
 struct SurfaceMaterial {
   double lateral_friction = 0.5;
-  double spinning_friction = 0;   ///< [m]
-  double rolling_friction = 0;    ///< [m]
+  double spinning_friction = 0;  ///< [m]
+  double rolling_friction = 0;   ///< [m]
   double restitution = 0;
   std::optional<double> stiffness{};  ///< [N/m]; only where somebody asked for softness
   std::optional<double> damping{};    ///< [N s/m]

@@ -78,7 +78,7 @@ class Model {
   /// The index in q that a velocity index integrates, for dofs with a single coordinate; else -1.
   [[nodiscard]] std::span<const int> dof_q() const { return dof_q_; }
 
-  [[nodiscard]] Vec3<double> gravity() const { return gravity_; }  ///< [m/s^2], in the world frame
+  [[nodiscard]] Vec3<double> gravity() const { return gravity_; }   ///< [m/s^2], in the world frame
   [[nodiscard]] std::vector<double> neutral_configuration() const;  ///< q with joints at 0, quaternions at identity
 
  private:

@@ -11,14 +11,14 @@ bool finite(const Vec3<double>& a) { return finite(a.x) && finite(a.y) && finite
 
 void check_inertial(const std::string& name, const Inertial& inertial) {
   const SymMat3<double>& I = inertial.inertia;
-  const bool all_finite = finite(inertial.mass) && finite(inertial.com) && finite(I.xx + I.yy + I.zz) &&
-                          finite(I.xy + I.xz + I.yz);
+  const bool all_finite =
+      finite(inertial.mass) && finite(inertial.com) && finite(I.xx + I.yy + I.zz) && finite(I.xy + I.xz + I.yz);
   if (!all_finite) throw ModelError("link '" + name + "': mass, com and inertia must be finite numbers");
   if (inertial.mass < 0) {
     throw ModelError("link '" + name + "': mass is " + std::to_string(inertial.mass) + " kg; expected 0 or more");
   }
-  const double det = I.xx * (I.yy * I.zz - I.yz * I.yz) - I.xy * (I.xy * I.zz - I.yz * I.xz) +
-                     I.xz * (I.xy * I.yz - I.yy * I.xz);
+  const double det =
+      I.xx * (I.yy * I.zz - I.yz * I.yz) - I.xy * (I.xy * I.zz - I.yz * I.xz) + I.xz * (I.xy * I.yz - I.yy * I.xz);
   const double scale = I.xx + I.yy + I.zz;
   const double minor = std::min({I.xx * I.yy - I.xy * I.xy, I.xx * I.zz - I.xz * I.xz, I.yy * I.zz - I.yz * I.yz});
   const double slack = 1e-9 * scale;
@@ -59,7 +59,8 @@ JointId ModelBuilder::add_joint(Joint joint) {
   const std::string what = "joint '" + joint.name + "'";
   if (joint.name.empty()) throw ModelError("a joint needs a name");
   for (const LinkId id : {joint.parent, joint.child}) {
-    if (!id.is_valid() || id.index() >= links_.size()) throw ModelError(what + ": parent and child must be added first");
+    if (!id.is_valid() || id.index() >= links_.size())
+      throw ModelError(what + ": parent and child must be added first");
   }
   Link& child = links_[joint.child.index()];
   if (joint.child == world()) throw ModelError(what + ": the world cannot be a child");

@@ -46,7 +46,8 @@ class ModelBuilder {
   /// be infinite. A loader repairs these; `build` refuses them.
   [[nodiscard]] std::vector<JointId> joints_without_inertia() const;
 
-  /// Checks the whole and compiles it. Throws ModelError on a cycle, an unknown mimic driver, or a joint without inertia.
+  /// Checks the whole and compiles it. Throws ModelError on a cycle, an unknown mimic driver, or a joint without
+  /// inertia.
   [[nodiscard]] Model build() const;
 
  private:

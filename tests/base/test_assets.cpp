@@ -1,9 +1,9 @@
-#include "manyhands/base/assets.h"
-
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <string>
+
+#include "manyhands/base/assets.h"
 
 namespace manyhands {
 namespace {
@@ -16,7 +16,8 @@ TEST(Assets, SaysWhatIsMissingAndWhatToDo) {
     FAIL();
   } catch (const std::runtime_error& error) {
     const std::string message = error.what();
-    for (const std::string& part : {std::string("no/such.urdf"), asset_root().string(), std::string("MANYHANDS_ASSETS")}) {
+    for (const std::string& part :
+         {std::string("no/such.urdf"), asset_root().string(), std::string("MANYHANDS_ASSETS")}) {
       EXPECT_NE(message.find(part), std::string::npos) << message;
     }
   }

@@ -1,6 +1,6 @@
-#include "manyhands/base/hash.h"
-
 #include <gtest/gtest.h>
+
+#include "manyhands/base/hash.h"
 
 namespace manyhands {
 namespace {

@@ -1,13 +1,13 @@
 // Every item once, on every number of threads; exceptions reach the caller. Also run under ThreadSanitizer
 // (cmake -D MANYHANDS_SANITIZE=thread).
-#include "manyhands/base/thread_pool.h"
-
 #include <gtest/gtest.h>
 
 #include <chrono>
 #include <cstdlib>
 #include <stdexcept>
 #include <string>
+
+#include "manyhands/base/thread_pool.h"
 
 namespace manyhands {
 namespace {

@@ -34,13 +34,15 @@ std::vector<std::uint32_t> view(const EnvBatch& env, int i) {
   std::vector<std::uint32_t> bits;
   const auto add = [&](std::span<const float> rows) {
     const std::size_t columns = rows.size() / static_cast<std::size_t>(env.num_envs());
-    for (const float x : rows.subspan(static_cast<std::size_t>(i) * columns, columns)) bits.push_back(std::bit_cast<std::uint32_t>(x));
+    for (const float x : rows.subspan(static_cast<std::size_t>(i) * columns, columns))
+      bits.push_back(std::bit_cast<std::uint32_t>(x));
   };
   add(env.observation());
   add(env.achieved_goal());
   add(env.desired_goal());
   add(env.reward());
-  for (const auto flags : {env.is_success(), env.terminated(), env.truncated()}) bits.push_back(flags[static_cast<std::size_t>(i)]);
+  for (const auto flags : {env.is_success(), env.terminated(), env.truncated()})
+    bits.push_back(flags[static_cast<std::size_t>(i)]);
   return bits;
 }
 
@@ -81,7 +83,8 @@ TEST_P(ReachBits, AreTheSameForAnyLanesThreadsAndCompany) {
         for (std::size_t step = 0; step < found.trace.size(); ++step) {
           for (std::size_t i = 0; i < static_cast<std::size_t>(num_envs); ++i) {
             ASSERT_EQ(found.trace[step][i], reference.trace[step][i])
-                << "world " << i << " of " << num_envs << ", step " << step << ", " << lanes << " lanes, " << threads << " threads";
+                << "world " << i << " of " << num_envs << ", step " << step << ", " << lanes << " lanes, " << threads
+                << " threads";
           }
         }
       }
@@ -105,7 +108,8 @@ TEST(Reach, EndsInTheStateItAlwaysDid) {
 
 TEST(Reach, ResetsOnlyTheWorldsOfTheMask) {
   const int n = 19;
-  const auto env = make_env_batch("PandaReach-v3", n, {.num_threads = 2}), other = make_env_batch("PandaReach-v3", n, {.num_threads = 2});
+  const auto env = make_env_batch("PandaReach-v3", n, {.num_threads = 2}),
+             other = make_env_batch("PandaReach-v3", n, {.num_threads = 2});
   env->reset({}, seeds(n));
   other->reset({}, seeds(n));
   for (int step = 1; step <= 10; ++step) {
@@ -129,7 +133,8 @@ TEST(Reach, ResetsOnlyTheWorldsOfTheMask) {
     other->step(actions(*other, 10 + step));
     fresh->step(actions(*fresh, 10 + step));
     for (int i = 0; i < n; ++i) {
-      ASSERT_EQ(view(*env, i), view(mask[static_cast<std::size_t>(i)] != 0 ? *fresh : *other, i)) << "world " << i << ", step " << step;
+      ASSERT_EQ(view(*env, i), view(mask[static_cast<std::size_t>(i)] != 0 ? *fresh : *other, i))
+          << "world " << i << ", step " << step;
     }
   }
 }
@@ -171,7 +176,8 @@ TEST(Reach, RewardsAsComputeRewardDoes) {
       env->step(actions(*env, step));
       env->compute_reward(env->achieved_goal(), env->desired_goal(), reward);
       for (std::size_t i = 0; i < reward.size(); ++i) {
-        EXPECT_EQ(std::bit_cast<std::uint32_t>(reward[i]), std::bit_cast<std::uint32_t>(env->reward()[i])) << id << ", step " << step;
+        EXPECT_EQ(std::bit_cast<std::uint32_t>(reward[i]), std::bit_cast<std::uint32_t>(env->reward()[i]))
+            << id << ", step " << step;
         const float *a = &env->achieved_goal()[3 * i], *d = &env->desired_goal()[3 * i];
         const double distance = std::hypot(double{a[0]} - d[0], double{a[1]} - d[1], double{a[2]} - d[2]);
         if (std::abs(distance - 0.15) < 1e-6) continue;  // float may decide either way
@@ -259,8 +265,10 @@ TEST(Reach, RefusesWhatItCannotDoAndStaysAsItWas) {
   expect_refused([&] { env->reset(std::vector<std::uint8_t>(3)); }, {"mask", "3", "4"});
   expect_refused([&] { env->reset({}, seeds(5)); }, {"seeds", "5", "4"});
   std::vector<float> reward(2);
-  expect_refused([&] { env->compute_reward(std::vector<float>(6), std::vector<float>(5), reward); }, {"desired goal", "5", "6"});
-  expect_refused([&] { env->compute_reward(std::vector<float>(7), std::vector<float>(6), reward); }, {"achieved goal", "7", "6"});
+  expect_refused([&] { env->compute_reward(std::vector<float>(6), std::vector<float>(5), reward); },
+                 {"desired goal", "5", "6"});
+  expect_refused([&] { env->compute_reward(std::vector<float>(7), std::vector<float>(6), reward); },
+                 {"achieved goal", "7", "6"});
   EXPECT_EQ(env->state_hash(), before);
 }
 

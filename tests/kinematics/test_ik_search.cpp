@@ -1,11 +1,10 @@
-#include "manyhands/kinematics/ik_search.h"
-
 #include <gtest/gtest.h>
 
 #include <chrono>
 #include <iostream>
 
 #include "manyhands/envs/panda.h"
+#include "manyhands/kinematics/ik_search.h"
 #include "manyhands/math/philox.h"
 
 namespace manyhands {
@@ -83,7 +82,8 @@ TEST(IkSearch, SaysHowFarOffAnUnreachableTargetIs) {
   Panda panda;
   Transform<double> far = panda.hand(panda.neutral.data());
   far.p = {-0.6, 0, 3.0};  // the arm reaches about 1.19 m above its base
-  const IkSolutions found = search_ik(panda.robot.model, panda.robot.hand, std::span(&far, 1), panda.neutral, {.restarts = 5});
+  const IkSolutions found =
+      search_ik(panda.robot.model, panda.robot.hand, std::span(&far, 1), panda.neutral, {.restarts = 5});
   EXPECT_EQ(found.success[0], 0);
   EXPECT_EQ(found.attempts[0], 6);
   EXPECT_NEAR(found.position_error[0], norm(panda.hand(found.q.data()).p - far.p), 1e-12);

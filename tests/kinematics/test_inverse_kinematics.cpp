@@ -1,10 +1,9 @@
-#include "manyhands/kinematics/inverse_kinematics.h"
-
 #include <gtest/gtest.h>
 
 #include <bit>
 
 #include "manyhands/envs/panda.h"
+#include "manyhands/kinematics/inverse_kinematics.h"
 #include "manyhands/math/instantiate.h"
 #include "tests/physics/dynamics/random_tree.h"
 
@@ -43,10 +42,13 @@ TEST(InverseKinematics, FollowsPandaGym) {
   for (const Case& c : cases) {
     std::vector<double> q(kPandaNeutral.begin(), kPandaNeutral.end());
     const Transform<double> start = panda.pose(panda.robot.chain, q.data());
-    improve_ik(panda.tree, panda.params, panda.robot.chain, panda.robot.ik, {kDown, start.p + c.step}, q.data(), panda.ws);
-    for (std::size_t i = 0; i < 7; ++i) EXPECT_NEAR(q[i], c.q[i], 1e-5) << "step " << c.step.x << ' ' << c.step.y << ' ' << c.step.z << ", joint " << i;
+    improve_ik(panda.tree, panda.params, panda.robot.chain, panda.robot.ik, {kDown, start.p + c.step}, q.data(),
+               panda.ws);
+    for (std::size_t i = 0; i < 7; ++i)
+      EXPECT_NEAR(q[i], c.q[i], 1e-5) << "step " << c.step.x << ' ' << c.step.y << ' ' << c.step.z << ", joint " << i;
     if (c.step.x <= 0) continue;
-    EXPECT_NEAR(panda.pose(panda.robot.chain, q.data()).p.x - start.p.x, 0.05 - 0.0153, 1e-4) << "how far it falls short";
+    EXPECT_NEAR(panda.pose(panda.robot.chain, q.data()).p.x - start.p.x, 0.05 - 0.0153, 1e-4)
+        << "how far it falls short";
   }
 }
 
@@ -56,7 +58,8 @@ TEST(InverseKinematics, FollowsPandaGymFarAway) {
   const IkChain chain(panda.robot.model, panda.robot.model.frame_id("panda_link7"));
   std::vector<double> q(PandaRobot::kJoints, 0.0);
   const Quat<double> r = normalized(Quat<double>{0.707, -0.02, 0.02, 0.707});
-  improve_ik(panda.tree, panda.params, chain, panda.robot.ik, {to_matrix(r), {0.4 - 0.6, 0.5, 0.6}}, q.data(), panda.ws);
+  improve_ik(panda.tree, panda.params, chain, panda.robot.ik, {to_matrix(r), {0.4 - 0.6, 0.5, 0.6}}, q.data(),
+             panda.ws);
   constexpr std::array<double, 9> kExpected{1.000, 1.223, -1.113, -0.021, -0.917, 0.666, -0.499, 0, 0};
   for (std::size_t i = 0; i < q.size(); ++i) EXPECT_NEAR(q[i], kExpected[i], 1e-3) << i;
 }
@@ -71,7 +74,8 @@ TEST(InverseKinematics, ConvergesQuadratically) {
   double before = 1;
   for (int step = 0; step < 4; ++step) {
     const IkSettings once{.max_iterations = 1, .damping = 0, .error_damping = 0.1};
-    const IkResult<double> result = solve_ik(panda.tree, panda.params, panda.robot.chain, once, target, q.data(), panda.ws);
+    const IkResult<double> result =
+        solve_ik(panda.tree, panda.params, panda.robot.chain, once, target, q.data(), panda.ws);
     const double error = std::hypot(result.position_error, result.rotation_error);
     EXPECT_LE(error, std::max(10 * before * before, 1e-14)) << "step " << step;
     before = error;
@@ -101,7 +105,8 @@ TYPED_TEST(IkLanes, EqualTheScalarBitForBit) {
       std::vector<double> there(PandaRobot::kJoints, 0.0);
       for (std::size_t i = 0; i < 7; ++i) {
         there[i] = testing::uniform(rng, panda.params.lower[i], panda.params.upper[i]);
-        starts[k][i] = static_cast<float>(k % 3 == 0 ? there[i] + 0.01 : testing::uniform(rng, panda.params.lower[i], panda.params.upper[i]));
+        starts[k][i] = static_cast<float>(
+            k % 3 == 0 ? there[i] + 0.01 : testing::uniform(rng, panda.params.lower[i], panda.params.upper[i]));
         set_lane(q[i], static_cast<int>(k), starts[k][i]);
       }
       goals.push_back(broadcast<float>(panda.pose(panda.robot.chain, there.data())));
@@ -122,12 +127,14 @@ TYPED_TEST(IkLanes, EqualTheScalarBitForBit) {
     const IkResult<T> found = solve_ik(tree, params, panda.robot.chain, settings, targets, q.data(), ws);
     for (std::size_t k = 0; k < n; ++k) {
       std::vector<float> alone = starts[k];
-      const IkResult<float> result = solve_ik(tree, params, panda.robot.chain, settings, goals[k], alone.data(), scalar_ws);
+      const IkResult<float> result =
+          solve_ik(tree, params, panda.robot.chain, settings, goals[k], alone.data(), scalar_ws);
       EXPECT_EQ(lane(found.success, static_cast<int>(k)), result.success);
       EXPECT_EQ(lane(found.position_error, static_cast<int>(k)), result.position_error);
       EXPECT_EQ(lane(found.rotation_error, static_cast<int>(k)), result.rotation_error);
       for (std::size_t i = 0; i < alone.size(); ++i) {
-        ASSERT_EQ(std::bit_cast<std::uint32_t>(lane(q[i], static_cast<int>(k))), std::bit_cast<std::uint32_t>(alone[i])) << "seed " << seed << ", lane " << k << ", joint " << i;
+        ASSERT_EQ(std::bit_cast<std::uint32_t>(lane(q[i], static_cast<int>(k))), std::bit_cast<std::uint32_t>(alone[i]))
+            << "seed " << seed << ", lane " << k << ", joint " << i;
       }
     }
   }
@@ -144,7 +151,8 @@ TEST(InverseKinematics, RefusesWhatItCannotMove) {
     (void)IkChain(model, model.frame_id("ball"));
     FAIL();
   } catch (const ModelError& error) {
-    for (const char* part : {"'ball'", "'socket'", "spherical"}) EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+    for (const char* part : {"'ball'", "'socket'", "spherical"})
+      EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
   }
   try {
     (void)IkChain(model, model.frame_id("table"));

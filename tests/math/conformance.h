@@ -30,10 +30,32 @@ const std::vector<R>& special_values() {
   using L = std::numeric_limits<R>;
   static const std::vector<R> values = [] {
     std::vector<R> v;
-    for (const R x : {R(0), L::denorm_min(), R(37) * L::denorm_min(), L::min(), std::nextafter(L::min(), R(0)),
-                      L::epsilon(), R(0.25), R(0.5), R(0.75), R(1), std::nextafter(R(1), R(2)), R(1.5), R(2), R(2.5),
-                      R(3.14159265358979323846), R(1e4), R(87.5), R(89), R(104), R(1) / L::epsilon(),
-                      R(1.5) / L::epsilon(), R(1e30), R(0.5) * L::max(), L::max(), L::infinity(), L::quiet_NaN()}) {
+    for (const R x : {R(0),
+                      L::denorm_min(),
+                      R(37) * L::denorm_min(),
+                      L::min(),
+                      std::nextafter(L::min(), R(0)),
+                      L::epsilon(),
+                      R(0.25),
+                      R(0.5),
+                      R(0.75),
+                      R(1),
+                      std::nextafter(R(1), R(2)),
+                      R(1.5),
+                      R(2),
+                      R(2.5),
+                      R(3.14159265358979323846),
+                      R(1e4),
+                      R(87.5),
+                      R(89),
+                      R(104),
+                      R(1) / L::epsilon(),
+                      R(1.5) / L::epsilon(),
+                      R(1e30),
+                      R(0.5) * L::max(),
+                      L::max(),
+                      L::infinity(),
+                      L::quiet_NaN()}) {
       v.push_back(x);
       v.push_back(-x);
     }

@@ -62,8 +62,8 @@ const auto vectors = []<class N>(Tape<N>& t) {
 const auto matrices_and_transforms = []<class N>(Tape<N>& t) {
   const Transform<N> a = t.transform(), b = t.transform();
   const Vec3<N> p = t.vec3();
-  t.put_all(a.R * p, a.R * b.R, transpose_times(a.R, p), transpose(a.R), a * b, a * p, inverse(a),
-            Mat3<N>::identity(), Transform<N>::identity());
+  t.put_all(a.R * p, a.R * b.R, transpose_times(a.R, p), transpose(a.R), a * b, a * p, inverse(a), Mat3<N>::identity(),
+            Transform<N>::identity());
 };
 
 const auto quaternions = []<class N>(Tape<N>& t) {

@@ -1,7 +1,6 @@
-#include "manyhands/math/control_flow.h"
-
 #include <type_traits>
 
+#include "manyhands/math/control_flow.h"
 #include "tests/math/conformance.h"
 
 namespace manyhands::testing {

@@ -1,5 +1,4 @@
 #include "manyhands/math/functions.h"
-
 #include "tests/math/conformance.h"
 
 namespace manyhands::testing {

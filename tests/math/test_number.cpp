@@ -1,6 +1,5 @@
 // Every operation of the number contract, in every lane of every number type, against the C library's scalars.
 #include "manyhands/math/number.h"
-
 #include "tests/math/conformance.h"
 
 namespace manyhands::testing {
@@ -32,9 +31,8 @@ TYPED_TEST(NumberContract, Arithmetic) {
     quotient /= a[1];
     return Numbers<T>{sum, difference, product, quotient};
   };
-  this->check(2, accumulated, [](const Numbers<R>& a) {
-    return Numbers<R>{a[0] + a[1], a[0] - a[1], a[0] * a[1], a[0] / a[1]};
-  });
+  this->check(2, accumulated,
+              [](const Numbers<R>& a) { return Numbers<R>{a[0] + a[1], a[0] - a[1], a[0] * a[1], a[0] / a[1]}; });
 }
 
 TYPED_TEST(NumberContract, Comparisons) {
@@ -60,8 +58,8 @@ TYPED_TEST(NumberContract, Masks) {
       [](const Numbers<T>& a) {
         const T one(R(1));
         const auto p = a[0] < one, q = a[1] < one;
-        return Numbers<T>{as_number<T>(p & q), as_number<T>(p | q), as_number<T>(p ^ q), as_number<T>(!p),
-                          as_number<T>(mask_t<T>(true)), as_number<T>(mask_t<T>(false))};
+        return Numbers<T>{as_number<T>(p & q), as_number<T>(p | q),           as_number<T>(p ^ q),
+                          as_number<T>(!p),    as_number<T>(mask_t<T>(true)), as_number<T>(mask_t<T>(false))};
       },
       [](const Numbers<R>& a) {
         const bool p = a[0] < 1, q = a[1] < 1;
@@ -100,12 +98,12 @@ TYPED_TEST(NumberContract, RootsAndRounding) {
   this->check(
       3,
       [](const Numbers<T>& a) {
-        return Numbers<T>{sqrt(a[0]), fma(a[0], a[1], a[2]), round(a[0]), floor(a[0]), square(a[0]),
-                          as_number<T>(is_finite(a[0]))};
+        return Numbers<T>{sqrt(a[0]),  fma(a[0], a[1], a[2]), round(a[0]),
+                          floor(a[0]), square(a[0]),          as_number<T>(is_finite(a[0]))};
       },
       [](const Numbers<R>& a) {
-        return Numbers<R>{std::sqrt(a[0]), std::fma(a[0], a[1], a[2]),        std::nearbyint(a[0]),
-                          std::floor(a[0]), a[0] * a[0], R(std::isfinite(a[0]))};
+        return Numbers<R>{std::sqrt(a[0]), std::fma(a[0], a[1], a[2]), std::nearbyint(a[0]), std::floor(a[0]),
+                          a[0] * a[0],     R(std::isfinite(a[0]))};
       });
 }
 
@@ -154,7 +152,7 @@ TYPED_TEST(NumberContract, AnyAllNone) {
     const mask_t<T> m = x > T(R(0));
     ASSERT_EQ(any(m), bits != 0);
     ASSERT_EQ(none(m), bits == 0);
-    ASSERT_EQ(all(m), bits == (1 << width_v<T>) - 1);
+    ASSERT_EQ(all(m), bits == (1 << width_v<T>)-1);
     for (int k = 0; k < width_v<T>; ++k) ASSERT_EQ(lane(m, k), (bits >> k & 1) != 0);
   }
 }

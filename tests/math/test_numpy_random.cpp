@@ -1,5 +1,3 @@
-#include "manyhands/math/numpy_random.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <cmath>
 #include <type_traits>
 
+#include "manyhands/math/numpy_random.h"
 #include "tests/math/numpy_golden.h"
 
 namespace manyhands {

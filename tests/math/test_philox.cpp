@@ -1,10 +1,10 @@
-#include "manyhands/math/philox.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <set>
 #include <type_traits>
+
+#include "manyhands/math/philox.h"
 
 namespace manyhands {
 namespace {

@@ -1,7 +1,6 @@
 // Spatial algebra against clouds of point masses and against matrices written out.
-#include "manyhands/math/spatial.h"
-
 #include "manyhands/math/quaternion.h"
+#include "manyhands/math/spatial.h"
 #include "tests/math/conformance.h"
 
 namespace manyhands::testing {

@@ -9,8 +9,8 @@
 
 #include "manyhands/math/control_flow.h"
 #include "manyhands/physics/dynamics/ltdl.h"
-#include "manyhands/physics/dynamics/workspace.h"
 #include "manyhands/physics/dynamics/state.h"
+#include "manyhands/physics/dynamics/workspace.h"
 
 namespace manyhands {
 
@@ -18,21 +18,33 @@ namespace manyhands {
 template <Number T>
 struct JointConstraints {
   explicit JointConstraints(int nv)
-      : rhs(static_cast<std::size_t>(nv)), dv(rhs), held(rhs), impulse(rhs), max_impulse(rhs), target(rhs), lower(rhs),
-        upper(rhs), least(rhs), most(rhs), better(rhs), forced(rhs), is_forced(rhs.size()), forced_parent(rhs.size()) {
+      : rhs(static_cast<std::size_t>(nv)),
+        dv(rhs),
+        held(rhs),
+        impulse(rhs),
+        max_impulse(rhs),
+        target(rhs),
+        lower(rhs),
+        upper(rhs),
+        least(rhs),
+        most(rhs),
+        better(rhs),
+        forced(rhs),
+        is_forced(rhs.size()),
+        forced_parent(rhs.size()) {
     forced_dofs.reserve(rhs.size());
   }
 
-  std::vector<T> rhs;          ///< h (tau - bias - damping v): the impulse that acts without constraints
-  std::vector<T> dv;           ///< the answer: M dv = rhs + impulse
-  std::vector<T> held;         ///< dv where the stance prescribes it, else 0
-  std::vector<T> impulse;      ///< of motor and limit
-  std::vector<T> max_impulse;  ///< F = h max_force
-  std::vector<T> target;       ///< dv that brings the dof to its motor's velocity, kept within the limits
-  std::vector<T> lower, upper; ///< dv that brings the dof just to a position limit by the step's end
-  std::vector<T> least, most;  ///< the impulses that can hold the dof at `target`
-  std::vector<T> better;       ///< the stances to which the present answer points
-  std::vector<T> forced;       ///< 1 where the stance prescribes the impulse, 0 where it prescribes dv
+  std::vector<T> rhs;                   ///< h (tau - bias - damping v): the impulse that acts without constraints
+  std::vector<T> dv;                    ///< the answer: M dv = rhs + impulse
+  std::vector<T> held;                  ///< dv where the stance prescribes it, else 0
+  std::vector<T> impulse;               ///< of motor and limit
+  std::vector<T> max_impulse;           ///< F = h max_force
+  std::vector<T> target;                ///< dv that brings the dof to its motor's velocity, kept within the limits
+  std::vector<T> lower, upper;          ///< dv that brings the dof just to a position limit by the step's end
+  std::vector<T> least, most;           ///< the impulses that can hold the dof at `target`
+  std::vector<T> better;                ///< the stances to which the present answer points
+  std::vector<T> forced;                ///< 1 where the stance prescribes the impulse, 0 where it prescribes dv
   std::vector<std::uint8_t> is_forced;  ///< whether the dof is forced in some lane
   std::vector<int> forced_parent;       ///< the next dof towards the root that is forced in some lane, or -1
   std::vector<int> forced_dofs;         ///< those dofs, leaves first
@@ -129,8 +141,9 @@ MANYHANDS_INLINE void find_forced(const Tree<real_t<T>>& tree, JointConstraints<
   }
   for (std::size_t i = 0; i < jc.is_forced.size(); ++i) {
     const int parent = tree.dof_parent[i];
-    jc.forced_parent[i] =
-        parent < 0 || jc.is_forced[static_cast<std::size_t>(parent)] ? parent : jc.forced_parent[static_cast<std::size_t>(parent)];
+    jc.forced_parent[i] = parent < 0 || jc.is_forced[static_cast<std::size_t>(parent)]
+                              ? parent
+                              : jc.forced_parent[static_cast<std::size_t>(parent)];
   }
 }
 
@@ -149,7 +162,8 @@ MANYHANDS_INLINE void solve_forced(const T* stances, Workspace<T>& ws, JointCons
     const T push = fma(stances[i], jc.max_impulse[i], jc.rhs[i]) - jc.impulse[i];
     jc.dv[i] = select(forced, push, zero);
     L[i] = select(forced, M[i], one);
-    for (int j = parent[k]; j >= 0; j = parent[j]) L[j] = M[j] * (jc.forced[i] * jc.forced[static_cast<std::size_t>(j)]);
+    for (int j = parent[k]; j >= 0; j = parent[j])
+      L[j] = M[j] * (jc.forced[i] * jc.forced[static_cast<std::size_t>(j)]);
   }
   factor_ltdl(jc.forced_dofs, parent, ws.L.data());
   solve_ltdl(jc.forced_dofs, parent, ws.L.data(), jc.dv.data());
@@ -176,7 +190,8 @@ MANYHANDS_INLINE void solve_stances(const Tree<real_t<T>>& tree, const T* stance
   when(any_forced, [&] {
     find_forced(tree, jc);
     solve_forced(stances, ws, jc);
-    for (const int k : jc.forced_dofs) add_tree_column<T>(tree, ws.M.data(), k, jc.dv[static_cast<std::size_t>(k)], jc.impulse.data());
+    for (const int k : jc.forced_dofs)
+      add_tree_column<T>(tree, ws.M.data(), k, jc.dv[static_cast<std::size_t>(k)], jc.impulse.data());
   });
   for (std::size_t i = 0; i < nv; ++i) {
     jc.impulse[i] = jc.impulse[i] - jc.rhs[i];
@@ -192,10 +207,10 @@ MANYHANDS_INLINE T better_stance(T s, std::size_t i, const JointConstraints<T>& 
   const T slack = tolerance * (F + abs(jc.rhs[i])), speed_slack = tolerance * (one + abs(dv));
   const T held = select(impulse > jc.most[i] + slack, T(R(kPushedUp)),
                         select(impulse < jc.least[i] - slack, T(R(kPushedDown)), T(R(kHeld))));
-  const T pushed_up = select(dv > jc.target[i] + speed_slack, T(R(kHeld)),
-                             select(dv < jc.lower[i] - speed_slack, T(R(kAtLower)), s));
-  const T pushed_down = select(dv < jc.target[i] - speed_slack, T(R(kHeld)),
-                               select(dv > jc.upper[i] + speed_slack, T(R(kAtUpper)), s));
+  const T pushed_up =
+      select(dv > jc.target[i] + speed_slack, T(R(kHeld)), select(dv < jc.lower[i] - speed_slack, T(R(kAtLower)), s));
+  const T pushed_down =
+      select(dv < jc.target[i] - speed_slack, T(R(kHeld)), select(dv > jc.upper[i] + speed_slack, T(R(kAtUpper)), s));
   const T at_lower = select(impulse < F - slack, T(R(kPushedUp)), s);
   const T at_upper = select(impulse > slack - F, T(R(kPushedDown)), s);
   return select(s == T(R(kHeld)), held,

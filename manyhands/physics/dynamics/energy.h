@@ -32,8 +32,8 @@ Energy<T> energy(const Tree<real_t<T>>& tree, const Params<P>& params, const T* 
 
 template <Number T>
 struct MassProperties {
-  T mass;           ///< [kg]
-  Vec3<T> com;      ///< centre of mass in the world [m]
+  T mass;             ///< [kg]
+  Vec3<T> com;        ///< centre of mass in the world [m]
   Force<T> momentum;  ///< about the world's origin: n angular [kg m^2/s], f linear [kg m/s]
 };
 

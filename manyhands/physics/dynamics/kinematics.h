@@ -37,8 +37,8 @@ MANYHANDS_INLINE Mat3<T> turned(const Mat3<T>& R_WP, const TreeBody<real_t<T>>& 
 
 /// Body b's pose once its joint frame F and the joint's shift in world axes are known.
 template <Number T>
-MANYHANDS_INLINE void set_origin(const TreeBody<real_t<T>>& body, std::size_t b, const Vec3<T>& p_F, const Vec3<T>& shift,
-                                 Workspace<T>& ws) {
+MANYHANDS_INLINE void set_origin(const TreeBody<real_t<T>>& body, std::size_t b, const Vec3<T>& p_F,
+                                 const Vec3<T>& shift, Workspace<T>& ws) {
   const auto parent = static_cast<std::size_t>(body.parent);
   if (body.parent == 0) {
     ws.p_WO[b] = p_F + shift;
@@ -59,9 +59,7 @@ MANYHANDS_INLINE void place(const Tree<real_t<T>>& tree, std::size_t b, const T*
   const Vec3<T> p_PF = broadcast<T>(body.X_PF.p);
   const bool on_world = body.parent == 0;
   const Mat3<T> R_WF = on_world ? broadcast<T>(body.X_PF.R) : internal::turned(ws.R_WB[parent], body);
-  const Vec3<T> p_F = on_world       ? p_PF
-                      : body.shifted ? ws.R_WB[parent] * p_PF + ws.p_OB[parent]
-                                     : ws.p_OB[parent];
+  const Vec3<T> p_F = on_world ? p_PF : body.shifted ? ws.R_WB[parent] * p_PF + ws.p_OB[parent] : ws.p_OB[parent];
   const T* qj = q + body.iq;
   Motion<T>* S = &ws.S[static_cast<std::size_t>(body.iv)];
   switch (body.type) {
@@ -110,7 +108,8 @@ MANYHANDS_INLINE void place(const Tree<real_t<T>>& tree, std::size_t b, const T*
 }
 
 /// Sets V of body b from the velocity v (nv), after `place`, and returns the acceleration that is due to velocities
-/// alone: c = V_parent x v_J + dS/dt v (Featherstone 2008, eq. 3.42; for planar and floating joints the rotation's centre moves, hence the last term).
+/// alone: c = V_parent x v_J + dS/dt v (Featherstone 2008, eq. 3.42; for planar and floating joints the rotation's
+/// centre moves, hence the last term).
 template <Number T>
 MANYHANDS_INLINE Motion<T> move(const Tree<real_t<T>>& tree, std::size_t b, const T* v, Workspace<T>& ws) {
   const TreeBody<real_t<T>>& body = tree.bodies[b];

@@ -62,7 +62,8 @@ template <Number T>
 MANYHANDS_INLINE void add_tree_column(const Tree<real_t<T>>& tree, const T* M, int k, T x, T* y) {
   const T* row = M + triangle_row(static_cast<std::size_t>(k));
   for (int i = k; i >= 0; i = tree.dof_parent[static_cast<std::size_t>(i)]) y[i] = fma(row[i], x, y[i]);
-  for (int i = k + 1; i < tree.nv; ++i) y[i] = fma(M[triangle_row(static_cast<std::size_t>(i)) + static_cast<std::size_t>(k)], x, y[i]);
+  for (int i = k + 1; i < tree.nv; ++i)
+    y[i] = fma(M[triangle_row(static_cast<std::size_t>(i)) + static_cast<std::size_t>(k)], x, y[i]);
 }
 
 }  // namespace manyhands

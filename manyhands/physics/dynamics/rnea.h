@@ -47,8 +47,8 @@ MANYHANDS_INLINE void newton_euler_pass(const Tree<real_t<T>>& tree, const Param
 
 }  // namespace internal
 
-/// tau (nv) that gives the acceleration a (nv) in the state q (nq), v (nv): M a + C v + g, with the rotors' armature and
-/// without damping.
+/// tau (nv) that gives the acceleration a (nv) in the state q (nq), v (nv): M a + C v + g, with the rotors' armature
+/// and without damping.
 template <Number T, Number P>
 void rnea(const Tree<real_t<T>>& tree, const Params<P>& params, const T* q, const T* v, const T* a, T* tau,
           Workspace<T>& ws) {

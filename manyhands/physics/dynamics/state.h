@@ -12,18 +12,20 @@ template <Number T>
 class State {
  public:
   State(int nq, int nv)
-      : nq_(static_cast<std::size_t>(nq)), nv_(static_cast<std::size_t>(nv)), numbers_(nq_ + 5 * nv_, T(real_t<T>(0))) {}
+      : nq_(static_cast<std::size_t>(nq)),
+        nv_(static_cast<std::size_t>(nv)),
+        numbers_(nq_ + 5 * nv_, T(real_t<T>(0))) {}
   explicit State(const Model& model) : State(model.nq(), model.nv()) {
     const std::vector<double> neutral = model.neutral_configuration();
     for (std::size_t i = 0; i < nq_; ++i) numbers_[i] = T(static_cast<real_t<T>>(neutral[i]));
   }
 
-  [[nodiscard]] T* q() { return numbers_.data(); }                         ///< (nq) configuration
-  [[nodiscard]] T* v() { return q() + nq_; }                               ///< (nv) velocity
-  [[nodiscard]] T* tau() { return v() + nv_; }                             ///< (nv) applied joint force [N m or N]
-  [[nodiscard]] T* target_q() { return tau() + nv_; }                      ///< (nv) motor target [rad or m]
-  [[nodiscard]] T* target_v() { return target_q() + nv_; }                 ///< (nv) motor target [rad/s or m/s]
-  [[nodiscard]] T* stance() { return target_v() + nv_; }                   ///< (nv) warm start of the joint constraints
+  [[nodiscard]] T* q() { return numbers_.data(); }          ///< (nq) configuration
+  [[nodiscard]] T* v() { return q() + nq_; }                ///< (nv) velocity
+  [[nodiscard]] T* tau() { return v() + nv_; }              ///< (nv) applied joint force [N m or N]
+  [[nodiscard]] T* target_q() { return tau() + nv_; }       ///< (nv) motor target [rad or m]
+  [[nodiscard]] T* target_v() { return target_q() + nv_; }  ///< (nv) motor target [rad/s or m/s]
+  [[nodiscard]] T* stance() { return target_v() + nv_; }    ///< (nv) warm start of the joint constraints
   [[nodiscard]] const T* q() const { return numbers_.data(); }
   [[nodiscard]] const T* v() const { return q() + nq_; }
   [[nodiscard]] const T* tau() const { return v() + nv_; }

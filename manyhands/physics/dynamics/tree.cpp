@@ -20,9 +20,9 @@ template <Real R>
 void set_turn(const Mat3<double>& m, TreeBody<R>& body) {
   body.axes = {axis_of(m.x), axis_of(m.y), axis_of(m.z)};
   const bool quarters = body.axes[0] != 0 && body.axes[1] != 0 && body.axes[2] != 0;
-  body.turn = !quarters                                             ? Turn::kGeneral
+  body.turn = !quarters                                          ? Turn::kGeneral
               : body.axes == std::array<std::int8_t, 3>{1, 2, 3} ? Turn::kNone
-                                                                    : Turn::kQuarters;
+                                                                 : Turn::kQuarters;
 }
 
 template <Number T>

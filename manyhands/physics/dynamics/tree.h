@@ -23,7 +23,8 @@ struct TreeBody {
   int iq{}, iv{}, nv{};
   Turn turn{};
   bool shifted{};  ///< whether F's origin is off the parent's
-  std::array<std::int8_t, 3> axes{};  ///< for kQuarters, F's x, y and z: 1, 2, 3 for the parent's x, y, z, minus if reversed
+  std::array<std::int8_t, 3>
+      axes{};  ///< for kQuarters, F's x, y and z: 1, 2, 3 for the parent's x, y, z, minus if reversed
   Transform<R> X_PF = Transform<R>::identity();
 };
 
@@ -34,10 +35,10 @@ struct Tree {
 
   int nb{};  ///< bodies, the world included
   int nq{}, nv{};
-  std::vector<TreeBody<R>> bodies;  ///< (nb)
-  std::vector<int> dof_parent;      ///< (nv) next dof towards the root, or -1
-  std::vector<int> dofs_from_leaves;  ///< (nv) nv - 1, ..., 0
-  std::vector<int> dof_q;           ///< (nv) the coordinate that the dof integrates, or -1
+  std::vector<TreeBody<R>> bodies;        ///< (nb)
+  std::vector<int> dof_parent;            ///< (nv) next dof towards the root, or -1
+  std::vector<int> dofs_from_leaves;      ///< (nv) nv - 1, ..., 0
+  std::vector<int> dof_q;                 ///< (nv) the coordinate that the dof integrates, or -1
   std::vector<std::uint8_t> dof_limited;  ///< (nv) whether the joint has position limits
 };
 
@@ -47,12 +48,12 @@ template <Number T>
 struct Params {
   explicit Params(const Model& model);
 
-  Vec3<T> gravity;                        ///< [m/s^2], in the world frame
-  std::vector<RigidInertia<T>> inertia;   ///< (nb) about the body's origin, in its axes
-  std::vector<T> damping, armature;       ///< (nv) [N m s/rad or N s/m], [kg m^2 or kg]
-  std::vector<T> lower, upper;            ///< (nv) position limits [rad or m]; infinite where there are none
-  std::vector<T> motor_kp, motor_kd;      ///< (nv) motor gains, per step and dimensionless (see motors.h)
-  std::vector<T> motor_max_force;         ///< (nv) [N m or N]; 0 where there is no motor
+  Vec3<T> gravity;                       ///< [m/s^2], in the world frame
+  std::vector<RigidInertia<T>> inertia;  ///< (nb) about the body's origin, in its axes
+  std::vector<T> damping, armature;      ///< (nv) [N m s/rad or N s/m], [kg m^2 or kg]
+  std::vector<T> lower, upper;           ///< (nv) position limits [rad or m]; infinite where there are none
+  std::vector<T> motor_kp, motor_kd;     ///< (nv) motor gains, per step and dimensionless (see motors.h)
+  std::vector<T> motor_max_force;        ///< (nv) [N m or N]; 0 where there is no motor
 };
 
 }  // namespace manyhands

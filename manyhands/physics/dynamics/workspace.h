@@ -32,20 +32,20 @@ struct Workspace {
         M(triangle_row(size(tree.nv)), T(real_t<T>(0))),
         L(triangle_row(size(tree.nv)), T(real_t<T>(0))) {}
 
-  std::vector<Mat3<T>> R_WB;         ///< (nb)
-  std::vector<Vec3<T>> p_OB;         ///< (nb) body origin from its tree's origin O [m]
-  std::vector<Vec3<T>> p_WO;         ///< (nb) the tree's origin in the world [m]
-  std::vector<Motion<T>> V;          ///< (nb) velocity
-  std::vector<Motion<T>> A;          ///< (nb) acceleration
-  std::vector<Force<T>> F;           ///< (nb) force on, or bias force of, the subtree
-  std::vector<RigidInertia<T>> I;    ///< (nb) of the body; of the subtree after crba
+  std::vector<Mat3<T>> R_WB;               ///< (nb)
+  std::vector<Vec3<T>> p_OB;               ///< (nb) body origin from its tree's origin O [m]
+  std::vector<Vec3<T>> p_WO;               ///< (nb) the tree's origin in the world [m]
+  std::vector<Motion<T>> V;                ///< (nb) velocity
+  std::vector<Motion<T>> A;                ///< (nb) acceleration
+  std::vector<Force<T>> F;                 ///< (nb) force on, or bias force of, the subtree
+  std::vector<RigidInertia<T>> I;          ///< (nb) of the body; of the subtree after crba
   std::vector<ArticulatedInertia<T>> I_A;  ///< (nb)
-  std::vector<Motion<T>> S;          ///< (nv) joint axes
-  std::vector<Force<T>> U;           ///< (nv) I_A S
-  std::vector<T> D_inverse, u;       ///< (nv)
-  std::vector<T> bias;               ///< (nv) C(q, v) v + g(q) [N m or N]
-  std::vector<T> M;                  ///< (nv, nv) lower triangle, packed by rows (see triangle_row)
-  std::vector<T> L;                  ///< (nv, nv) its factors
+  std::vector<Motion<T>> S;                ///< (nv) joint axes
+  std::vector<Force<T>> U;                 ///< (nv) I_A S
+  std::vector<T> D_inverse, u;             ///< (nv)
+  std::vector<T> bias;                     ///< (nv) C(q, v) v + g(q) [N m or N]
+  std::vector<T> M;                        ///< (nv, nv) lower triangle, packed by rows (see triangle_row)
+  std::vector<T> L;                        ///< (nv, nv) its factors
 
  private:
   static std::size_t size(int n) { return static_cast<std::size_t>(n); }

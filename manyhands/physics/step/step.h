@@ -47,11 +47,11 @@ MANYHANDS_INLINE void integrate_configuration(const Tree<real_t<T>>& tree, const
 template <Number T, Number P>
 MANYHANDS_INLINE void step(const Tree<real_t<T>>& tree, const Params<P>& params, real_t<T> h, State<T>& state,
                            StepWorkspace<T>& ws) {
-  bias_and_mass_matrix(tree, params, state.q(), state.v(), ws.dynamics);         // 1 kinematics, bias and inertia
-  prepare_joint_constraints(tree, params, h, state, ws.dynamics, ws.joints);     // 2 what motors and limits want
-  solve_joint_constraints(tree, state, ws.dynamics, ws.joints);                  // 3 what they get
+  bias_and_mass_matrix(tree, params, state.q(), state.v(), ws.dynamics);      // 1 kinematics, bias and inertia
+  prepare_joint_constraints(tree, params, h, state, ws.dynamics, ws.joints);  // 2 what motors and limits want
+  solve_joint_constraints(tree, state, ws.dynamics, ws.joints);               // 3 what they get
   for (std::size_t i = 0; i < ws.joints.dv.size(); ++i) state.v()[i] += ws.joints.dv[i];  // 4 velocities
-  integrate_configuration(tree, state.v(), T(h), state.q());                     // 5 positions
+  integrate_configuration(tree, state.v(), T(h), state.q());                              // 5 positions
 }
 
 }  // namespace manyhands

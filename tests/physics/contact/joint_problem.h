@@ -10,13 +10,13 @@
 
 namespace manyhands::testing {
 
-/// A state of a tree with motors and limits of all kinds: none, weak, strong, unreachable; far, near, reached, violated.
+/// A state of a tree with motors and limits of all kinds: none, weak, strong, unreachable; far, near, reached,
+/// violated.
 template <Real R>
 struct JointProblem {
   JointProblem(std::uint64_t seed, int links) : JointProblem(random_tree(seed, links), seed) {}
 
-  JointProblem(Model model_, std::uint64_t seed)
-      : model(std::move(model_)), tree(model), params(model), state(model) {
+  JointProblem(Model model_, std::uint64_t seed) : model(std::move(model_)), tree(model), params(model), state(model) {
     Generator rng(seed ^ 0x9e3779b97f4a7c15u);
     h = static_cast<R>(pick(rng, {1e-3, 2e-3, 1e-2}));
     const std::vector<double> q = random_configuration(model, rng);
@@ -45,7 +45,9 @@ struct JointProblem {
   R h{};
 
  private:
-  static double pick(Generator& rng, std::initializer_list<double> values) { return values.begin()[rng() % values.size()]; }
+  static double pick(Generator& rng, std::initializer_list<double> values) {
+    return values.begin()[rng() % values.size()];
+  }
 
   void limit(Generator& rng, std::size_t i, double v) {
     const double q = state.q()[static_cast<std::size_t>(tree.dof_q[i])];
@@ -87,8 +89,10 @@ struct JointLaw {
       lower[i] = -std::numeric_limits<double>::infinity();
       upper[i] = -lower[i];
       if (p.tree.dof_q[i] >= 0) {
-        const double at = q[static_cast<std::size_t>(p.tree.dof_q[i])], low = p.params.lower[i], high = p.params.upper[i];
-        const double goal = p.tree.dof_limited[i] ? std::clamp<double>(p.state.target_q()[i], low, high) : p.state.target_q()[i];
+        const double at = q[static_cast<std::size_t>(p.tree.dof_q[i])], low = p.params.lower[i],
+                     high = p.params.upper[i];
+        const double goal =
+            p.tree.dof_limited[i] ? std::clamp<double>(p.state.target_q()[i], low, high) : p.state.target_q()[i];
         wanted += p.params.motor_kp[i] * (goal - at) / h;
         if (p.tree.dof_limited[i]) {  // reaches the limit by the step's end; from outside, a fifth of the way
           lower[i] = (at < low ? 0.2 : 1.0) * (low - at) / h - v[i];

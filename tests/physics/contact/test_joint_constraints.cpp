@@ -1,10 +1,9 @@
-#include "manyhands/physics/contact/joint_constraints.h"
-
 #include <gtest/gtest.h>
 
 #include <iostream>
 #include <map>
 
+#include "manyhands/physics/contact/joint_constraints.h"
 #include "tests/physics/contact/joint_problem.h"
 
 namespace manyhands {
@@ -30,7 +29,9 @@ Answer<R> answer(const JointProblem<R>& p, std::span<const R> stances = {}) {
   bias_and_mass_matrix(p.tree, p.params, state.q(), state.v(), ws);
   prepare_joint_constraints(p.tree, p.params, p.h, state, ws, jc);
   solve_joint_constraints(p.tree, state, ws, jc);
-  return {{jc.dv.begin(), jc.dv.end()}, {jc.impulse.begin(), jc.impulse.end()}, {state.stance(), state.stance() + p.size()}};
+  return {{jc.dv.begin(), jc.dv.end()},
+          {jc.impulse.begin(), jc.impulse.end()},
+          {state.stance(), state.stance() + p.size()}};
 }
 
 double worst_difference(const std::vector<double>& a, const std::vector<double>& b) {
@@ -98,7 +99,8 @@ TEST(JointConstraints, DoNotDependOnTheirWarmStart) {
         const int stance = static_cast<int>(rng() % 5) - 2;
         stances[i] = (stance == internal::kAtLower && !low) || (stance == internal::kAtUpper && !high) ? 0 : stance;
       }
-      EXPECT_LE(worst_difference(answer<double>(p, stances).dv, cold.dv), 1e-9) << "seed " << seed << ", start " << start;
+      EXPECT_LE(worst_difference(answer<double>(p, stances).dv, cold.dv), 1e-9)
+          << "seed " << seed << ", start " << start;
     }
     const Answer<double> again = answer<double>(p, cold.stance);
     EXPECT_EQ(again.stance, cold.stance) << "seed " << seed;

@@ -102,7 +102,8 @@ TYPED_TEST(StepLanes, EqualTheScalarBitForBit) {
       if (step % 20 != 0) continue;
       for (int k = 0; k < width_v<T>; ++k) {
         const std::vector<std::uint32_t> found = bits_of_lane(state, k),
-                                         alone = expected[static_cast<std::size_t>(k)][static_cast<std::size_t>(step / 20 - 1)];
+                                         alone = expected[static_cast<std::size_t>(k)]
+                                                         [static_cast<std::size_t>(step / 20 - 1)];
         const std::string which = "seed " + std::to_string(seed) + ", lane " + std::to_string(k) + ", step " +
                                   std::to_string(step) + ", nv " + std::to_string(tree.nv);
         ASSERT_EQ(is_alive(found), is_alive(alone)) << which;

@@ -33,9 +33,12 @@ std::shared_ptr<const Model> chain(std::uint64_t seed, int links, JointLimits li
 }
 
 struct Motors {
-  explicit Motors(const World& world, double force) : q(size(world)), v(q), kp(q), kd(size(world), 1.0), F(size(world), force) {}
+  explicit Motors(const World& world, double force)
+      : q(size(world)), v(q), kp(q), kd(size(world), 1.0), F(size(world), force) {}
   static std::size_t size(const World& world) { return static_cast<std::size_t>(world.model().nv()); }
-  void apply(World& world) const { world.set_motors({.target_q = q, .target_v = v, .kp = kp, .kd = kd, .max_force = F}); }
+  void apply(World& world) const {
+    world.set_motors({.target_q = q, .target_v = v, .kp = kp, .kd = kd, .max_force = F});
+  }
   std::vector<double> q, v, kp, kd, F;
 };
 
@@ -78,8 +81,8 @@ TEST(Step, AWeakMotorGivesExactlyItsForce) {
   ModelBuilder builder("slide");
   builder.set_gravity({0, 0, 0});
   const LinkId cart = builder.add_link("cart", {.mass = 4, .inertia = {1, 1, 1, 0, 0, 0}});
-  builder.add_joint({.name = "rail", .type = JointType::kPrismatic, .parent = builder.world(), .child = cart,
-                     .axis = {1, 0, 0}});
+  builder.add_joint(
+      {.name = "rail", .type = JointType::kPrismatic, .parent = builder.world(), .child = cart, .axis = {1, 0, 0}});
   const auto model = std::make_shared<const Model>(builder.build());
   for (const double sign : {1.0, -1.0}) {
     World world(model, 0.01);
@@ -115,7 +118,8 @@ TEST(Step, SaturatedMotorsActAsForces) {
     forced.set_tau(tau);
     pushed.step(20);
     forced.step(20);
-    for (std::size_t i = 0; i < tau.size(); ++i) EXPECT_NEAR(pushed.v()[i], forced.v()[i], 1e-9 * (1 + std::abs(forced.v()[i])));
+    for (std::size_t i = 0; i < tau.size(); ++i)
+      EXPECT_NEAR(pushed.v()[i], forced.v()[i], 1e-9 * (1 + std::abs(forced.v()[i])));
   }
 }
 
@@ -180,8 +184,8 @@ TEST(Step, DampingIsImplicit) {
     ModelBuilder builder("slide");
     builder.set_gravity({0, 0, 0});
     const LinkId cart = builder.add_link("cart", {.mass = 2, .inertia = {1, 1, 1, 0, 0, 0}});
-    builder.add_joint({.name = "rail", .type = JointType::kPrismatic, .parent = builder.world(), .child = cart,
-                       .damping = damping});
+    builder.add_joint(
+        {.name = "rail", .type = JointType::kPrismatic, .parent = builder.world(), .child = cart, .damping = damping});
     World world(std::make_shared<const Model>(builder.build()), 0.01);
     world.set_v(std::vector{3.0});
     for (int step = 1; step <= 50; ++step) {
