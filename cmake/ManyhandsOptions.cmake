@@ -40,6 +40,10 @@ target_compile_options(manyhands_flags INTERFACE ${isa_flags_${MANYHANDS_ISA}} -
 add_library(manyhands_options INTERFACE)
 target_link_libraries(manyhands_options INTERFACE manyhands_flags)
 target_compile_options(manyhands_options INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  # Lanes wider than the processor's registers go to inlined functions only: no calling convention is at stake.
+  target_compile_options(manyhands_options INTERFACE -Wno-psabi)
+endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   # False alarms on "text" + std::string (GCC bug 105651).
   target_compile_options(manyhands_options INTERFACE -Wno-restrict)
