@@ -5,6 +5,7 @@
 
 // GCC 12's own AVX-512 intrinsics start from an undefined register and warn about it wherever they are inlined.
 #pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wuninitialized"
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #include <Eigen/Core>
 #pragma GCC diagnostic pop
