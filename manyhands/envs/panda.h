@@ -60,6 +60,7 @@ void reset_panda(State<T>& state, int lane) {
     set_lane(state.target_q()[i], lane, static_cast<R>(kPandaNeutral[i]));
     set_lane(state.v()[i], lane, R(0));
     set_lane(state.stance()[i], lane, R(0));
+    set_lane(state.dv()[i], lane, R(0));
   }
 }
 

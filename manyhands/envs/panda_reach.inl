@@ -8,8 +8,7 @@ namespace manyhands {
 
 namespace internal {
 
-inline std::uint64_t fresh_seed() {
-  std::random_device device;
+inline std::uint64_t fresh_seed(std::random_device& device) {
   return (static_cast<std::uint64_t>(device()) << 32) | device();
 }
 
@@ -46,7 +45,8 @@ PandaReachBatch<T>::PandaReachBatch(EnvSpec spec, PandaControl control, const Re
       truncated_(is_success_) {
   set_panda_motors(params_);
   for (int worker = 0; worker < pool_.num_threads(); ++worker) workspaces_.emplace_back(tree_);
-  for (int i = 0; i < num_envs; ++i) worlds_.push_back({NumpyRandom(internal::fresh_seed()), 0});
+  std::random_device device;
+  for (int i = 0; i < num_envs; ++i) worlds_.push_back({NumpyRandom(internal::fresh_seed(device)), 0});
   for (Block& block : blocks_) {
     for (int k = 0; k < W; ++k) reset_panda(block.state, k);
   }

@@ -121,8 +121,11 @@ MANYHANDS_INLINE void prepare_joint_constraints(const Tree<real_t<T>>& tree, con
     jc.most[i] = select(free_target < jc.lower[i], infinity, F);
     jc.least[i] = select(free_target > jc.upper[i], -infinity, -F);
     T& stance = state.stance()[i];
-    // Without a motor the target may be infinite: the search must not begin where that holds or comes next.
-    stance = select(motor, stance, select(abs(stance) <= one, T(R(internal::kPushedUp)), stance));
+    // A motor that is pushing arrives when a change like the last one would pass its target. Without a motor the target
+    // may be infinite: the search must not begin where that holds or comes next.
+    const auto arrives = (abs(stance) == one) & (stance * (state.dv()[i] - jc.target[i]) > zero);
+    const T pushed = select(abs(stance) <= one, T(R(internal::kPushedUp)), stance);
+    stance = select(motor, select(arrives, T(R(internal::kHeld)), stance), pushed);
   }
 }
 

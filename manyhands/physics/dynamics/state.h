@@ -14,7 +14,7 @@ class State {
   State(int nq, int nv)
       : nq_(static_cast<std::size_t>(nq)),
         nv_(static_cast<std::size_t>(nv)),
-        numbers_(nq_ + 5 * nv_, T(real_t<T>(0))) {}
+        numbers_(nq_ + 6 * nv_, T(real_t<T>(0))) {}
   explicit State(const Model& model) : State(model.nq(), model.nv()) {
     const std::vector<double> neutral = model.neutral_configuration();
     for (std::size_t i = 0; i < nq_; ++i) numbers_[i] = T(static_cast<real_t<T>>(neutral[i]));
@@ -26,6 +26,7 @@ class State {
   [[nodiscard]] T* target_q() { return tau() + nv_; }       ///< (nv) motor target [rad or m]
   [[nodiscard]] T* target_v() { return target_q() + nv_; }  ///< (nv) motor target [rad/s or m/s]
   [[nodiscard]] T* stance() { return target_v() + nv_; }    ///< (nv) warm start of the joint constraints
+  [[nodiscard]] T* dv() { return stance() + nv_; }           ///< (nv) change of v in the last step: a hint to the next
   [[nodiscard]] const T* q() const { return numbers_.data(); }
   [[nodiscard]] const T* v() const { return q() + nq_; }
   [[nodiscard]] const T* tau() const { return v() + nv_; }
@@ -33,12 +34,14 @@ class State {
   [[nodiscard]] const T* target_v() const { return target_q() + nv_; }
   [[nodiscard]] const T* stance() const { return target_v() + nv_; }
 
+  [[nodiscard]] const T* dv() const { return stance() + nv_; }
+
   [[nodiscard]] std::span<T> numbers() { return numbers_; }
   [[nodiscard]] std::span<const T> numbers() const { return numbers_; }
 
  private:
   std::size_t nq_, nv_;
-  std::vector<T> numbers_;  // q, v, tau, target_q, target_v, stance
+  std::vector<T> numbers_;  // q, v, tau, target_q, target_v, stance, dv
 };
 
 /// Copies lane `from_lane` of one state into lane `to_lane` of another of the same model.

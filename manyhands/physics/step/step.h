@@ -43,6 +43,15 @@ MANYHANDS_INLINE void integrate_configuration(const Tree<real_t<T>>& tree, const
   }
 }
 
+/// v := v + dv, which the state keeps.
+template <Number T>
+MANYHANDS_INLINE void add_velocity_change(const std::vector<T>& dv, State<T>& state) {
+  for (std::size_t i = 0; i < dv.size(); ++i) {
+    state.v()[i] += dv[i];
+    state.dv()[i] = dv[i];
+  }
+}
+
 /// Advances the state by h [s]: semi-implicit Euler at the velocity level, with implicit damping, motors and limits.
 template <Number T, Number P>
 MANYHANDS_INLINE void step(const Tree<real_t<T>>& tree, const Params<P>& params, real_t<T> h, State<T>& state,
@@ -50,8 +59,8 @@ MANYHANDS_INLINE void step(const Tree<real_t<T>>& tree, const Params<P>& params,
   bias_and_mass_matrix(tree, params, state.q(), state.v(), ws.dynamics);      // 1 kinematics, bias and inertia
   prepare_joint_constraints(tree, params, h, state, ws.dynamics, ws.joints);  // 2 what motors and limits want
   solve_joint_constraints(tree, state, ws.dynamics, ws.joints);               // 3 what they get
-  for (std::size_t i = 0; i < ws.joints.dv.size(); ++i) state.v()[i] += ws.joints.dv[i];  // 4 velocities
-  integrate_configuration(tree, state.v(), T(h), state.q());                              // 5 positions
+  add_velocity_change(ws.joints.dv, state);                                   // 4 velocities
+  integrate_configuration(tree, state.v(), T(h), state.q());                  // 5 positions
 }
 
 }  // namespace manyhands
