@@ -16,7 +16,7 @@ def run_pinocchio(rounds: int, seconds: float) -> list[Row]:
     names = ("forward kinematics", "RNEA", "ABA", "CRBA")
     rows = [Row(name, "Pinocchio", "double", 1, None, "ns/arm", note="Python call included") for name in names]
     try:
-        import pinocchio
+        import pinocchio  # pyright: ignore[reportMissingImports]
     except ImportError as error:
         for row in rows:
             row.note = f"not installed: {error.name}"

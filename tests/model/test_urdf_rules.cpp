@@ -271,6 +271,18 @@ TEST(UrdfRules, MasslessRootStaysFixed) {
   EXPECT_PRED2(contains, loaded.report.to_string(), "the root link has no mass and cannot float");
 }
 
+TEST(UrdfRules, RootThatIsANeedleFloatsWithAMendedInertia) {
+  UrdfOptions options;
+  options.fixed_base = false;
+  const LoadedModel loaded = load_urdf_string(
+      R"(<robot name="r"><link name="base"><inertial><mass value="0.1"/>
+         <inertia ixx="1" iyy="1" izz="0" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>)",
+      "r.urdf", ".", options);
+  EXPECT_EQ(loaded.model.nv(), 6);
+  EXPECT_GT(loaded.model.link(loaded.model.link_id("base")).inertial.inertia.zz, 0);
+  EXPECT_PRED2(contains, loaded.report.to_string(), "would move no inertia");
+}
+
 TEST(UrdfRules, ReportFollowsTheFile) {
   const LoadReport report =
       load(robot(link("a", "") + "<sensor/>\n" + link("b", "") + joint("j", "revolute", "a", "b") + "<camera/>"))

@@ -101,11 +101,13 @@ class Assembler {
   }
 
   void give_inertia(Joint& joint) {
-    constexpr double kMass = 1e-3;     // [kg]
-    constexpr double kInertia = 1e-6;  // [kg m^2]
+    constexpr double kMass = 1e-3;            // [kg]
+    constexpr double kInertia = 1e-6;         // [kg m^2]
+    constexpr double kShareOfLargest = 1e-3;  // of a needle, about its axis: what a thin rod has
     Link& link = builder_.link(joint.child);
     const UrdfElement& element = elements_.at(link.name);
-    if (joint.parent == builder_.world() && joint.type == JointType::kFloating && joint.child == LinkId(1)) {
+    if (joint.parent == builder_.world() && joint.type == JointType::kFloating && joint.child == LinkId(1) &&
+        link.inertial.mass <= 0) {
       joint.type = JointType::kFixed;
       element.note(LoadAction::kRepaired, "the root link has no mass and cannot float; it is fixed to the world");
       return;
@@ -116,10 +118,11 @@ class Assembler {
       inertial.mass = kMass;
       given = "a mass of " + io::format_number(kMass) + " kg and ";
     }
-    inertial.inertia = inertial.inertia + SymMat3<double>{kInertia, kInertia, kInertia, 0, 0, 0};
+    SymMat3<double>& I = inertial.inertia;
+    const double added = std::max(kInertia, kShareOfLargest * std::max({I.xx, I.yy, I.zz}));
+    I = I + SymMat3<double>{added, added, added, 0, 0, 0};
     element.note(LoadAction::kRepaired, "joint '" + joint.name + "' would move no inertia; " + given +
-                                            "an inertia of " + io::format_number(kInertia) +
-                                            " kg m^2 given to the link");
+                                            "an inertia of " + io::format_number(added) + " kg m^2 given to the link");
   }
 
   void add_geom(const io::UrdfGeom& part, LinkId link) {

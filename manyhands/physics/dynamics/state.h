@@ -26,7 +26,7 @@ class State {
   [[nodiscard]] T* target_q() { return tau() + nv_; }       ///< (nv) motor target [rad or m]
   [[nodiscard]] T* target_v() { return target_q() + nv_; }  ///< (nv) motor target [rad/s or m/s]
   [[nodiscard]] T* stance() { return target_v() + nv_; }    ///< (nv) warm start of the joint constraints
-  [[nodiscard]] T* dv() { return stance() + nv_; }           ///< (nv) change of v in the last step: a hint to the next
+  [[nodiscard]] T* dv() { return stance() + nv_; }          ///< (nv) change of v in the last step: a hint to the next
   [[nodiscard]] const T* q() const { return numbers_.data(); }
   [[nodiscard]] const T* v() const { return q() + nq_; }
   [[nodiscard]] const T* tau() const { return v() + nv_; }
