@@ -17,6 +17,9 @@ namespace {
 using bindings::Array;
 using bindings::copied;
 
+/// Targets between two looks for Ctrl-C.
+constexpr std::size_t kPiece = 1024;
+
 nb::tuple search(PythonModel& model, const std::string& frame, const Array<double, 2>& position,
                  const Array<double, 2>& quaternion, const Array<double, 1>& start, int restarts, std::uint64_t seed,
                  bool respect_limits, double position_tolerance, double rotation_tolerance) {
@@ -32,14 +35,24 @@ nb::tuple search(PythonModel& model, const std::string& frame, const Array<doubl
   settings.ik.position_tolerance = position_tolerance;
   settings.ik.rotation_tolerance = rotation_tolerance;
   const FrameId id = model.model->frame_id(frame);
-  IkSolutions found;
-  {
-    const nb::gil_scoped_release release;
-    found = search_ik(*model.model, id, targets, bindings::as_span(start), settings);
+  IkSolutions all;
+  for (std::size_t first = 0; first < n; first += kPiece) {
+    const std::span piece = std::span(targets).subspan(first, std::min(kPiece, n - first));
+    IkSolutions found;
+    {
+      const nb::gil_scoped_release release;
+      found = search_ik(*model.model, id, piece, bindings::as_span(start), settings);
+    }
+    const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+    append(all.q, found.q);
+    append(all.success, found.success);
+    append(all.position_error, found.position_error);
+    append(all.rotation_error, found.rotation_error);
+    if (PyErr_CheckSignals() != 0) throw nb::python_error();
   }
-  return nb::make_tuple(copied(found.q.data(), {n, static_cast<std::size_t>(model.model->nq())}),
-                        bindings::copied_bools(found.success), copied(found.position_error.data(), {n}),
-                        copied(found.rotation_error.data(), {n}));
+  return nb::make_tuple(copied(all.q.data(), {n, static_cast<std::size_t>(model.model->nq())}),
+                        bindings::copied_bools(all.success), copied(all.position_error.data(), {n}),
+                        copied(all.rotation_error.data(), {n}));
 }
 
 }  // namespace

@@ -114,12 +114,14 @@ void bind_report(nb::module_& m) {
   nb::class_<LoadReport>(m, "LoadReport", "What a loader did with a file beyond reading it. str() gives a line a note.")
       .def_ro("notes", &LoadReport::notes, "In the order of the file.")
       .def("__len__", [](const LoadReport& report) { return report.notes.size(); })
-      .def("__str__", &LoadReport::to_string);
+      .def("__str__", &LoadReport::to_string)
+      .def("__repr__", &LoadReport::to_string);
 }
 
 void bind_parts(nb::module_& m) {
   nb::class_<Link>(m, "Link", "A named rigid part. Its frame L is the frame of the joint that moves it, at q = 0.")
       .def_ro("name", &Link::name)
+      .def("__repr__", [](const Link& link) { return "<Link '" + link.name + "'>"; })
       .def_prop_ro(
           "mass", [](const Link& link) { return link.inertial.mass; }, "[kg]")
       .def_prop_ro(
@@ -140,6 +142,7 @@ void bind_parts(nb::module_& m) {
                     "Joins a child link to its parent P. Frame F is fixed in P; at q = 0 the child's frame "
                     "is F.")
       .def_ro("name", &Joint::name)
+      .def("__repr__", [](const Joint& joint) { return "<Joint '" + joint.name + "': " + to_string(joint.type) + ">"; })
       .def_prop_ro(
           "type", [](const Joint& joint) { return to_string(joint.type); },
           "'fixed', 'revolute', 'continuous', 'prismatic', 'spherical', 'planar' or 'floating'.")
@@ -176,6 +179,7 @@ void bind_parts(nb::module_& m) {
 
   nb::class_<Frame>(m, "Frame", "A named pose on a body. Every link is one, by the same name and index.")
       .def_ro("name", &Frame::name)
+      .def("__repr__", [](const Frame& frame) { return "<Frame '" + frame.name + "'>"; })
       .def_prop_ro(
           "body", [](const Frame& frame) { return frame.body.value(); }, "The body that carries it; 0 is the world.");
 }

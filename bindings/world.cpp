@@ -62,6 +62,16 @@ const std::string kSetMotors = [] {
   return text + ") -> None";
 }();
 
+/// Keeps the interpreter's lock, so that threads take turns with a world, and looks for Ctrl-C from time to time.
+void step_in_pieces(World& world, int n) {
+  constexpr int kPiece = 1000;
+  do {
+    world.step(std::min(n, kPiece));
+    n -= kPiece;
+    if (PyErr_CheckSignals() != 0) throw nb::python_error();
+  } while (n > 0);
+}
+
 void bind_state(nb::class_<World>& world) {
   const auto getter = [](const char* name) {
     return "def " + std::string(name) + "(self) -> numpy.typing.NDArray[numpy.float64]";
@@ -145,8 +155,9 @@ void bind_world(nb::module_& m) {
                   "integrator: typing.Literal['semi_implicit', 'rk4'] = 'semi_implicit') -> None"),
           "time_step [s]. 'semi_implicit': Euler at the velocity level with implicit damping, motors and joint limits. "
           "'rk4': the classic method of fourth order with Munthe-Kaas' correction for rotations; no motors or limits.")
-      .def("step", &World::step, "n"_a = 1, nb::call_guard<nb::gil_scoped_release>(),
-           "Advances by n steps. With 'rk4' raises RuntimeError if a motor is on or a joint leaves its limits.")
+      .def("step", &step_in_pieces, "n"_a = 1,
+           "Advances by n steps; Ctrl-C stops between two of them. With 'rk4' raises RuntimeError if a motor is on or "
+           "a joint leaves its limits.")
       .def(
           "set_motors", &set_motors, nb::kw_only(), "target_q"_a = 0.0, "target_v"_a = 0.0, "kp"_a = 0.1, "kd"_a = 1.0,
           "max_force"_a, nb::sig(kSetMotors.c_str()),

@@ -1,5 +1,7 @@
 #include "manyhands/base/thread_pool.h"
 
+#include <unistd.h>
+
 #include <charconv>
 #include <cstdlib>
 #include <cstring>
@@ -12,11 +14,16 @@ namespace manyhands {
 namespace {
 
 constexpr int kMaxThreads = 1024;
-constexpr int kSpins = 2000;  // short rounds follow one another closely: waking a sleeping thread costs more
+/// Short rounds follow one another closely and waking a sleeping thread costs more than to look around for a while,
+/// unless the cores are wanted by other workers.
+int spins_for(int num_threads) {
+  constexpr int kSpins = 2000;
+  return static_cast<unsigned>(num_threads) <= std::thread::hardware_concurrency() ? kSpins : 0;
+}
 
 }  // namespace
 
-ThreadPool::ThreadPool(int num_threads) {
+ThreadPool::ThreadPool(int num_threads) : process_(getpid()), spins_(spins_for(num_threads)) {
   if (num_threads < 1 || num_threads > kMaxThreads) {
     throw std::invalid_argument("num_threads is " + std::to_string(num_threads) + "; expected 1 to 1024");
   }
@@ -26,6 +33,10 @@ ThreadPool::ThreadPool(int num_threads) {
 }
 
 ThreadPool::~ThreadPool() {
+  if (process_ != getpid()) {
+    for (std::jthread& thread : threads_) thread.detach();
+    return;
+  }
   stop_ = true;
   ++round_;
   round_.notify_all();
@@ -36,7 +47,7 @@ void ThreadPool::run(int n, Call call, void* context) {
   call_ = call;
   context_ = context;
   next_ = 0;
-  if (n > 1 && !threads_.empty()) {
+  if (n > 1 && !threads_.empty() && process_ == getpid()) {
     busy_ = static_cast<int>(threads_.size());
     ++round_;
     round_.notify_all();
@@ -60,7 +71,7 @@ void ThreadPool::work(int worker) {
 void ThreadPool::serve(int worker) {
   std::uint32_t seen = 0;
   while (true) {
-    for (int spin = 0; spin < kSpins && round_ == seen; ++spin) std::this_thread::yield();
+    for (int spin = 0; spin < spins_ && round_ == seen; ++spin) std::this_thread::yield();
     round_.wait(seen);
     seen = round_;
     if (stop_) return;

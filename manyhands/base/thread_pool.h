@@ -47,6 +47,8 @@ class ThreadPool {
   int n_ = 0;
   Call call_ = nullptr;
   void* context_ = nullptr;
+  int process_;  // fork() copies no threads: a child works alone
+  int spins_;
   std::mutex error_mutex_;
   std::exception_ptr error_;
   std::vector<std::jthread> threads_;  // last: joined before what they use is gone

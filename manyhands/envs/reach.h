@@ -36,7 +36,7 @@ template <Number T>
 MANYHANDS_INLINE Outcome<T> judge(const ReachTask& task, const Vec3<T>& achieved, const Vec3<T>& desired) {
   using R = real_t<T>;
   const T distance = norm(achieved - desired), threshold(static_cast<R>(task.distance_threshold));
-  const T sparse = select(distance > threshold, T(R(-1)), T(R(0)));
+  const T sparse = select(distance <= threshold, T(R(0)), T(R(-1)));
   return {task.reward == Reward::kSparse ? sparse : -distance, distance < threshold};
 }
 

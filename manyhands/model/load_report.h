@@ -24,7 +24,7 @@ struct LoadNote {
 struct LoadReport {
   std::vector<LoadNote> notes;
 
-  /// One line a note: "file:line: repaired: link 'x': ...".
+  /// How many notes of each kind, then one line a note: "file:line: repaired: link 'x': ...".
   [[nodiscard]] std::string to_string() const;
   [[nodiscard]] bool empty() const { return notes.empty(); }
 };

@@ -1,9 +1,13 @@
 // Every item once, on every number of threads; exceptions reach the caller. Also run under ThreadSanitizer
 // (cmake -D MANYHANDS_SANITIZE=thread).
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstdlib>
+#include <memory>
 #include <stdexcept>
 #include <string>
 
@@ -101,6 +105,23 @@ TEST(ThreadPool, RefusesAnImpossibleNumberOfThreads) {
       EXPECT_NE(std::string(error.what()).find(std::to_string(n)), std::string::npos) << error.what();
     }
   }
+}
+
+TEST(ThreadPool, WorksAloneInAChildProcess) {
+  auto pool = std::make_unique<ThreadPool>(3);
+  pool->for_each(8, [](int, int) {});
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(20);  // a child that waits for threads it does not have ends here
+    std::atomic<int> calls = 0;
+    pool->for_each(8, [&](int, int) { ++calls; });
+    pool.reset();
+    _exit(calls == 8 ? 0 : 1);
+  }
+  int status = -1;
+  waitpid(child, &status, 0);
+  EXPECT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 0);
 }
 
 class Variable : public ::testing::Test {

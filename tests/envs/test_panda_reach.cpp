@@ -106,6 +106,13 @@ TEST(Reach, EndsInTheStateItAlwaysDid) {
   EXPECT_EQ(end("PandaReachJoints-v3"), 12192297015438244691u);
 }
 
+TEST(Reach, AGoalThatIsNoNumberIsNotReached) {
+  const auto env = make_env_batch("PandaReach-v3", 1);
+  std::vector<float> reward(1);
+  env->compute_reward(std::vector<float>(3, std::numeric_limits<float>::quiet_NaN()), std::vector<float>(3), reward);
+  EXPECT_EQ(reward[0], -1);
+}
+
 TEST(Reach, ResetsOnlyTheWorldsOfTheMask) {
   const int n = 19;
   const auto env = make_env_batch("PandaReach-v3", n, {.num_threads = 2}),

@@ -58,6 +58,9 @@ inline constexpr int kHeld = 0, kPushedUp = 1, kPushedDown = -1, kAtLower = 2, k
 /// How much of a limit's violation a step removes, as PyBullet does.
 inline constexpr double kLimitRecovery = 0.2;
 
+/// The violation beyond which the way back is no faster [rad or m]: a joint far outside returns, it is not shot back.
+inline constexpr double kMostRecovered = 0.04;
+
 /// Block pivots without progress before dofs move one by one.
 inline constexpr int kPatience = 6;
 inline constexpr int kMaxPivots = 400;
@@ -69,7 +72,8 @@ inline constexpr real_t<T> kPivotTolerance = std::same_as<real_t<T>, float> ? re
 template <Number T>
 MANYHANDS_INLINE T limit_velocity(T gap, T inverse_h) {
   const T recovery = T(static_cast<real_t<T>>(kLimitRecovery));
-  return select(gap > T(real_t<T>(0)), recovery * gap, gap) * inverse_h;
+  const T back = recovery * min(gap, T(static_cast<real_t<T>>(kMostRecovered)));
+  return select(gap > T(real_t<T>(0)), back, gap) * inverse_h;
 }
 
 }  // namespace internal

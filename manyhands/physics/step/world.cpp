@@ -137,7 +137,7 @@ MassProperties<double> World::mass_properties() const {
 }
 
 std::vector<double> World::snapshot() const {
-  std::vector<double> numbers{static_cast<double>(steps_)};
+  std::vector<double> numbers{time_step_, static_cast<double>(steps_)};
   numbers.insert(numbers.end(), state_.numbers().begin(), state_.numbers().end());
   for (const auto* gains : {&params_.motor_kp, &params_.motor_kd, &params_.motor_max_force}) {
     numbers.insert(numbers.end(), gains->begin(), gains->end());
@@ -147,15 +147,20 @@ std::vector<double> World::snapshot() const {
 
 void World::restore(std::span<const double> snapshot) {
   const std::size_t state_size = state_.numbers().size();
-  const std::size_t expected = 1 + state_size + 3 * nv_;
+  const std::size_t expected = 2 + state_size + 3 * nv_;
   if (snapshot.size() != expected) {
     throw std::invalid_argument("the snapshot holds " + std::to_string(snapshot.size()) +
                                 " numbers; this world's hold " + std::to_string(expected) +
                                 ": is it of another model?");
   }
-  steps_ = static_cast<std::int64_t>(snapshot[0]);
-  std::ranges::copy(snapshot.subspan(1, state_size), state_.numbers().begin());
-  const double* gains = snapshot.data() + 1 + state_size;
+  if (snapshot[0] != time_step_) {
+    throw std::invalid_argument("the snapshot is of a world with a time_step of " + std::to_string(snapshot[0]) +
+                                " s; this world's is " + std::to_string(time_step_) + " s");
+  }
+  require_numbers("the snapshot", snapshot, expected);
+  steps_ = static_cast<std::int64_t>(snapshot[1]);
+  std::ranges::copy(snapshot.subspan(2, state_size), state_.numbers().begin());
+  const double* gains = snapshot.data() + 2 + state_size;
   for (auto* to : {&params_.motor_kp, &params_.motor_kd, &params_.motor_max_force}) {
     std::copy_n(gains, nv_, to->begin());
     gains += nv_;

@@ -9,8 +9,9 @@
 namespace manyhands {
 namespace {
 
-std::shared_ptr<const Model> hinge(double lower, double upper) {
+std::shared_ptr<const Model> hinge(double lower, double upper, double gravity = 9.81) {
   ModelBuilder builder("hinge");
+  builder.set_gravity({0, 0, -gravity});
   const LinkId rod = builder.add_link("rod", {.mass = 1, .com = {0, 0, -0.5}, .inertia = {0.1, 0.1, 0.01, 0, 0, 0}});
   builder.add_joint({.name = "hinge",
                      .type = JointType::kRevolute,
@@ -85,6 +86,18 @@ TEST(World, RungeKuttaRefusesMotorsAndLimits) {
   EXPECT_LE(world.q()[0], 0.5);
 }
 
+TEST(World, AJointFarOutsideItsLimitsReturnsAtAModestSpeed) {
+  World world(hinge(-1, 1, 0));
+  world.set_q(std::vector{10.0});
+  double fastest = 0;
+  for (int i = 0; i < 2000; ++i) {
+    world.step(1);
+    fastest = std::max(fastest, std::abs(world.v()[0]));
+  }
+  EXPECT_LE(fastest, 0.2 * 0.04 / world.time_step() + 1e-9);
+  EXPECT_LE(world.q()[0], 1 + 1e-3);
+}
+
 TEST(World, RefusesWhatIsNoState) {
   EXPECT_THROW(World(nullptr), std::invalid_argument);
   EXPECT_THROW(World(hinge(-1, 1), 0.0), std::invalid_argument);
@@ -92,6 +105,10 @@ TEST(World, RefusesWhatIsNoState) {
   EXPECT_THROW(world.set_q(std::vector{1.0, 2.0}), std::invalid_argument);
   EXPECT_THROW(world.set_v(std::vector{std::numeric_limits<double>::quiet_NaN()}), std::invalid_argument);
   EXPECT_THROW(world.step(-1), std::invalid_argument);
+  EXPECT_THROW(world.restore(World(hinge(-1, 1), 0.01).snapshot()), std::invalid_argument);
+  std::vector<double> spoilt = world.snapshot();
+  spoilt[2] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(world.restore(spoilt), std::invalid_argument);
   const std::vector<double> one{1.0}, negative{-1.0};
   EXPECT_THROW(world.set_motors({.target_q = one, .target_v = one, .kp = one, .kd = one, .max_force = negative}),
                std::invalid_argument);

@@ -1,6 +1,6 @@
 // Kinematics and dynamics of the Panda from C++: one state in double, then thousands in SIMD lanes.
 //
-//   cmake --build --preset release --target dynamics && build/release/examples/dynamics
+//   cmake --build --preset release --target arm_dynamics && build/release/examples/arm_dynamics
 #include <chrono>
 #include <cstdio>
 #include <random>
