@@ -11,6 +11,7 @@ JOBS ?= $(shell nproc)
 export PYTHON JOBS
 
 VENV := .venv
+USER_PATH := $(PATH)
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 
 help:  ## This list
@@ -21,7 +22,8 @@ help:  ## This list
 	@echo "  Variables: TASK=PandaReach SEED=0 PYTHON=python3 JOBS=$(JOBS)"
 
 train: $(VENV)/.train $(VENV)/.installed  ## Learn a task from nothing: make train TASK=PandaReach SEED=0
-	manyhands train $(TASK) --seed $(SEED)
+	@echo "$(VENV)/bin/manyhands train $(TASK) --seed $(SEED)"
+	@PATH='$(USER_PATH)' $(VENV)/bin/manyhands train $(TASK) --seed $(SEED)
 
 test: $(VENV)/.test $(VENV)/.installed $(VENV)/.cpp  ## C++ and Python tests, formatting, types, layers
 	tools/test.sh
@@ -74,6 +76,6 @@ $(VENV)/.test: $(VENV)/.train pyproject.toml
 	@touch $@
 
 $(VENV)/.installed: $(VENV)/.core $(SOURCES)
-	@echo "==> Building the Python package"
+	@echo "==> Building the Python package (about three minutes the first time)"
 	@CMAKE_BUILD_PARALLEL_LEVEL=$(JOBS) pip install --quiet --no-build-isolation --no-deps .
 	@touch $@

@@ -2,6 +2,9 @@
 
 import argparse
 import json
+import os
+import shlex
+import shutil
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
@@ -10,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from manyhands._core.envs import env_ids, make_env_batch
 from manyhands._core.learn import CheckpointError
+from manyhands.arguments import whole_number
 
 if TYPE_CHECKING:
     from manyhands.training.run import Outcome
@@ -37,6 +41,7 @@ start here:
   manyhands evaluate runs/...     measure what was learned
 """
 _INTERRUPTED = 130  # the shell's code for Ctrl-C
+_MOST_THREADS = 1024
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -77,11 +82,21 @@ def _parser() -> argparse.ArgumentParser:
     evaluate.add_argument("--env", metavar="ID", help="default: the environment the policy was learned in")
     evaluate.add_argument("--episodes", type=int, default=1000, metavar="N")
     evaluate.add_argument("--seed", type=int, default=2 * 10**9, help="of the first episode; the others count up")
-    evaluate.add_argument("--threads", type=int, metavar="N")
+    evaluate.add_argument("--threads", type=int, metavar="N", help="default: MANYHANDS_THREADS, or one for each core")
     evaluate.add_argument("--json", action="store_true", help="print JSON")
 
     commands.add_parser("envs", help="list the environments")
     return parser
+
+
+def _program(name: str) -> str:
+    """How the user's shell calls a script of this installation: by name if that finds it, else by path as called."""
+    called = sys.argv[0] if Path(sys.argv[0]).name == "manyhands" else sys.executable
+    script = os.path.join(os.path.dirname(called), name)  # pathlib would drop the ./ that the shell needs
+    found = shutil.which(name)
+    if not os.path.exists(script) or (found is not None and os.path.samefile(found, script)):
+        return name
+    return shlex.quote(script)
 
 
 def _train(arguments: argparse.Namespace) -> int:
@@ -96,6 +111,8 @@ def _train(arguments: argparse.Namespace) -> int:
         "max_env_steps": arguments.max_steps,
         "evaluation_episodes": arguments.episodes,
     }
+    if arguments.threads is not None:
+        whole_number("--threads", arguments.threads, 1, _MOST_THREADS)
     console = Console()
     if arguments.resume is not None:
         fixed = ("task", "seed", "num_envs", "set")
@@ -104,8 +121,19 @@ def _train(arguments: argparse.Namespace) -> int:
         folder = RunFolder(arguments.resume)
         settings = folder.read_settings(**changes)
         run = TrainingRun(folder, settings, resume=True)
+        done = run.metrics.env_steps
+        if run.metrics.solved:
+            text = f"Solved already, after {done:,} steps; only evaluated again: {folder.path}"
+        elif done < settings.max_env_steps:
+            text = f"Resuming at {done:,} steps: {folder.path}"
+        elif arguments.max_steps is not None:
+            raise ValueError(
+                f"{folder.path} has done {done} steps already: --max-steps {arguments.max_steps} adds none"
+            )
+        else:
+            text = f"All {done:,} steps are done, --max-steps would add more; only evaluated again: {folder.path}"
         folder.write_config(settings)
-        console.print(f"Resuming at {run.metrics.env_steps:,} steps: {folder.path}", highlight=False, soft_wrap=True)
+        console.print(text, highlight=False, markup=False, soft_wrap=True)
     else:
         if arguments.task is None:
             raise ValueError("name a task, for example: manyhands train PandaReach (manyhands envs lists them)")
@@ -135,10 +163,11 @@ def _train(arguments: argparse.Namespace) -> int:
 
 def _summarise(outcome: "Outcome", folder: "RunFolder", seed: int, say: Callable[..., None]) -> None:
     lines = [""]
+    program, path = _program("manyhands"), shlex.quote(str(folder.path))
     if outcome.evaluation is None:
         lines += [
             f"Stopped after {outcome.env_steps:,} steps and {outcome.training_seconds:.1f} s. Nothing is lost:",
-            f"  manyhands train --resume {folder.path}",
+            f"  {program} train --resume {path}",
         ]
     else:
         result = outcome.evaluation
@@ -157,12 +186,12 @@ def _summarise(outcome: "Outcome", folder: "RunFolder", seed: int, say: Callable
             f"  {folder.checkpoint.name:<20} to go on from",
             "",
             "Next:",
-            f"  manyhands evaluate {folder.path}",
-            f"  manyhands train {result.env_id} --seed {seed + 1}",
-            f"  tensorboard --logdir {folder.path.parent}",
+            f"  {program} evaluate {path}",
+            f"  {program} train {result.env_id} --seed {seed + 1}",
+            f"  {_program('tensorboard')} --logdir {shlex.quote(str(folder.path.parent))}",
         ]
         if not outcome.solved:
-            lines.append(f"  manyhands train --resume {folder.path} --max-steps {2 * outcome.env_steps}")
+            lines.append(f"  {program} train --resume {path} --max-steps {2 * outcome.env_steps}")
     say("\n".join(lines), highlight=False, markup=False, soft_wrap=True)
 
 
@@ -171,8 +200,10 @@ def _evaluate(arguments: argparse.Namespace) -> int:
     from manyhands.training.run_folder import RunFolder
     from manyhands.training.settings import resolve_env_id
 
+    if arguments.threads is not None:
+        whole_number("--threads", arguments.threads, 1, _MOST_THREADS)
     path = RunFolder(arguments.policy).policy if arguments.policy.is_dir() else arguments.policy
-    policy = PolicyFile(path, arguments.threads)
+    policy = PolicyFile(path)
     name = arguments.env or policy.env_id
     if name is None:
         raise ValueError(f"{path} does not say which environment it was learned in: name one with --env")

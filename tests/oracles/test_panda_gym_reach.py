@@ -269,7 +269,7 @@ def test_a_policy_learned_here_does_as_well_there(control_type: str, tmp_path: p
     trainer = Trainer(make_env_batch(name, 64), make_env_batch(name, 250), TrainerConfig())
     assert trainer.advance(2000).solved
     save_policy(trainer.policy(), name, tmp_path / "policy.onnx")
-    learned = PolicyFile(tmp_path / "policy.onnx", num_threads=1)
+    learned = PolicyFile(tmp_path / "policy.onnx")
 
     def policy(obs: Any) -> Array:
         return learned({key: value[None] for key, value in obs.items()})[0]

@@ -3,6 +3,8 @@
 import csv
 import json
 import re
+import shlex
+import shutil
 import signal
 import subprocess
 import sys
@@ -136,6 +138,31 @@ def test_a_resumed_run_is_the_uninterrupted_run(tmp_path: Path) -> None:
     assert last_row(parted) == last_row(whole)
 
 
+def test_a_solved_run_and_a_limit_that_is_reached_are_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    solved = train(tmp_path, "PandaReach", "--seed", "0", "--episodes", "20")
+    assert cli.main(["train", "--resume", str(solved.path)]) == 0
+    assert "Solved already" in capsys.readouterr().out
+    parted = train(tmp_path, "PandaReach", *SHORT, "--max-steps", "1600")
+    assert cli.main(["train", "--resume", str(parted.path), "--max-steps", "800"]) == 2
+    assert "has done 1600 steps already: --max-steps 800 adds none" in capsys.readouterr().err
+    assert parted.read_settings().max_env_steps == 1600
+
+
+def test_printed_commands_are_those_that_the_users_shell_finds(tmp_path: Path) -> None:
+    """Called by path it says the path, called by name the name; what it prints runs, spaces in paths included."""
+    script = Path(sys.executable).with_name("manyhands")
+    runs = tmp_path / "my runs"
+    for path, called in (("/usr/bin:/bin", str(script)), (f"{script.parent}:/usr/bin:/bin", script.name)):
+        assert shutil.which(script.name, path=path) == (None if called == str(script) else str(script))
+        arguments = [str(script), "train", "PandaReach", *SHORT, "--max-steps", "1600", "--runs", str(runs)]
+        result = subprocess.run(arguments, env={"PATH": path}, capture_output=True, text=True, check=True)
+        commands = [line.strip() for line in result.stdout.partition("Next:")[2].splitlines() if line.strip()]
+        assert [shlex.split(line)[0] for line in commands[:2]] == [called] * 2
+        assert shlex.split(commands[2]) == [called.replace("manyhands", "tensorboard"), "--logdir", str(runs)]
+        again = subprocess.run(commands[0], shell=True, env={"PATH": path}, capture_output=True, text=True)
+        assert "success" in again.stdout, again.stderr
+
+
 def start_endless_run(parent: Path) -> subprocess.Popen[str]:
     arguments = ["train", "PandaReach", *SHORT, "--max-steps", "100000000", "--runs", str(parent)]
     program = "import sys; from manyhands.cli import main; sys.exit(main(sys.argv[1:]))"
@@ -204,6 +231,15 @@ def test_bad_requests_are_explained_and_leave_nothing(
     assert cli.main(["train", *arguments, "--runs", str(tmp_path)]) == 2
     assert message in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("threads", ["0", "-1", "1025", "99999"])
+def test_numbers_of_threads_that_make_no_sense_are_refused(
+    threads: str, reach: RunFolder, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for command in (["evaluate", str(reach.path)], ["train", "PandaReach"], ["train", "--resume", str(reach.path)]):
+        assert cli.main([*command, "--threads", threads]) == 2
+        assert f"--threads is {threads}, expected 1 to 1024" in capsys.readouterr().err
 
 
 def test_resuming_without_a_checkpoint_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

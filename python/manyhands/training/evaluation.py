@@ -27,12 +27,12 @@ class Evaluation:
 class PolicyFile:
     """An ONNX policy, ready to act."""
 
-    def __init__(self, path: Path, num_threads: int | None = None) -> None:
+    def __init__(self, path: Path) -> None:
         """Raises ValueError if the file is no policy of ours."""
         if not path.is_file():
             raise ValueError(f"there is no file {path}")
         options = onnxruntime.SessionOptions()
-        options.intra_op_num_threads = num_threads or 0
+        options.intra_op_num_threads = 1  # the networks are small, and the worlds have the cores
         try:
             self._session = onnxruntime.InferenceSession(path, options, providers=["CPUExecutionProvider"])
         except Exception as error:  # onnxruntime's errors have no common base but this
