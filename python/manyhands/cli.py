@@ -2,7 +2,6 @@
 
 import argparse
 import json
-import os
 import shlex
 import shutil
 import sys
@@ -91,12 +90,12 @@ def _parser() -> argparse.ArgumentParser:
 
 def _program(name: str) -> str:
     """How the user's shell calls a script of this installation: by name if that finds it, else by path as called."""
-    called = sys.argv[0] if Path(sys.argv[0]).name == "manyhands" else sys.executable
-    script = os.path.join(os.path.dirname(called), name)  # pathlib would drop the ./ that the shell needs
+    called = Path(sys.argv[0] if Path(sys.argv[0]).name == "manyhands" else sys.executable)
+    script = called.with_name(name)
     found = shutil.which(name)
-    if not os.path.exists(script) or (found is not None and os.path.samefile(found, script)):
+    if not script.exists() or (found is not None and script.samefile(found)):
         return name
-    return shlex.quote(script)
+    return shlex.quote(str(script) if script.parent.name else f"./{script}")
 
 
 def _train(arguments: argparse.Namespace) -> int:

@@ -140,7 +140,11 @@ def test_arguments_of_make_override_the_variant() -> None:
         (0.5, r"shape \(\), expected \(3,\)"),
         ([0, np.nan, 0], "finite"),
         ([0, np.inf, 0], "finite"),
-        ("up", r"expected shape|of shape \(3,\)"),
+        ([0, 1e400, 0], "finite"),
+        ("up", r"no array of numbers of shape \(3,\)"),
+        (["0", "1", "0"], r"no array of numbers of shape \(3,\)"),
+        ([0, 1j, 0], r"no array of numbers of shape \(3,\): it holds complex128"),
+        ([0, [1], 0], r"no array of numbers of shape \(3,\)"),
     ],
 )
 def test_bad_actions_are_refused_and_change_nothing(action: Any, message: str) -> None:
@@ -152,12 +156,15 @@ def test_bad_actions_are_refused_and_change_nothing(action: Any, message: str) -
     np.testing.assert_equal(env.step(np.ones(3))[0], other.step(np.ones(3))[0])
 
 
-def test_actions_are_clipped() -> None:
+@pytest.mark.parametrize("action", [np.array([7.0, -3.0, 1.0]), [1e300, -1e300, 1], [10**30, -(10**30), True]])
+def test_actions_are_clipped(action: Any) -> None:
     env = make("PandaReach-v3")
     env.reset(seed=1)
-    clipped = env.step(np.array([7.0, -3.0, 0.5]))[0]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        clipped = env.step(action)[0]
     env.reset(seed=1)
-    np.testing.assert_equal(clipped, env.step(np.array([1.0, -1.0, 0.5]))[0])
+    np.testing.assert_equal(clipped, env.step(np.array([1.0, -1.0, 1.0]))[0])
 
 
 def test_copies_and_pickles_are_environments_of_the_same_kind() -> None:
@@ -170,6 +177,8 @@ def test_copies_and_pickles_are_environments_of_the_same_kind() -> None:
 def test_pictures_are_refused_plainly() -> None:
     with pytest.raises(ValueError, match="render_mode=None"):
         PandaEnv(render_mode="rgb_array")
+    with pytest.raises(NotImplementedError, match="draws no pictures yet"):
+        PandaEnv().render()
 
 
 @pytest.mark.parametrize("seed", [-1, 2**64])

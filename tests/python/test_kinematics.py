@@ -1,5 +1,7 @@
 """Inverse kinematics from Python: what it finds is checked by forward kinematics."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -40,12 +42,45 @@ def test_one_pose_has_no_rows_and_the_far_side_of_the_room_is_out_of_reach(panda
         (([0, 0], [1, 0, 0, 0]), "position has shape"),
         (([[0, 0, 0]], [1, 0, 0, 0]), "as many rows"),
         (([0, 0, np.nan], [1, 0, 0, 0]), "finite"),
-        (([0, 0, 0], [0, 0, 0, 0]), "no quaternion 0"),
+        (([0, 0, 0], [0, 0, 0, 0]), "quaternion is shorter than 1e-06"),
+        (([0, 0, 0], [1e-7, 0, 0, 1e-7]), "quaternion is shorter than 1e-06"),
     ],
 )
 def test_wrong_targets_are_refused(panda: mh.Model, arguments: tuple[list[float], list[float]], what: str) -> None:
     with pytest.raises(ValueError, match=what):
         mh.inverse_kinematics(panda, HAND, *arguments)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("start", np.full(9, np.nan)),
+        ("start", [np.inf] * 9),
+        ("start", [0.0]),
+        ("position_tolerance", 0.0),
+        ("position_tolerance", np.nan),
+        ("rotation_tolerance", -1e-4),
+        ("restarts", -1),
+        ("restarts", 2.5),
+        ("restarts", True),
+        ("restarts", 2**31),
+        ("seed", -1),
+        ("seed", 0.5),
+        ("seed", "0"),
+        ("seed", 2**64),
+    ],
+)
+def test_wrong_settings_are_refused_by_name(panda: mh.Model, name: str, value: Any) -> None:
+    with pytest.raises(ValueError, match=f"{name} (is|must be|has)"):
+        mh.inverse_kinematics(panda, HAND, [0.4, 0.1, 0.3], [1, 0, 0, 0], **{name: value})
+
+
+def test_coordinates_that_do_not_move_the_frame_stay_as_in_start(panda: mh.Model) -> None:
+    start = panda.neutral_configuration()
+    start[-2:] = 0.5  # the fingers, far beyond their limit
+    found = mh.inverse_kinematics(panda, "panda_hand", [0.4, 0.1, 0.4], [1, 0, 0, 0], start=start, seed=2**64 - 1)
+    assert found.success
+    assert (found.q[-2:] == 0.5).all()
 
 
 def test_an_unknown_frame_is_refused_by_name(panda: mh.Model) -> None:

@@ -3,6 +3,7 @@
 import threading
 import time
 import warnings
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import gymnasium
@@ -194,7 +195,11 @@ def test_wrong_use_is_refused() -> None:
     good = np.zeros((N, 3), np.float32)
     with pytest.raises(gymnasium.error.ResetNeeded):
         env.step(good)
-    for seed in ([1, 2], [-1] * N, [2**64] * N, -3):
+    for bad in (1.5, "7", -3, [1.0] * N, ["1"] * N, [-1] * N, "123456", [[1] * N], np.ones(N), np.array(3.0), {1: 2}):
+        seed: Any = bad
+        with pytest.raises(ValueError, match="seed: expected a whole number of 0 or more, None, or a list of num_envs"):
+            env.reset(seed=seed)
+    for seed in ([1, 2], [2**64] * N, 2**64 - 1):
         with pytest.raises(ValueError, match="seed"):
             env.reset(seed=seed)
     env.reset(seed=0)
@@ -209,12 +214,46 @@ def test_wrong_use_is_refused() -> None:
     ):
         with pytest.raises(error, match="reset_mask"):
             env.reset(options={"reset_mask": mask})
-    with pytest.raises(ValueError, match="num_threads"):
-        native(num_threads=0)
     with pytest.raises(ValueError, match="AutoresetMode"):
         native(autoreset_mode="Sometimes")
     with pytest.raises(ValueError, match="render_mode=None"):
         PandaVectorEnv(2, render_mode="rgb_array")
+    with pytest.raises(NotImplementedError, match="draws no pictures yet"):
+        env.render()
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("num_envs", [0, -1, 2.0, "4", None, True, 2**20 + 1]),
+        ("num_threads", [0, -1, 1.5, "2", 1025]),
+        ("max_episode_steps", [-2, 2.5, "50", 2**31]),
+    ],
+)
+def test_numbers_that_make_no_sense_are_refused_by_name(name: str, values: list[Any]) -> None:
+    for value in values:
+        with pytest.raises(ValueError, match=f"{name} is {value!r}, expected"):
+            PandaVectorEnv(**({"num_envs": 2} | {name: value}))
+    PandaVectorEnv(**{"num_envs": np.int64(2), name: np.int64(2)})
+
+
+@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
+def test_python_threads_that_share_an_environment_take_turns(mode: AutoresetMode) -> None:
+    env, alone = native(num_envs=64, autoreset_mode=mode), native(num_envs=64, autoreset_mode=mode)
+    env.reset(seed=0)
+    alone.reset(seed=0)
+    actions = np.full((64, 3), 0.5, np.float32)
+
+    def work() -> None:
+        for _ in range(50):
+            env.step(actions)
+
+    with ThreadPoolExecutor(4) as pool:
+        for task in [pool.submit(work) for _ in range(4)]:
+            task.result()
+    for _ in range(200):
+        alone.step(actions)
+    assert_same(env.step(actions), alone.step(actions), "after 200 steps")
 
 
 def test_threads_come_from_the_environment_variable(monkeypatch: pytest.MonkeyPatch) -> None:

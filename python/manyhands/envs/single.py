@@ -1,6 +1,7 @@
 """One environment."""
 
-from typing import Any, ClassVar
+import threading
+from typing import Any, ClassVar, NoReturn
 
 import gymnasium
 import numpy as np
@@ -20,6 +21,8 @@ class PandaEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
     displacement of the gripper (unit 0.05 m) with `control_type="ee"`, of the seven joints (unit 0.05 rad) with
     "joints". A step takes 0.04 s. An episode terminates with success; its length is limited by `gymnasium.make`.
 
+    Calls from several Python threads take turns.
+
     `info["is_success"]` of reset and step says whether the goal is reached. Copies and pickles are new environments
     made from the same arguments.
     """
@@ -38,6 +41,7 @@ class PandaEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         EzPickle.__init__(self, task, reward_type=reward_type, control_type=control_type, render_mode=render_mode)
         spaces.require_no_rendering(render_mode)
         self.render_mode = render_mode
+        self._turn = threading.Lock()
         self._batch = make_env_batch(spaces.env_id(task, reward_type, control_type), 1, num_threads=1)
         self.observation_space = spaces.observation_space(self._batch.spec)
         self.action_space = spaces.action_space(self._batch.spec)
@@ -46,21 +50,23 @@ class PandaEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
         """Starts an episode. The same `seed` gives the same goals as in panda-gym; without one the stream goes on."""
-        super().reset(seed=seed)
-        self._batch.reset(seeds=None if seed is None else spaces.as_seeds([seed]))
-        return self._observation(), self._info()
+        with self._turn:
+            super().reset(seed=seed)
+            self._batch.reset(seeds=None if seed is None else spaces.as_seeds([seed]))
+            return self._observation(), self._info()
 
     def step(self, action: ArrayLike) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """One step of 0.04 s; `truncated` is always False. Raises ValueError on a wrong shape or a NaN."""
         spec = self._batch.spec
-        self._batch.step(spaces.as_actions(spec, action, (spec.action_dim,))[None])
-        return (
-            self._observation(),
-            float(self._batch.reward[0]),
-            bool(self._batch.terminated[0]),
-            False,
-            self._info(),
-        )
+        actions = spaces.as_actions(spec, action, (spec.action_dim,))[None]
+        with self._turn:
+            self._batch.step(actions)
+            reward, terminated = float(self._batch.reward[0]), bool(self._batch.terminated[0])
+            return self._observation(), reward, terminated, False, self._info()
+
+    def render(self) -> NoReturn:
+        """Raises NotImplementedError: there are no cameras yet."""
+        spaces.refuse_to_render()
 
     def compute_reward(self, achieved_goal: ArrayLike, desired_goal: ArrayLike, info: Any = None) -> Any:
         """The task's reward for goals (..., goal_dim): float32, a scalar or of shape (...). `info` is not used."""

@@ -1,13 +1,14 @@
 """Spaces, actions and rewards as the single and the vector environment share them."""
 
 from collections.abc import Sequence
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, NoReturn, TypeAlias
 
 import numpy as np
 from gymnasium import spaces
 from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core.envs import EnvBatch, EnvSpec
+from manyhands.arguments import whole_number
 
 Observation: TypeAlias = dict[str, NDArray[np.float32]]
 RewardType: TypeAlias = Literal["sparse", "dense"]
@@ -33,6 +34,11 @@ def require_no_rendering(render_mode: str | None) -> None:
         )
 
 
+def refuse_to_render() -> NoReturn:
+    """Raises NotImplementedError."""
+    raise NotImplementedError("render: this version draws no pictures yet; positions are in the observation")
+
+
 def observation_space(spec: EnvSpec) -> spaces.Space[Any]:
     """observation, achieved_goal and desired_goal, each a float32 Box(-10, 10)."""
 
@@ -50,11 +56,20 @@ def action_space(spec: EnvSpec) -> spaces.Space[Any]:
 
 
 def as_actions(spec: EnvSpec, action: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float32]:
-    """`action` as float32 of the given shape. Raises ValueError if it has another."""
+    """`action` as float32 of the given shape. Raises ValueError if it has another, or holds what is no real number.
+
+    Finite numbers beyond float32 are clipped to [-1, 1] here; the batch clips the others, and refuses NaN and infinity.
+    """
+    expected = f"{spec.id}: the action is no array of numbers of shape {shape}"
     try:
-        array = np.asarray(action, np.float32)
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"{spec.id}: the action is no array of numbers of shape {shape}: {error}") from error
+        array = np.asarray(action)
+        if array.dtype.kind not in "biufO":
+            raise TypeError(f"it holds {array.dtype}")
+        if array.dtype != np.float32:
+            wide = array.astype(np.float64)
+            array = np.where(np.isinf(wide), wide, wide.clip(-1, 1)).astype(np.float32)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise ValueError(f"{expected}: {error}") from error
     if array.shape != shape:
         raise ValueError(f"{spec.id}: the action has shape {array.shape}, expected {shape}")
     return array
@@ -63,8 +78,7 @@ def as_actions(spec: EnvSpec, action: ArrayLike, shape: tuple[int, ...]) -> NDAr
 def as_seeds(seeds: Sequence[int]) -> NDArray[np.uint64]:
     """Seeds as the batch takes them. Raises ValueError unless each lies in [0, 2**64)."""
     for seed in seeds:
-        if not 0 <= seed < 2**64:
-            raise ValueError(f"the seed is {seed}, expected an integer in [0, 2**64)")
+        whole_number("seed", seed, 0, 2**64 - 1)
     return np.array(seeds, np.uint64)
 
 

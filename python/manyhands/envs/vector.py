@@ -1,7 +1,8 @@
 """Many environments, stepped together in C++."""
 
+import threading
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 from gymnasium.error import ResetNeeded
@@ -11,8 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core.envs import AutoresetBatch, make_env_batch
 from manyhands._core.envs import AutoresetMode as CoreMode
+from manyhands.arguments import whole_number
 from manyhands.envs import spaces
 from manyhands.envs.spaces import ControlType, Observation, RewardType
+
+_MOST_WORLDS, _MOST_THREADS = 2**20, 1024
 
 
 class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
@@ -20,6 +24,7 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
 
     Made by `gymnasium.make_vec("PandaReach-v3", num_envs=4096, num_threads=2, autoreset_mode="SameStep")`. Arrays are
     as in `PandaEnv` with a first axis for the worlds. The results do not depend on the number of threads.
+    Calls from several Python threads take turns.
     """
 
     def __init__(
@@ -37,22 +42,25 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
     ) -> None:
         """Makes the worlds.
 
+        num_envs: 1 to 1048576.
         max_episode_steps: truncates episodes; None takes the limit of the task, -1 none.
         num_threads: None takes the variable MANYHANDS_THREADS, or as many as the machine has cores.
         copy: False returns observations as read-only views that the next step or reset overwrites.
 
-        Raises ValueError on an unknown task, type or mode, or a render mode: there are no cameras yet.
+        Raises ValueError on a number out of range, an unknown task, type or mode, or a render mode: there are no
+        cameras yet.
         """
         spaces.require_no_rendering(render_mode)
-        if num_threads is not None and num_threads < 1:
-            raise ValueError(f"num_threads is {num_threads}, expected a positive number, or None")
+        num_envs = whole_number("num_envs", num_envs, 1, _MOST_WORLDS)
+        threads = 0 if num_threads is None else whole_number("num_threads", num_threads, 1, _MOST_THREADS)
+        if max_episode_steps is not None:
+            max_episode_steps = whole_number("max_episode_steps", max_episode_steps, -1, 2**31 - 1)
         mode = AutoresetMode(autoreset_mode)
-        self._envs = make_env_batch(
-            spaces.env_id(task, reward_type, control_type), num_envs, num_threads=num_threads or 0
-        )
+        self._envs = make_env_batch(spaces.env_id(task, reward_type, control_type), num_envs, num_threads=threads)
         spec = self._envs.spec
         limit = spec.max_episode_steps if max_episode_steps is None else max(max_episode_steps, 0)
         self._batch = AutoresetBatch(self._envs, CoreMode[mode.name], limit)
+        self._turn = threading.Lock()
         self._copy = copy
         self._was_reset = False
         self.num_envs = num_envs
@@ -75,20 +83,16 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         gives the same bits as a single environment reset with that seed. Raises ValueError on wrong lengths or seeds,
         TypeError on a mask that is no array of bool.
         """
-        mask = self._reset_mask(options)
-        if seed is None:
-            self._batch.reset(mask)
-        else:
-            if isinstance(seed, int | np.integer):
-                seed = range(int(seed), int(seed) + self.num_envs)
-            if len(seed) != self.num_envs:
-                raise ValueError(
-                    f"{len(seed)} seeds are given for num_envs={self.num_envs} worlds, expected one for each"
-                )
-            seeded = np.array([one is not None for one in seed])
-            self._batch.reset(mask, spaces.as_seeds([one or 0 for one in seed]), seeded)
-        self._was_reset = True
-        return self._observation(), self._info(mask)
+        seeds = None if seed is None else self._seeds(seed)
+        with self._turn:
+            mask = self._reset_mask(options)
+            if seeds is None:
+                self._batch.reset(mask)
+            else:
+                seeded = np.array([one is not None for one in seeds])
+                self._batch.reset(mask, spaces.as_seeds([0 if one is None else one for one in seeds]), seeded)
+            self._was_reset = True
+            return self._observation(), self._info(mask)
 
     def step(
         self, actions: ArrayLike
@@ -102,12 +106,30 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         if not self._was_reset:
             raise ResetNeeded("call reset before the first step")
         spec = self._envs.spec
-        self._batch.step(spaces.as_actions(spec, actions, (self.num_envs, spec.action_dim)))
-        return self._observation(), *self._batch.outcome(), self._final_info() | self._info()
+        checked = spaces.as_actions(spec, actions, (self.num_envs, spec.action_dim))
+        with self._turn:
+            self._batch.step(checked)
+            return self._observation(), *self._batch.outcome(), self._final_info() | self._info()
+
+    def render(self) -> NoReturn:
+        """Raises NotImplementedError: there are no cameras yet."""
+        spaces.refuse_to_render()
 
     def compute_reward(self, achieved_goal: ArrayLike, desired_goal: ArrayLike, info: Any = None) -> Any:
         """The task's reward for goals (..., goal_dim): float32, a scalar or of shape (...). `info` is not used."""
         return spaces.compute_reward(self._envs, achieved_goal, desired_goal)
+
+    def _seeds(self, seed: Any) -> Sequence[int | None]:
+        if isinstance(seed, int | np.integer) and seed >= 0:
+            seed = range(int(seed), int(seed) + self.num_envs)
+        known = isinstance(seed, Sequence | np.ndarray) and np.ndim(seed) == 1 and not isinstance(seed, str | bytes)
+        if not known or not all(one is None or (isinstance(one, int | np.integer) and one >= 0) for one in seed):
+            raise ValueError(
+                f"seed: expected a whole number of 0 or more, None, or a list of num_envs of them, not {seed!r}"
+            )
+        if len(seed) != self.num_envs:
+            raise ValueError(f"seed: {len(seed)} are given for num_envs={self.num_envs} worlds, expected one for each")
+        return seed
 
     def _reset_mask(self, options: dict[str, Any] | None) -> NDArray[np.bool_] | None:
         mask = (options or {}).get("reset_mask")
