@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -65,6 +66,9 @@ def test_the_folder_holds_everything(reach: RunFolder) -> None:
     steps = [int(row["env_steps"]) for row in rows]
     assert steps == sorted(set(steps))
     assert float(rows[-1]["evaluation_success_rate"]) == 1.0
+    known = [int(row["episodes"]) >= reach.read_settings().num_envs for row in rows]
+    assert [row["success_rate"] != "nan" for row in rows] == known
+    assert not known[0] and known[-1], "the first rows know only of episodes that were quick"
     seconds = [float(row["seconds"]) for row in rows]
     assert seconds == sorted(seconds)
 
@@ -117,6 +121,11 @@ SETTINGS = ("stop_streak=0", "warmup_transitions=800", "updates_per_iteration=2"
 SHORT = ("--num-envs", "16", "--episodes", "20", *(part for one in SETTINGS for part in ("--set", one)))
 
 
+@pytest.fixture(scope="module")
+def short_run(tmp_path_factory: pytest.TempPathFactory) -> RunFolder:
+    return train(tmp_path_factory.mktemp("runs"), "PandaReach", *SHORT, "--max-steps", "1600")
+
+
 def policy_bytes(folder: RunFolder) -> list[bytes]:
     return [tensor.raw_data for tensor in onnx.load(folder.policy).graph.initializer]
 
@@ -136,6 +145,30 @@ def test_a_resumed_run_is_the_uninterrupted_run(tmp_path: Path) -> None:
         return {name: rows[-1][name] for name in ("iterations", "env_steps", "episodes", "success_rate")}
 
     assert last_row(parted) == last_row(whole)
+
+
+@pytest.mark.parametrize(
+    ("name", "damage", "message"),
+    [
+        ("metrics.csv", lambda text: text[: len(text) // 2], r"metrics.csv:\d+: expected 12 numbers, found"),
+        ("metrics.csv", lambda text: text.replace("1", "one", 40), "metrics.csv:2: expected 12 numbers, found"),
+        ("metrics.csv", lambda _: "", "metrics.csv:1: expected the header iterations,env_steps"),
+        ("metrics.csv", lambda text: text.replace("episodes", "plays"), "metrics.csv:1: expected the header"),
+        ("config.json", lambda text: text[:100], r"config.json:\d+: expected JSON"),
+        ("config.json", lambda _: "[]", "config.json: expected the settings of a run"),
+        ("config.json", lambda _: '{"settings": {}}', "config.json: expected the settings of a run.*env_id"),
+        ("config.json", lambda text: text.replace('"num_envs": 16', '"num_envs": "16"'), "num_envs is '16'"),
+        ("config.json", lambda text: text.replace('"num_envs": 16', '"worlds": 16'), "config.json: .*'worlds'"),
+    ],
+)
+def test_damaged_files_are_named_on_resuming(
+    name: str, damage: Callable[[str], str], message: str, short_run: RunFolder,
+    tmp_path: Path, capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    folder = Path(shutil.copytree(short_run.path, tmp_path / "run"))
+    (folder / name).write_text(damage((folder / name).read_text()))
+    assert cli.main(["train", "--resume", str(folder), "--max-steps", "3200"]) == 2
+    assert re.search(message, capsys.readouterr().err)
 
 
 def test_a_solved_run_and_a_limit_that_is_reached_are_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -232,9 +232,11 @@ def test_wrong_use_is_refused() -> None:
 )
 def test_numbers_that_make_no_sense_are_refused_by_name(name: str, values: list[Any]) -> None:
     for value in values:
+        arguments: dict[str, Any] = {"num_envs": 2} | {name: value}
         with pytest.raises(ValueError, match=f"{name} is {value!r}, expected"):
-            PandaVectorEnv(**({"num_envs": 2} | {name: value}))
-    PandaVectorEnv(**{"num_envs": np.int64(2), name: np.int64(2)})
+            PandaVectorEnv(**arguments)
+    arguments = {"num_envs": np.int64(2), name: np.int64(2)}
+    PandaVectorEnv(**arguments)
 
 
 @pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])

@@ -1,5 +1,6 @@
 """The picture of how a training went."""
 
+import math
 from collections.abc import Sequence
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -10,8 +11,8 @@ from manyhands.training.files import replacing
 from manyhands.training.recorder import Row
 from manyhands.training.run_folder import RunFolder
 
-_EPISODES_OF_A_RATE = 100  # before so many have ended, the rate is that of the quick ones
-_TRAINING, _EVALUATION, _VALUE, _GRID = "#7aa6c2", "#0b6e4f", "#c8553d", "#e6e6e6"
+_TRAINING, _EVALUATION, _VALUE, _GRID = "#e08e2b", "#0b6e4f", "#c8553d", "#e6e6e6"
+_MARGIN = 0.02  # of the width, beside the first and the last point
 
 
 def draw_curve(folder: RunFolder, rows: Sequence[Row], title: str) -> None:
@@ -19,12 +20,13 @@ def draw_curve(folder: RunFolder, rows: Sequence[Row], title: str) -> None:
     figure = Figure(figsize=(8, 6), dpi=150, layout="constrained")
     FigureCanvasAgg(figure)
     success, value = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
-    known = [row for row in rows if row.episodes >= _EPISODES_OF_A_RATE]
+    known = [row for row in rows if not math.isnan(row.success_rate)]
     success.plot(
         [row.env_steps for row in known],
         [row.success_rate for row in known],
         color=_TRAINING,
         lw=1.5,
+        zorder=3,  # above the evaluation's, which is wider: both are seen where they meet
         label="training, with exploration",
     )
     measured = [row for before, row in zip([None, *rows], rows, strict=False) if _is_new_evaluation(before, row)]
@@ -32,12 +34,14 @@ def draw_curve(folder: RunFolder, rows: Sequence[Row], title: str) -> None:
         [row.env_steps for row in measured],
         [row.evaluation_success_rate for row in measured],
         color=_EVALUATION,
-        lw=2.2,
+        lw=3,
         marker="o",
-        ms=3.5,
+        ms=5,
         label="evaluation on fresh episodes",
     )
-    success.set_xlim(0, rows[-1].env_steps)
+    first, last = rows[0].env_steps, rows[-1].env_steps
+    margin = _MARGIN * max(last - first, 1)
+    success.set_xlim(first - margin, last + margin)
     success.set_ylim(-0.02, 1.04)
     success.yaxis.set_major_formatter(PercentFormatter(1.0))
     success.set_ylabel("success")
@@ -46,7 +50,7 @@ def draw_curve(folder: RunFolder, rows: Sequence[Row], title: str) -> None:
 
     learned = [row for row in rows if row.gradient_steps > 0]
     value.plot([row.env_steps for row in learned], [row.policy_q_mean for row in learned], color=_VALUE, lw=1.5)
-    value.set_ylabel("value of the policy")
+    value.set_ylabel("critic's estimate\nof the return")
     value.set_xlabel("environment steps")
     value.xaxis.set_major_formatter(EngFormatter(sep=""))
 
@@ -54,7 +58,6 @@ def draw_curve(folder: RunFolder, rows: Sequence[Row], title: str) -> None:
         axes.grid(color=_GRID)
         axes.set_axisbelow(True)
         axes.spines[["top", "right"]].set_visible(False)
-        axes.margins(x=0.01)
     with replacing(folder.curve) as temporary:
         figure.savefig(temporary)
 

@@ -1,5 +1,6 @@
 """Shows how a training goes on: a bar on a terminal, plain lines elsewhere."""
 
+import math
 import time
 from types import TracebackType
 
@@ -23,6 +24,10 @@ def _seconds_left(row: Row, max_env_steps: int) -> float:
 
 def _clock(seconds: float) -> str:
     return f"{int(seconds) // 60}:{int(seconds) % 60:02d}"
+
+
+def _percent(rate: float) -> str:
+    return "-" if math.isnan(rate) else f"{rate:.0%}"
 
 
 class _Figures(ProgressColumn):
@@ -49,12 +54,12 @@ class TrainingProgress:
         left = f"≤ {_clock(_seconds_left(row, self._limit))} left"
         if self._bar is not None:
             self._bar.update(
-                self._task, completed=row.env_steps, figures=f"{speed}  success {row.success_rate:.0%}  {left}"
+                self._task, completed=row.env_steps, figures=f"{speed}  success {_percent(row.success_rate)}  {left}"
             )
         elif time.monotonic() - self._last_line >= _SECONDS_BETWEEN_LINES:
             self._last_line = time.monotonic()
             self._console.print(
-                f"{row.env_steps:,} steps  {speed}  success {row.success_rate:.0%}, without exploration "
+                f"{row.env_steps:,} steps  {speed}  success {_percent(row.success_rate)}, without exploration "
                 f"{row.evaluation_success_rate:.1%}  {left}",
                 highlight=False,
                 soft_wrap=True,

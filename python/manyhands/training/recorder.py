@@ -2,6 +2,7 @@
 
 import csv
 import io
+import math
 import time
 from dataclasses import asdict, dataclass, fields
 from types import TracebackType
@@ -23,7 +24,7 @@ class Row:
     env_steps: int  # over all worlds
     gradient_steps: int
     episodes: int
-    success_rate: float  # of the last 100 training episodes, which explore
+    success_rate: float  # of the last 100 training episodes, which explore; NaN while only quick ones have ended
     evaluation_success_rate: float  # of the last evaluation without noise
     evaluations: int
     critic_loss: float
@@ -36,9 +37,10 @@ class Row:
 class Recorder:
     """Keeps all rows, and writes each as it comes."""
 
-    def __init__(self, folder: RunFolder, resume_at: int = 0) -> None:
-        """Goes on after the rows of the first `resume_at` iterations."""
+    def __init__(self, folder: RunFolder, num_envs: int, resume_at: int = 0) -> None:
+        """Goes on after the rows of the first `resume_at` iterations. Raises ValueError if metrics.csv is damaged."""
         self._folder = folder
+        self._num_envs = num_envs
         self.rows = [row for row in read_rows(folder) if row.iterations <= resume_at] if resume_at else []
         self._events = EventFileWriter(str(folder.path))
 
@@ -55,7 +57,7 @@ class Recorder:
             env_steps=metrics.env_steps,
             gradient_steps=metrics.gradient_steps,
             episodes=metrics.episodes,
-            success_rate=metrics.success_rate,
+            success_rate=metrics.success_rate if metrics.episodes >= self._num_envs else math.nan,
             evaluation_success_rate=metrics.evaluation_success_rate,
             evaluations=metrics.evaluations,
             critic_loss=metrics.critic_loss,
@@ -90,8 +92,23 @@ class Recorder:
 
 
 def read_rows(folder: RunFolder) -> list[Row]:
-    """The rows of metrics.csv, none if there is no such file."""
+    """The rows of metrics.csv, none if there is no such file. Raises ValueError with the line that is damaged."""
     if not folder.metrics.is_file():
         return []
-    with folder.metrics.open(newline="", encoding="utf-8") as file:
-        return [Row(**{c.name: c.type(line[c.name]) for c in fields(Row)}) for line in csv.DictReader(file)]  # pyright: ignore[reportCallIssue]
+    lines = folder.metrics.read_text(encoding="utf-8", errors="replace").splitlines()
+    header = ",".join(column.name for column in fields(Row))
+    if not lines or lines[0] != header:
+        raise ValueError(f"{folder.metrics}:1: expected the header {header}")
+    return [_read_row(line, f"{folder.metrics}:{number}") for number, line in enumerate(lines[1:], start=2)]
+
+
+def _read_row(line: str, where: str) -> Row:
+    columns = fields(Row)
+    try:
+        pairs = zip(columns, line.split(","), strict=True)
+        return Row(**{column.name: column.type(text) for column, text in pairs})  # pyright: ignore[reportCallIssue]
+    except ValueError as error:
+        raise ValueError(
+            f"{where}: expected {len(columns)} numbers, found {line!r}; "
+            "mend or remove the file, the checkpoint does not need it"
+        ) from error

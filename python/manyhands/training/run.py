@@ -59,7 +59,7 @@ class TrainingRun:
 
     def train(self, console: Console) -> Outcome:
         """Trains until solved, at the step limit, or interrupted; then evaluates, unless interrupted."""
-        with Recorder(self._folder, self.metrics.iterations) as recorder:
+        with Recorder(self._folder, self._settings.num_envs, self.metrics.iterations) as recorder:
             with Interrupts() as interrupts:
                 self._advance(console, recorder, interrupts)
                 self._trainer.save(self._folder.checkpoint)

@@ -67,6 +67,8 @@ class RunFolder:
             raise ValueError(f"{self.path} is no run folder: it has no {self.config.name}")
         try:
             settings = TrainSettings(**json.loads(self.config.read_text(encoding="utf-8"))["settings"])
-        except (KeyError, TypeError, json.JSONDecodeError) as error:
-            raise ValueError(f"{self.config} does not hold the settings of a run: {error}") from error
+        except json.JSONDecodeError as error:
+            raise ValueError(f"{self.config}:{error.lineno}: expected JSON: {error.msg}") from error
+        except (KeyError, TypeError, ValueError) as error:
+            raise ValueError(f"{self.config}: expected the settings of a run under 'settings': {error}") from error
         return replace(settings, **{name: value for name, value in changes.items() if value is not None})

@@ -8,6 +8,7 @@ from typing import Any
 
 from manyhands._core.envs import env_ids
 from manyhands._core.learn import TrainerConfig
+from manyhands.arguments import whole_number
 
 FIRST_EVALUATION_SEED = 10**9  # of the last evaluation: training draws its seeds from all 64-bit numbers by hash
 
@@ -64,10 +65,14 @@ class TrainSettings:
 
     def __post_init__(self) -> None:
         for name in ("num_envs", "max_env_steps", "evaluation_episodes"):
-            if getattr(self, name) < 1:
-                raise ValueError(f"{name} is {getattr(self, name)}, expected a positive number")
-        if not 0 <= self.seed < 2**63:
-            raise ValueError(f"the seed is {self.seed}, expected an integer in [0, 2**63)")
+            whole_number(name, getattr(self, name), 1)
+        whole_number("seed", self.seed, 0, 2**63 - 1)
+        if self.num_threads is not None:
+            whole_number("num_threads", self.num_threads, 1, 1024)
+        if not isinstance(self.env_id, str):
+            raise ValueError(f"env_id is {self.env_id!r}, expected a name")
+        if not isinstance(self.overrides, dict):
+            raise ValueError(f"overrides is {self.overrides!r}, expected names and values")
 
     def trainer_config(self) -> TrainerConfig:
         """The trainer's config. Raises ValueError on an override that makes no sense."""
