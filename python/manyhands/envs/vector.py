@@ -121,15 +121,16 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
 
     def _seeds(self, seed: Any) -> Sequence[int | None]:
         if isinstance(seed, int | np.integer) and seed >= 0:
-            seed = range(int(seed), int(seed) + self.num_envs)
-        known = isinstance(seed, Sequence | np.ndarray) and np.ndim(seed) == 1 and not isinstance(seed, str | bytes)
-        if not known or not all(one is None or (isinstance(one, int | np.integer) and one >= 0) for one in seed):
+            return range(int(seed), int(seed) + self.num_envs)
+        seeds: Any = seed
+        is_list = isinstance(seed, Sequence | np.ndarray) and not isinstance(seed, str | bytes) and np.ndim(seeds) == 1
+        if not is_list or not all(one is None or (isinstance(one, int | np.integer) and one >= 0) for one in seeds):
             raise ValueError(
                 f"seed: expected a whole number of 0 or more, None, or a list of num_envs of them, not {seed!r}"
             )
-        if len(seed) != self.num_envs:
-            raise ValueError(f"seed: {len(seed)} are given for num_envs={self.num_envs} worlds, expected one for each")
-        return seed
+        if len(seeds) != self.num_envs:
+            raise ValueError(f"seed: {len(seeds)} are given for num_envs={self.num_envs} worlds, expected one for each")
+        return seeds
 
     def _reset_mask(self, options: dict[str, Any] | None) -> NDArray[np.bool_] | None:
         mask = (options or {}).get("reset_mask")

@@ -20,6 +20,7 @@ def draw_curve(folder: RunFolder, rows: Sequence[Row], title: str) -> None:
     figure = Figure(figsize=(8, 6), dpi=150, layout="constrained")
     FigureCanvasAgg(figure)
     success, value = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
+    learned = [row for row in rows if row.gradient_steps > 0]
     known = [row for row in rows if not math.isnan(row.success_rate)]
     success.plot(
         [row.env_steps for row in known],
@@ -39,7 +40,8 @@ def draw_curve(folder: RunFolder, rows: Sequence[Row], title: str) -> None:
         ms=5,
         label="evaluation on fresh episodes",
     )
-    first, last = rows[0].env_steps, rows[-1].env_steps
+    drawn = [*known, *measured, *learned] or rows
+    first, last = min(row.env_steps for row in drawn), max(row.env_steps for row in drawn)
     margin = _MARGIN * max(last - first, 1)
     success.set_xlim(first - margin, last + margin)
     success.set_ylim(-0.02, 1.04)
@@ -48,7 +50,6 @@ def draw_curve(folder: RunFolder, rows: Sequence[Row], title: str) -> None:
     success.legend(loc="lower right", frameon=False)
     success.set_title(title, loc="left", fontweight="bold")
 
-    learned = [row for row in rows if row.gradient_steps > 0]
     value.plot([row.env_steps for row in learned], [row.policy_q_mean for row in learned], color=_VALUE, lw=1.5)
     value.set_ylabel("critic's estimate\nof the return")
     value.set_xlabel("environment steps")
