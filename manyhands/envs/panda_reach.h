@@ -48,7 +48,7 @@ class PandaReachBatch final : public EnvBatch {
   };
 
   void step_block(int block, StepWorkspace<T>& ws, std::span<const float> action);
-  void write_rows(int block, const HandState<T>& hand, const Outcome<T>& outcome);
+  void write_row(int world);
 
   EnvSpec spec_;
   PandaRobot robot_;
@@ -59,6 +59,7 @@ class PandaReachBatch final : public EnvBatch {
   Params<R> params_;  ///< the same for all worlds
   std::vector<Block> blocks_;
   std::vector<World> worlds_;
+  HandState<T> start_;                        ///< the hand as every episode begins
   std::vector<StepWorkspace<T>> workspaces_;  ///< one for each worker
   ThreadPool pool_;
   std::vector<float> observation_, achieved_goal_, desired_goal_, reward_;

@@ -49,7 +49,9 @@ PandaReachBatch<T>::PandaReachBatch(EnvSpec spec, PandaControl control, const Re
   for (int i = 0; i < num_envs; ++i) worlds_.push_back({NumpyRandom(internal::fresh_seed(device)), 0});
   for (Block& block : blocks_) {
     for (int k = 0; k < W; ++k) reset_panda(block.state, k);
+    block.hand = observe_hand(robot_, tree_, block.state, workspaces_[0].dynamics);
   }
+  start_ = blocks_[0].hand;
   reset({}, {});
 }
 
@@ -57,27 +59,22 @@ template <Number T>
 void PandaReachBatch<T>::reset(std::span<const std::uint8_t> mask, std::span<const std::uint64_t> seeds) {
   if (!mask.empty()) internal::check_size(mask.size(), worlds_.size(), "the reset mask");
   if (!seeds.empty()) internal::check_size(seeds.size(), worlds_.size(), "the list of seeds");
-  for (int b = 0; b < static_cast<int>(blocks_.size()); ++b) {
-    Block& block = blocks_[static_cast<std::size_t>(b)];
-    bool touched = false;
-    for (int i = b * W; i < std::min((b + 1) * W, num_envs_); ++i) {
-      const auto row = static_cast<std::size_t>(i);
-      if (!mask.empty() && mask[row] == 0) continue;
-      World& world = worlds_[row];
-      if (!seeds.empty()) world.random = NumpyRandom(seeds[row]);
-      world.steps = 0;
-      const Vec3<float> goal = sample_reach_goal(world.random);
-      reset_panda(block.state, i % W);
-      set_lane(block.goal.x, i % W, static_cast<R>(goal.x));
-      set_lane(block.goal.y, i % W, static_cast<R>(goal.y));
-      set_lane(block.goal.z, i % W, static_cast<R>(goal.z));
-      reward_[row] = 0;
-      terminated_[row] = truncated_[row] = 0;
-      touched = true;
-    }
-    if (!touched) continue;
-    block.hand = observe_hand(robot_, tree_, block.state, workspaces_[0].dynamics);
-    write_rows(b, block.hand, judge(task_, block.hand.p, block.goal));
+  for (int i = 0; i < num_envs_; ++i) {
+    const auto row = static_cast<std::size_t>(i);
+    if (!mask.empty() && mask[row] == 0) continue;
+    World& world = worlds_[row];
+    if (!seeds.empty()) world.random = NumpyRandom(seeds[row]);
+    world.steps = 0;
+    Block& block = blocks_[static_cast<std::size_t>(i / W)];
+    const Vec3<float> goal = sample_reach_goal(world.random);
+    reset_panda(block.state, i % W);
+    copy_lane(start_.p, block.hand.p, i % W);
+    copy_lane(start_.v, block.hand.v, i % W);
+    copy_lane(broadcast<T>(goal), block.goal, i % W);
+    reward_[row] = 0;
+    terminated_[row] = truncated_[row] = 0;
+    is_success_[row] = judge(task_, lane(start_.p, 0), broadcast<R>(goal)).success;
+    write_row(i);
   }
 }
 
@@ -86,7 +83,8 @@ void PandaReachBatch<T>::step(std::span<const float> action) {
   internal::check_size(action.size(), internal::rows(num_envs_, spec_.action_dim), "the action");
   for (std::size_t i = 0; i < action.size(); ++i) {
     if (is_finite(action[i])) continue;
-    throw std::invalid_argument("the action of world " + std::to_string(i / static_cast<std::size_t>(spec_.action_dim)) +
+    throw std::invalid_argument("the action of world " +
+                                std::to_string(i / static_cast<std::size_t>(spec_.action_dim)) +
                                 " is not a finite number");
   }
   pool_.for_each(static_cast<int>(blocks_.size()), [&](int block, int worker) {
@@ -101,7 +99,8 @@ void PandaReachBatch<T>::step_block(int b, StepWorkspace<T>& ws, std::span<const
   const int first = b * W, last = std::min(first + W, num_envs_);
   for (int i = first; i < last; ++i) {
     const float* row = &action[internal::rows(i, spec_.action_dim)];
-    for (int k = 0; k < spec_.action_dim; ++k) set_lane(lanes[static_cast<std::size_t>(k)], i - first, static_cast<R>(row[k]));
+    for (int k = 0; k < spec_.action_dim; ++k)
+      set_lane(lanes[static_cast<std::size_t>(k)], i - first, static_cast<R>(row[k]));
   }
   apply_panda_action(robot_, tree_, params_, block.hand, lanes.data(), block.state, ws.dynamics);
   for (int k = 0; k < options_.n_substeps; ++k) {
@@ -114,26 +113,24 @@ void PandaReachBatch<T>::step_block(int b, StepWorkspace<T>& ws, std::span<const
     reward_[row] = static_cast<float>(lane(outcome.reward, i - first));
     terminated_[row] = options_.terminate_on_success && lane(outcome.success, i - first);
     truncated_[row] = ++worlds_[row].steps >= spec_.max_episode_steps;
+    is_success_[row] = lane(outcome.success, i - first);
+    write_row(i);
   }
-  write_rows(b, block.hand, outcome);
 }
 
 template <Number T>
-void PandaReachBatch<T>::write_rows(int b, const HandState<T>& hand, const Outcome<T>& outcome) {
-  const Block& block = blocks_[static_cast<std::size_t>(b)];
-  const std::array<T, 6> observed{hand.p.x, hand.p.y, hand.p.z, hand.v.x, hand.v.y, hand.v.z};
-  const std::array<T, 3> goal{block.goal.x, block.goal.y, block.goal.z};
-  for (int i = b * W; i < std::min((b + 1) * W, num_envs_); ++i) {
-    float* observation = &observation_[internal::rows(i, 6)];
-    float* achieved = &achieved_goal_[internal::rows(i, 3)];
-    float* desired = &desired_goal_[internal::rows(i, 3)];
-    for (std::size_t k = 0; k < 6; ++k) observation[k] = static_cast<float>(lane(observed[k], i % W));
-    for (std::size_t k = 0; k < 3; ++k) {
-      achieved[k] = observation[k];
-      desired[k] = static_cast<float>(lane(goal[k], i % W));
-    }
-    is_success_[static_cast<std::size_t>(i)] = lane(outcome.success, i % W);
-  }
+void PandaReachBatch<T>::write_row(int i) {
+  const Block& block = blocks_[static_cast<std::size_t>(i / W)];
+  const Vec3<R> p = lane(block.hand.p, i % W), v = lane(block.hand.v, i % W), goal = lane(block.goal, i % W);
+  const auto write = [](const Vec3<R>& from, float* to) {
+    to[0] = static_cast<float>(from.x);
+    to[1] = static_cast<float>(from.y);
+    to[2] = static_cast<float>(from.z);
+  };
+  write(p, &observation_[internal::rows(i, 6)]);
+  write(v, &observation_[internal::rows(i, 6) + 3]);
+  write(p, &achieved_goal_[internal::rows(i, 3)]);
+  write(goal, &desired_goal_[internal::rows(i, 3)]);
 }
 
 template <Number T>

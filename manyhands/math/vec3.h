@@ -65,6 +65,20 @@ MANYHANDS_INLINE Vec3<T> broadcast(const Vec3<P>& a) {
   return {broadcast<T>(a.x), broadcast<T>(a.y), broadcast<T>(a.z)};
 }
 
+/// The vector in lane k.
+template <Number T>
+MANYHANDS_INLINE Vec3<real_t<T>> lane(const Vec3<T>& a, int k) {
+  return {lane(a.x, k), lane(a.y, k), lane(a.z, k)};
+}
+
+/// Copies lane k of one vector into another.
+template <Number T>
+MANYHANDS_INLINE void copy_lane(const Vec3<T>& from, Vec3<T>& to, int k) {
+  set_lane(to.x, k, lane(from.x, k));
+  set_lane(to.y, k, lane(from.y, k));
+  set_lane(to.z, k, lane(from.z, k));
+}
+
 /// A 3 x 3 matrix by its columns; as a rotation R_AB, the columns are B's axes expressed in A.
 template <Number T>
 struct Mat3 {
