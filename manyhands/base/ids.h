@@ -31,5 +31,8 @@ using BodyId = Id<struct BodyTag>;
 using FrameId = Id<struct FrameTag>;
 using GeomId = Id<struct GeomTag>;
 using MeshId = Id<struct MeshTag>;
+using HeightFieldId = Id<struct HeightFieldTag>;
+using ActuatorId = Id<struct ActuatorTag>;
+using LoopId = Id<struct LoopTag>;
 
 }  // namespace manyhands

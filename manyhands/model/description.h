@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -84,13 +85,30 @@ struct Mesh {
   std::vector<std::array<int, 3>> triangles{};  ///< counter-clockwise seen from outside
 };
 
-enum class ShapeType { kSphere, kCapsule, kCylinder, kBox, kPlane, kMesh };
+enum class ShapeType {
+  kSphere,
+  kCapsule,
+  kCylinder,
+  kBox,
+  kPlane,        ///< the half-space z <= 0; on the world only
+  kMesh,         ///< its triangles; where it collides, on the world only: a surface, not a volume
+  kConvex,       ///< the convex hull of a mesh's vertices
+  kHeightField,  ///< the ground below a grid of heights; on the world only
+};
 
 /// A shape: along z where it has an axis.
 struct Shape {
   ShapeType type = ShapeType::kSphere;
-  Vec3<double> size{};  ///< sphere: r; capsule, cylinder: r, half length; box: half extents [m]
-  MeshId mesh{};        ///< for kMesh
+  Vec3<double> size{};           ///< sphere: r; capsule, cylinder: r, half length; box: half extents [m]
+  MeshId mesh{};                 ///< for kMesh and kConvex
+  HeightFieldId height_field{};  ///< for kHeightField
+};
+
+/// Heights on a grid in the xy plane, centred on the geom's origin.
+struct HeightField {
+  int columns = 0, rows = 0;     ///< vertices along x and along y, 2 or more
+  double dx = 1, dy = 1;         ///< spacing [m]
+  std::vector<double> height{};  ///< (rows, columns) z of each vertex [m]
 };
 
 enum class GeomRole { kVisual, kCollision };
@@ -98,11 +116,21 @@ enum class GeomRole { kVisual, kCollision };
 /// How a link touches others; PyBullet's <contact> block where a URDF has one.
 struct SurfaceMaterial {
   double lateral_friction = 0.5;
-  double spinning_friction = 0;  ///< [m]
-  double rolling_friction = 0;   ///< [m]
+  std::optional<double> friction_y{};  ///< along the geom's y, where it differs from that along its x
+  double spinning_friction = 0;        ///< torque about the normal per normal force [m]
+  double rolling_friction = 0;         ///< torque across the normal per normal force [m]
   double restitution = 0;
   std::optional<double> stiffness{};  ///< [N/m]; only where somebody asked for softness
   std::optional<double> damping{};    ///< [N s/m]
+};
+
+/// How the numbers of two surfaces become one.
+enum class CombineRule { kProduct, kGeometricMean, kMaximum, kMinimum };
+
+/// Two geoms may touch if each one's group is in the other's mask.
+struct CollisionFilter {
+  std::uint32_t group = 1;
+  std::uint32_t mask = 0xffffffff;
 };
 
 struct Geom {
@@ -113,6 +141,8 @@ struct Geom {
   Shape shape{};
   std::array<float, 4> rgba{0.7f, 0.7f, 0.7f, 1.0f};
   SurfaceMaterial surface{};
+  CollisionFilter filter{};
+  double margin = 0;  ///< how far the surface is pushed outwards for contact [m]
 };
 
 }  // namespace manyhands

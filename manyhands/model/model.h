@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "manyhands/model/description.h"
+#include "manyhands/model/couplings.h"
 
 namespace manyhands {
 
@@ -54,6 +54,13 @@ class Model {
   [[nodiscard]] std::span<const Frame> frames() const { return frames_; }
   [[nodiscard]] std::span<const Geom> geoms() const { return geoms_; }
   [[nodiscard]] std::span<const Mesh> meshes() const { return meshes_; }
+  [[nodiscard]] std::span<const HeightField> height_fields() const { return height_fields_; }
+  [[nodiscard]] std::span<const LoopConstraint> loops() const { return loops_; }  ///< mimic joints' included
+  [[nodiscard]] std::span<const Actuator> actuators() const { return actuators_; }
+  [[nodiscard]] int nu() const { return static_cast<int>(actuators_.size()); }  ///< length of ctrl
+  [[nodiscard]] std::span<const ContactExclusion> exclusions() const { return exclusions_; }
+  [[nodiscard]] std::span<const ContactPair> contact_pairs() const { return contact_pairs_; }
+  [[nodiscard]] const ContactRules& contact_rules() const { return contact_rules_; }
 
   [[nodiscard]] const Link& link(LinkId id) const { return links_[id.index()]; }
   [[nodiscard]] const Joint& joint(JointId id) const { return joints_[id.index()]; }
@@ -75,6 +82,7 @@ class Model {
   [[nodiscard]] std::span<const JointLimits> dof_limits() const { return dof_limits_; }
   [[nodiscard]] std::span<const double> dof_damping() const { return dof_damping_; }
   [[nodiscard]] std::span<const double> dof_armature() const { return dof_armature_; }
+  [[nodiscard]] std::span<const double> dof_friction() const { return dof_friction_; }
   /// The index in q that a velocity index integrates, for dofs with a single coordinate; else -1.
   [[nodiscard]] std::span<const int> dof_q() const { return dof_q_; }
 
@@ -92,9 +100,15 @@ class Model {
   std::vector<Frame> frames_;
   std::vector<Geom> geoms_;
   std::vector<Mesh> meshes_;
+  std::vector<HeightField> height_fields_;
+  std::vector<LoopConstraint> loops_;
+  std::vector<Actuator> actuators_;
+  std::vector<ContactExclusion> exclusions_;
+  std::vector<ContactPair> contact_pairs_;
+  ContactRules contact_rules_;
   std::vector<int> dof_parent_, dof_body_, dof_joint_, dof_q_;
   std::vector<JointLimits> dof_limits_;
-  std::vector<double> dof_damping_, dof_armature_;
+  std::vector<double> dof_damping_, dof_armature_, dof_friction_;
   Vec3<double> gravity_{0, 0, -9.81};
 };
 

@@ -88,7 +88,7 @@ JointId ModelBuilder::add_joint(Joint joint) {
 }
 
 GeomId ModelBuilder::add_geom(Geom geom) {
-  if (!geom.link.is_valid() || geom.link.index() >= links_.size()) throw ModelError("a geom needs a link added before");
+  require_link("a geom", geom.link);
   geoms_.push_back(std::move(geom));
   return GeomId(geoms_.size() - 1);
 }
@@ -98,10 +98,74 @@ MeshId ModelBuilder::add_mesh(Mesh mesh) {
   return MeshId(meshes_.size() - 1);
 }
 
-void ModelBuilder::add_frame(std::string name, LinkId link, const Transform<double>& X_LF) {
-  if (!link.is_valid() || link.index() >= links_.size()) {
-    throw ModelError("frame '" + name + "' needs a link added before");
+void ModelBuilder::require_link(const std::string& what, LinkId link) const {
+  if (!link.is_valid() || link.index() >= links_.size()) throw ModelError(what + " needs a link added before");
+}
+
+void ModelBuilder::require_single_dof(const std::string& what, JointId joint) const {
+  if (!joint.is_valid() || joint.index() >= joints_.size()) throw ModelError(what + " needs a joint added before");
+  if (velocity_size(joints_[joint.index()].type) != 1) {
+    throw ModelError(what + ": joint '" + joints_[joint.index()].name + "' is " +
+                     to_string(joints_[joint.index()].type) + "; expected one with one degree of freedom");
   }
+}
+
+HeightFieldId ModelBuilder::add_height_field(HeightField field) {
+  const bool whole =
+      field.columns >= 2 && field.rows >= 2 && field.dx > 0 && field.dy > 0 &&
+      field.height.size() == static_cast<std::size_t>(field.columns) * static_cast<std::size_t>(field.rows);
+  if (!whole) throw ModelError("a height field needs rows x columns heights, 2 x 2 or more, and spacings above 0");
+  for (const double height : field.height) {
+    if (!finite(height)) throw ModelError("the heights of a height field must be finite numbers");
+  }
+  height_fields_.push_back(std::move(field));
+  return HeightFieldId(height_fields_.size() - 1);
+}
+
+LoopId ModelBuilder::add_loop(LoopConstraint loop) {
+  const std::string what = "loop '" + loop.name + "'";
+  if (loop.type == LoopType::kJoint || loop.type == LoopType::kGear) {
+    require_single_dof(what, loop.joint_a);
+    require_single_dof(what, loop.joint_b);
+    if (loop.joint_a == loop.joint_b) throw ModelError(what + " couples a joint with itself");
+    if (!finite(loop.ratio) || !finite(loop.offset)) throw ModelError(what + ": ratio and offset must be finite");
+  } else {
+    require_link(what, loop.link_a);
+    require_link(what, loop.link_b);
+    if (loop.link_a == loop.link_b) throw ModelError(what + " joins a link to itself");
+  }
+  if (!(loop.max_force >= 0)) throw ModelError(what + ": max_force must be 0 or more");
+  loops_.push_back(std::move(loop));
+  return LoopId(loops_.size() - 1);
+}
+
+ActuatorId ModelBuilder::add_actuator(Actuator actuator) {
+  const std::string what = "actuator '" + actuator.name + "'";
+  require_single_dof(what, actuator.joint);
+  if (!(actuator.kp >= 0) || !(actuator.kd >= 0) || !(actuator.max_force >= 0)) {
+    throw ModelError(what + ": kp, kd and max_force must be 0 or more");
+  }
+  if (!finite(actuator.gear) || actuator.gear == 0) throw ModelError(what + ": gear must be finite and not 0");
+  if (!(actuator.min_ctrl <= actuator.max_ctrl)) throw ModelError(what + ": min_ctrl is above max_ctrl");
+  actuators_.push_back(std::move(actuator));
+  return ActuatorId(actuators_.size() - 1);
+}
+
+void ModelBuilder::exclude_contact(LinkId a, LinkId b) {
+  require_link("a contact exclusion", a);
+  require_link("a contact exclusion", b);
+  exclusions_.push_back({a, b});
+}
+
+void ModelBuilder::add_contact_pair(const ContactPair& pair) {
+  for (const GeomId id : {pair.a, pair.b}) {
+    if (!id.is_valid() || id.index() >= geoms_.size()) throw ModelError("a contact pair needs two geoms added before");
+  }
+  contact_pairs_.push_back(pair);
+}
+
+void ModelBuilder::add_frame(std::string name, LinkId link, const Transform<double>& X_LF) {
+  require_link("frame '" + name + "'", link);
   const auto same = [&](const NamedFrame& frame) { return frame.name == name; };
   if (link_names_.contains(name) || std::ranges::any_of(frames_, same)) {
     throw ModelError("there is a frame '" + name + "' already");
@@ -139,6 +203,12 @@ Model ModelBuilder::compile() const {
   model.joints_ = joints_;
   model.geoms_ = geoms_;
   model.meshes_ = meshes_;
+  model.height_fields_ = height_fields_;
+  model.loops_ = loops_;
+  model.actuators_ = actuators_;
+  model.exclusions_ = exclusions_;
+  model.contact_pairs_ = contact_pairs_;
+  model.contact_rules_ = contact_rules_;
   model.bodies_.push_back({});
   for (const LinkId id : depth_first()) {
     if (id == world()) {
@@ -200,6 +270,7 @@ void ModelBuilder::compile_dofs(Model& model) {
       model.dof_limits_.push_back(body.nv == 1 ? joint.limits : JointLimits{});
       model.dof_damping_.push_back(joint.damping);
       model.dof_armature_.push_back(joint.armature);
+      model.dof_friction_.push_back(joint.friction);
       previous = body.iv + k;
     }
     last_dof[b] = previous;
@@ -244,6 +315,22 @@ std::vector<JointId> ModelBuilder::joints_without_inertia() const {
   return found;
 }
 
+/// A mimic joint is a loop between its driver and itself, where both have one degree of freedom.
+void ModelBuilder::add_mimic_loops(Model& model) const {
+  for (std::size_t i = 0; i < joints_.size(); ++i) {
+    const Joint& joint = joints_[i];
+    if (!joint.mimic) continue;
+    const JointId driver(joint_names_.find(joint.mimic->joint)->second);
+    if (velocity_size(joint.type) != 1 || velocity_size(joints_[driver.index()].type) != 1) continue;
+    model.loops_.push_back({.name = joint.name + "_mimic",
+                            .type = LoopType::kJoint,
+                            .joint_a = driver,
+                            .joint_b = JointId(i),
+                            .ratio = joint.mimic->multiplier,
+                            .offset = joint.mimic->offset});
+  }
+}
+
 Model ModelBuilder::build() const {
   for (const Joint& joint : joints_) {
     if (joint.mimic && !joint_names_.contains(joint.mimic->joint)) {
@@ -251,6 +338,7 @@ Model ModelBuilder::build() const {
     }
   }
   Model model = compile();
+  add_mimic_loops(model);
   const std::vector<JointId> massless = joints_without_inertia();
   if (!massless.empty()) {
     throw ModelError("joint '" + joints_[massless.front().index()].name +

@@ -32,6 +32,15 @@ class ModelBuilder {
   void place_root(LinkId link, const Transform<double>& X_WL) { links_[link.index()].X_BL = X_WL; }
   GeomId add_geom(Geom geom);
   MeshId add_mesh(Mesh mesh);
+  /// Throws ModelError unless the grid has 2 x 2 finite heights or more.
+  HeightFieldId add_height_field(HeightField field);
+  /// Throws ModelError unless the links, or the joints of one degree of freedom, were added before.
+  LoopId add_loop(LoopConstraint loop);
+  /// Throws ModelError unless the joint was added before and has one degree of freedom.
+  ActuatorId add_actuator(Actuator actuator);
+  void exclude_contact(LinkId a, LinkId b);
+  void add_contact_pair(const ContactPair& pair);
+  void set_contact_rules(const ContactRules& rules) { contact_rules_ = rules; }
   /// Adds a named frame on a link, besides the links' own.
   void add_frame(std::string name, LinkId link, const Transform<double>& X_LF);
   void set_gravity(const Vec3<double>& gravity) { gravity_ = gravity; }
@@ -41,6 +50,8 @@ class ModelBuilder {
   [[nodiscard]] const std::vector<Joint>& joints() const { return joints_; }
   [[nodiscard]] Link& link(LinkId id) { return links_[id.index()]; }
   [[nodiscard]] Joint& joint(JointId id) { return joints_[id.index()]; }
+  [[nodiscard]] const std::vector<Geom>& geoms() const { return geoms_; }
+  [[nodiscard]] Geom& geom(GeomId id) { return geoms_[id.index()]; }
 
   /// Joints whose motion, at the neutral configuration, meets neither inertia nor armature: their acceleration would
   /// be infinite. A loader repairs these; `build` refuses them.
@@ -59,6 +70,9 @@ class ModelBuilder {
 
   [[nodiscard]] std::vector<LinkId> depth_first() const;
   [[nodiscard]] Model compile() const;
+  void require_link(const std::string& what, LinkId link) const;
+  void require_single_dof(const std::string& what, JointId joint) const;
+  void add_mimic_loops(Model& model) const;
   static void compile_link(Model& model, LinkId id);
   static void compile_dofs(Model& model);
 
@@ -67,6 +81,12 @@ class ModelBuilder {
   std::vector<Joint> joints_;
   std::vector<Geom> geoms_;
   std::vector<Mesh> meshes_;
+  std::vector<HeightField> height_fields_;
+  std::vector<LoopConstraint> loops_;
+  std::vector<Actuator> actuators_;
+  std::vector<ContactExclusion> exclusions_;
+  std::vector<ContactPair> contact_pairs_;
+  ContactRules contact_rules_;
   std::vector<NamedFrame> frames_;
   std::map<std::string, int, std::less<>> link_names_, joint_names_;
   Vec3<double> gravity_{0, 0, -9.81};

@@ -1,0 +1,41 @@
+// Where two shapes touch, or nearly do.
+#pragma once
+
+#include <array>
+#include <limits>
+
+#include "manyhands/math/vec3.h"
+
+namespace manyhands {
+
+/// The most contact points that one pair of shapes may have.
+inline constexpr int kManifoldPoints = 4;
+
+/// Up to four contact points of the shapes A and B with one normal, in the axes in which the shapes' poses are given.
+/// A point whose phi is infinite is none. Points are ordered by no rule; those that are none come anywhere.
+template <Number T>
+struct Manifold {
+  Vec3<T> normal{};                                ///< normal_AB: unit, from A to B
+  std::array<Vec3<T>, kManifoldPoints> p{};        ///< midway between the two surfaces [m]
+  std::array<T, kManifoldPoints> phi = nowhere();  ///< distance along the normal [m], negative in penetration
+
+  /// Adds a point at index k: on A's surface at p_A, the distance phi away from B along the normal.
+  MANYHANDS_INLINE void set(std::size_t k, const Vec3<T>& p_A, T distance) {
+    p[k] = fma(T(real_t<T>(0.5)) * distance, normal, p_A);
+    phi[k] = distance;
+  }
+
+  static MANYHANDS_INLINE std::array<T, kManifoldPoints> nowhere() {
+    const T far(std::numeric_limits<real_t<T>>::infinity());
+    return {far, far, far, far};
+  }
+};
+
+/// The same contact seen from B: normal and order of the shapes reversed.
+template <Number T>
+MANYHANDS_INLINE Manifold<T> swapped(Manifold<T> m) {
+  m.normal = -m.normal;
+  return m;
+}
+
+}  // namespace manyhands
