@@ -63,17 +63,18 @@ class Dynamics {
  public:
   Dynamics(const Model& model, const RandomArms& arms)
       : tree_(model),
-        free_tree_(tree_),
+        system_(tree_),
+        free_system_(tree_),
         params_(model),
         free_params_(model),
-        ws_(tree_),
+        ws_(system_),
         nq_(arms.nq),
         q_(pack<T>(arms.q, nq_)),
         v_(pack<T>(arms.v, nq_)),
         a_(pack<T>(arms.a, nq_)),
         target_(pack<T>(arms.target, nq_)),
         state_(model) {
-    std::ranges::fill(free_tree_.dof_limited, 0);
+    std::ranges::fill(free_system_.tree.dof_limited, 0);
     std::ranges::fill(free_params_.motor_max_force, R(0));
     std::ranges::fill(params_.motor_kp, R(0.1));
     std::ranges::fill(params_.motor_kd, R(1));
@@ -101,20 +102,20 @@ class Dynamics {
     });
   }
   void crba() {
-    for_each_block(triangle_row(nq_), [&](std::size_t in, T* out) {
+    for_each_block(tree_.M_size, [&](std::size_t in, T* out) {
       manyhands::crba(tree_, params_, &q_[in], ws_.dynamics);
       std::ranges::copy(ws_.dynamics.M, out);
     });
   }
   void bias_and_mass_matrix() {
-    for_each_block(triangle_row(nq_) + nq_, [&](std::size_t in, T* out) {
+    for_each_block(tree_.M_size + nq_, [&](std::size_t in, T* out) {
       manyhands::bias_and_mass_matrix(tree_, params_, &q_[in], &v_[in], ws_.dynamics);
       std::ranges::copy(ws_.dynamics.M, out);
       std::ranges::copy(ws_.dynamics.bias, out + ws_.dynamics.M.size());
     });
   }
-  void free_steps() { steps(free_tree_, free_params_); }
-  void motor_steps() { steps(tree_, params_); }
+  void free_steps() { steps(free_system_, free_params_); }
+  void motor_steps() { steps(system_, params_); }
 
   [[nodiscard]] Results results() const { return unpack<T>(results_, columns_); }
 
@@ -127,19 +128,20 @@ class Dynamics {
     consume(results_.data());
   }
 
-  void steps(const Tree<R>& tree, const Params<R>& params) {
+  void steps(const System<R>& system, const Params<R>& params) {
     for_each_block(2 * nq_, [&](std::size_t in, T* out) {
       std::ranges::fill(state_.numbers(), T(R(0)));
       std::copy_n(&q_[in], nq_, state_.q());
       std::copy_n(&v_[in], nq_, state_.v());
       std::copy_n(&target_[in], nq_, state_.target_q());
-      for (int k = 0; k < kSteps; ++k) step(tree, params, static_cast<R>(kTimeStep), state_, ws_);
+      for (int k = 0; k < kSteps; ++k) step(system, params, static_cast<R>(kTimeStep), state_, ws_);
       std::copy_n(state_.q(), nq_, out);
       std::copy_n(state_.v(), nq_, out + nq_);
     });
   }
 
-  Tree<R> tree_, free_tree_;  // the second without joint limits
+  Tree<R> tree_;
+  System<R> system_, free_system_;  // the second without joint limits
   Params<R> params_, free_params_;
   StepWorkspace<T> ws_;
   std::size_t nq_;

@@ -40,7 +40,7 @@ class Stages {
 
  public:
   explicit Stages(const PandaRobot& robot)
-      : robot_(robot), tree_(robot.model), params_(robot.model), ws_(tree_), state_(robot.model) {
+      : robot_(robot), system_(robot.model), params_(robot.model), ws_(system_), state_(robot.model) {
     set_panda_motors(params_);
     sample(random_actions(kWarmUpSteps + 1));
   }
@@ -79,7 +79,7 @@ class Stages {
         if (i == kWarmUpSteps) starts_.push_back(start);
         for (int substep = 0; substep < kSubsteps; ++substep) {
           if (i == kWarmUpSteps) steps_[static_cast<std::size_t>(substep * kBlocks + b)] = state_;
-          step(tree_, params_, static_cast<R>(kTimeStep), state_, ws_);
+          step(system_, params_, static_cast<R>(kTimeStep), state_, ws_);
         }
       }
     }
@@ -135,7 +135,8 @@ class Stages {
   }
 
   const PandaRobot& robot_;
-  Tree<R> tree_;
+  System<R> system_;
+  const Tree<R>& tree_ = system_.tree;
   Params<R> params_;
   StepWorkspace<T> ws_;
   State<T> state_;

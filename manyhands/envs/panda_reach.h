@@ -55,7 +55,7 @@ class PandaReachBatch final : public EnvBatch {
   ReachTask task_;
   EnvOptions options_;
   int num_envs_;
-  Tree<R> tree_;
+  System<R> system_;
   Params<R> params_;  ///< the same for all worlds
   std::vector<Block> blocks_;
   std::vector<World> worlds_;

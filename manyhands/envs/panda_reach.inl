@@ -31,7 +31,7 @@ PandaReachBatch<T>::PandaReachBatch(EnvSpec spec, PandaControl control, const Re
       task_(task),
       options_(options),
       num_envs_(num_envs),
-      tree_(robot_.model),
+      system_(robot_.model),
       params_(robot_.model),
       blocks_(internal::rows((num_envs + W - 1) / W, 1),
               Block{State<T>(robot_.model), {Vec3<T>::zero(), Vec3<T>::zero()}, Vec3<T>::zero()}),
@@ -44,12 +44,12 @@ PandaReachBatch<T>::PandaReachBatch(EnvSpec spec, PandaControl control, const Re
       terminated_(is_success_),
       truncated_(is_success_) {
   set_panda_motors(params_);
-  for (int worker = 0; worker < pool_.num_threads(); ++worker) workspaces_.emplace_back(tree_);
+  for (int worker = 0; worker < pool_.num_threads(); ++worker) workspaces_.emplace_back(system_);
   std::random_device device;
   for (int i = 0; i < num_envs; ++i) worlds_.push_back({NumpyRandom(internal::fresh_seed(device)), 0});
   for (Block& block : blocks_) {
     for (int k = 0; k < W; ++k) reset_panda(block.state, k);
-    block.hand = observe_hand(robot_, tree_, block.state, workspaces_[0].dynamics);
+    block.hand = observe_hand(robot_, system_.tree, block.state, workspaces_[0].dynamics);
   }
   start_ = blocks_[0].hand;
   reset({}, {});
@@ -102,11 +102,11 @@ void PandaReachBatch<T>::step_block(int b, StepWorkspace<T>& ws, std::span<const
     for (int k = 0; k < spec_.action_dim; ++k)
       set_lane(lanes[static_cast<std::size_t>(k)], i - first, static_cast<R>(row[k]));
   }
-  apply_panda_action(robot_, tree_, params_, block.hand, lanes.data(), block.state, ws.dynamics);
+  apply_panda_action(robot_, system_.tree, params_, block.hand, lanes.data(), block.state, ws.dynamics);
   for (int k = 0; k < options_.n_substeps; ++k) {
-    manyhands::step(tree_, params_, static_cast<R>(options_.time_step), block.state, ws);
+    manyhands::step(system_, params_, static_cast<R>(options_.time_step), block.state, ws);
   }
-  block.hand = observe_hand(robot_, tree_, block.state, ws.dynamics);
+  block.hand = observe_hand(robot_, system_.tree, block.state, ws.dynamics);
   const Outcome<T> outcome = judge(task_, block.hand.p, block.goal);
   for (int i = first; i < last; ++i) {
     const auto row = static_cast<std::size_t>(i);

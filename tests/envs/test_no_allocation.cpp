@@ -88,9 +88,10 @@ TYPED_TEST(NoAllocation, InAStep) {
     const testing::JointProblem<R> p(seed, 7);
     State<T> state(p.model);
     for (std::size_t i = 0; i < state.numbers().size(); ++i) state.numbers()[i] = T(p.state.numbers()[i]);
-    StepWorkspace<T> ws(p.tree);
+    const System<R> system(p.tree);
+    StepWorkspace<T> ws(system);
     const Watch watch;
-    for (int i = 0; i < 20; ++i) step(p.tree, p.params, p.h, state, ws);
+    for (int i = 0; i < 20; ++i) step(system, p.params, p.h, state, ws);
     EXPECT_EQ(watch.stop(), 0) << "seed " << seed;
   }
 }

@@ -1,13 +1,13 @@
 #include "manyhands/model/io/urdf.h"
 
 #include <algorithm>
-#include <fstream>
 #include <map>
 #include <set>
 #include <tuple>
 
 #include "manyhands/model/io/mesh_file.h"
 #include "manyhands/model/io/package_paths.h"
+#include "manyhands/model/io/text_file.h"
 #include "manyhands/model/io/text_numbers.h"
 #include "manyhands/model/io/urdf_parts.h"
 #include "manyhands/model/io/urdf_tree.h"
@@ -21,9 +21,6 @@ UrdfError::UrdfError(std::string file, int line, const std::string& message)
     : std::runtime_error(file + ":" + (line > 0 ? std::to_string(line) + ":" : "") + " " + message),
       file_(std::move(file)),
       line_(line) {}
-
-FileNotFound::FileNotFound(const fs::path& path)
-    : std::runtime_error("there is no file " + io::in_quotes(path.string())) {}
 
 namespace {
 
@@ -49,6 +46,9 @@ class Assembler {
       for (const io::UrdfGeom& geom : robot_.links[index].geoms) add_geom(geom, ids_.at(robot_.links[index].name));
     }
     note_meshes_left_out();
+    builder_.set_contact_rules({.friction = CombineRule::kProduct,
+                                .restitution = CombineRule::kProduct,
+                                .self_collision = options_.self_collision});
     return builder_.build();
   }
 
@@ -191,17 +191,13 @@ io::XmlFile parse_xml(std::string_view text, const std::string& file) {
 }
 
 std::string read_text(const fs::path& path) {
-  constexpr std::uintmax_t kMostBytes = std::uintmax_t{128} << 20;
-  std::error_code error;
-  if (!fs::exists(path, error)) throw FileNotFound(path);
-  if (!fs::is_regular_file(path, error)) throw UrdfError(path.string(), 0, "not a file; expected a URDF file");
-  const std::uintmax_t size = fs::file_size(path, error);
-  if (error || size > kMostBytes) throw UrdfError(path.string(), 0, "larger than 128 MiB; expected a URDF file");
-  std::string text(static_cast<std::size_t>(size), '\0');
-  std::ifstream stream(path, std::ios::binary);
-  stream.read(text.data(), static_cast<std::streamsize>(size));
-  if (!stream) throw UrdfError(path.string(), 0, "the file cannot be read; check its permissions");
-  return text;
+  try {
+    return io::read_text_file(path);
+  } catch (const FileNotFound&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    throw UrdfError(path.string(), 0, std::string(error.what()) + "; expected a URDF file");
+  }
 }
 
 }  // namespace

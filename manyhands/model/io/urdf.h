@@ -7,8 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "manyhands/model/load_report.h"
-#include "manyhands/model/model.h"
+#include "manyhands/model/io/loaded_model.h"
 
 namespace manyhands {
 
@@ -25,11 +24,8 @@ struct UrdfOptions {
   bool allow_outside_package = false;
   /// False leaves out all geoms that need a mesh file.
   bool load_meshes = true;
-};
-
-struct LoadedModel {
-  Model model;
-  LoadReport report;
+  /// Whether the robot's links touch each other, joint neighbours excepted; PyBullet's default is no.
+  bool self_collision = false;
 };
 
 /// Thrown when a file is not a robot that can be loaded: "file:line: what was wrong; expected ...".
@@ -43,12 +39,6 @@ class UrdfError : public std::runtime_error {
  private:
   std::string file_;
   int line_;
-};
-
-/// Thrown when the URDF file itself does not exist.
-class FileNotFound : public std::runtime_error {
- public:
-  explicit FileNotFound(const std::filesystem::path& path);
 };
 
 /// Loads a URDF file. Links follow one another depth first from the root, children in the order of their joints in

@@ -18,11 +18,15 @@ namespace manyhands {
 template <Number T>
 struct JointConstraints {
   explicit JointConstraints(int nv)
-      : rhs(static_cast<std::size_t>(nv)),
+      : smooth(static_cast<std::size_t>(nv)),
+        rhs(smooth),
         dv(rhs),
         held(rhs),
         impulse(rhs),
         max_impulse(rhs),
+        slope(rhs.size(), T(real_t<T>(0))),
+        touched(rhs),
+        spring(rhs),
         target(rhs),
         lower(rhs),
         upper(rhs),
@@ -35,11 +39,15 @@ struct JointConstraints {
     forced_dofs.reserve(rhs.size());
   }
 
-  std::vector<T> rhs;                   ///< h (tau - bias - damping v): the impulse that acts without constraints
+  std::vector<T> smooth;                ///< h (tau - bias - damping v): the impulse that acts without constraints
+  std::vector<T> rhs;                   ///< smooth, and the impulses of contacts and loops
   std::vector<T> dv;                    ///< the answer: M dv = rhs + impulse
   std::vector<T> held;                  ///< dv where the stance prescribes it, else 0
   std::vector<T> impulse;               ///< of motor and limit
   std::vector<T> max_impulse;           ///< F = h max_force
+  std::vector<T> slope;                 ///< of a drive: impulse = slope (target - dv) while held; 0 where it is rigid
+  std::vector<T> touched;               ///< 1 where the dof's tree has contacts or loops, else 0
+  std::vector<T> spring;                ///< how the present stance gives way: impulse = spring (its dv - dv); 0: rigid
   std::vector<T> target;                ///< dv that brings the dof to its motor's velocity, kept within the limits
   std::vector<T> lower, upper;          ///< dv that brings the dof just to a position limit by the step's end
   std::vector<T> least, most;           ///< the impulses that can hold the dof at `target`
@@ -76,6 +84,40 @@ MANYHANDS_INLINE T limit_velocity(T gap, T inverse_h) {
   return select(gap > T(real_t<T>(0)), back, gap) * inverse_h;
 }
 
+/// The impulse that no drive exceeds: finite, because a held drive multiplies it by 0.
+inline constexpr double kMostImpulse = 1e30;
+
+/// How stiffly motors and limits hold a dof of a tree that touches something, in multiples of its inertia: so stiff
+/// that a held joint stays, and soft enough that a body between two held ones can be squeezed.
+inline constexpr double kGrip = 1e4;
+
+/// The actuators' part: a motor's force joins the smooth impulse; a drive, implicit in the velocity v+ at the step's
+/// end, gives h gear (kp (ctrl - gear (q + h v+)) - kd gear v+) = slope (target - v+), limited by its force.
+template <Number T, Number P>
+MANYHANDS_INLINE void prepare_drives(const Tree<real_t<T>>& tree, const Params<P>& params, real_t<T> h,
+                                     const State<T>& state, JointConstraints<T>& jc) {
+  using R = real_t<T>;
+  const T step(h), zero(R(0)), most(static_cast<R>(kMostImpulse));
+  for (std::size_t k = 0; k < tree.actuators.size(); ++k) {
+    const TreeActuator& actuator = tree.actuators[k];
+    const std::size_t i = actuator.dof;
+    const T gear = broadcast<T>(params.gear[k]), kp = broadcast<T>(params.drive_kp[k]);
+    const T kd = broadcast<T>(params.drive_kd[k]), force = broadcast<T>(params.drive_max_force[k]);
+    const T ctrl = state.ctrl()[k];
+    if (actuator.type == ActuatorType::kMotor) {
+      jc.smooth[i] = fma(step, clamp(gear * ctrl, -force, force), jc.smooth[i]);
+      continue;
+    }
+    const bool position = actuator.type == ActuatorType::kPosition;
+    const T pull = position ? kp * (ctrl - gear * state.q()[actuator.q]) : kd * ctrl;
+    const T slope = step * (gear * gear) * fma(step, kp, kd);
+    const auto drives = slope > zero;
+    jc.slope[i] = slope;
+    jc.target[i] = select(drives, step * gear * pull / select(drives, slope, step), zero);
+    jc.max_impulse[i] = select(drives, min(step * force, most), zero);
+  }
+}
+
 }  // namespace internal
 
 /// Fills the rows from the state, after bias_and_mass_matrix, and adds h damping to M's diagonal: damping is implicit.
@@ -90,23 +132,26 @@ MANYHANDS_INLINE void prepare_joint_constraints(const Tree<real_t<T>>& tree, con
   mask_t<T> needs_free_velocity(false);
   for (std::size_t i = 0; i < nv; ++i) {
     const T damping = broadcast<T>(params.damping[i]), max_force = broadcast<T>(params.motor_max_force[i]);
-    jc.rhs[i] = step * (state.tau()[i] - ws.bias[i] - damping * state.v()[i]);
-    T& M = ws.M[triangle_row(i) + i];
+    jc.smooth[i] = step * (state.tau()[i] - ws.bias[i] - damping * state.v()[i]);
+    T& M = (ws.M.data() + tree.M_row[i])[i];
     M = fma(step, damping, M);
-    jc.max_impulse[i] = step * max_force;
+    jc.max_impulse[i] = step * select(max_force > zero, max_force, broadcast<T>(params.friction[i]));
     needs_free_velocity = needs_free_velocity | ((broadcast<T>(params.motor_kd[i]) != one) & (max_force > zero));
     jc.dv[i] = zero;
+    jc.touched[i] = zero;
   }
+  internal::prepare_drives(tree, params, h, state, jc);
   when(needs_free_velocity, [&] {
     ws.L = ws.M;
-    jc.dv = jc.rhs;
-    factor_ltdl(tree.dofs_from_leaves, tree.dof_parent.data(), ws.L.data());
-    solve_ltdl(tree.dofs_from_leaves, tree.dof_parent.data(), ws.L.data(), jc.dv.data());
+    jc.dv = jc.smooth;
+    factor_ltdl(tree.dofs_from_leaves, tree.dof_parent.data(), tree.M_row.data(), ws.L.data());
+    solve_ltdl(tree.dofs_from_leaves, tree.dof_parent.data(), tree.M_row.data(), ws.L.data(), jc.dv.data());
   });
   for (std::size_t i = 0; i < nv; ++i) {
     const T v = state.v()[i];
     const T kd = broadcast<T>(params.motor_kd[i]), F = jc.max_impulse[i];
-    const auto motor = F > zero;
+    const auto motor = broadcast<T>(params.motor_max_force[i]) > zero;
+    const auto holds = F > zero;  // a motor, a drive, or dry friction, which holds at 0
     T wanted = fma(kd, state.target_v()[i], select(kd == one, zero, (one - kd) * (v + jc.dv[i])));
     jc.lower[i] = -infinity;
     jc.upper[i] = infinity;
@@ -120,17 +165,22 @@ MANYHANDS_INLINE void prepare_joint_constraints(const Tree<real_t<T>>& tree, con
         jc.upper[i] = -internal::limit_velocity(q - upper, inverse_h) - v;
       }
     }
-    const T free_target = select(motor, wanted - v, infinity);
-    jc.target[i] = clamp(free_target, jc.lower[i], jc.upper[i]);
-    jc.most[i] = select(free_target < jc.lower[i], infinity, F);
-    jc.least[i] = select(free_target > jc.upper[i], -infinity, -F);
+    if (tree.dof_drive[i] >= 0) {
+      jc.target[i] = jc.target[i] - v;
+    } else {
+      const T free_target = select(holds, select(motor, wanted, zero) - v, infinity);
+      jc.target[i] = clamp(free_target, jc.lower[i], jc.upper[i]);
+      jc.most[i] = select(free_target < jc.lower[i], infinity, F);
+      jc.least[i] = select(free_target > jc.upper[i], -infinity, -F);
+    }
     T& stance = state.stance()[i];
     // A motor that is pushing arrives when a change like the last one would pass its target. Without a motor the target
     // may be infinite: the search must not begin where that holds or comes next.
     const auto arrives = (abs(stance) == one) & (stance * (state.dv()[i] - jc.target[i]) > zero);
     const T pushed = select(abs(stance) <= one, T(R(internal::kPushedUp)), stance);
-    stance = select(motor, select(arrives, T(R(internal::kHeld)), stance), pushed);
+    stance = select(holds, select(arrives, T(R(internal::kHeld)), stance), pushed);
   }
+  jc.rhs = jc.smooth;
 }
 
 namespace internal {
@@ -154,26 +204,37 @@ MANYHANDS_INLINE void find_forced(const Tree<real_t<T>>& tree, JointConstraints<
   }
 }
 
+/// The dv at which stance s holds dof i.
+template <Number T>
+MANYHANDS_INLINE T held_change(T s, std::size_t i, const JointConstraints<T>& jc) {
+  const T zero(real_t<T>(0));
+  return select(s == zero, jc.target[i], select(s > zero, jc.lower[i], jc.upper[i]));
+}
+
 /// dv of the forced dofs, given impulse = M held. A dof that is held in a lane has a row of the identity there, and
 /// zeros beside it: lanes with different stances share one factorisation.
 template <Number T>
-MANYHANDS_INLINE void solve_forced(const T* stances, Workspace<T>& ws, JointConstraints<T>& jc) {
+MANYHANDS_INLINE void solve_forced(const Tree<real_t<T>>& tree, const T* stances, Workspace<T>& ws,
+                                   JointConstraints<T>& jc) {
   using R = real_t<T>;
   const T zero(R(0)), one(R(1));
   const int* parent = jc.forced_parent.data();
   for (const int k : jc.forced_dofs) {
     const auto i = static_cast<std::size_t>(k);
-    const T* M = &ws.M[triangle_row(i)];
-    T* L = &ws.L[triangle_row(i)];
+    const T* M = ws.M.data() + tree.M_row[i];
+    T* L = ws.L.data() + tree.M_row[i];
     const auto forced = jc.forced[i] == one;
-    const T push = fma(stances[i], jc.max_impulse[i], jc.rhs[i]) - jc.impulse[i];
+    const auto soft = jc.spring[i] > zero;
+    const T pushed = fma(stances[i], jc.max_impulse[i], jc.rhs[i]);
+    const T held = fma(jc.spring[i], held_change(stances[i], i, jc), jc.rhs[i]);
+    const T push = select(soft, held, pushed) - jc.impulse[i], inertia = M[i] + jc.spring[i];
     jc.dv[i] = select(forced, push, zero);
-    L[i] = select(forced, M[i], one);
+    L[i] = select(forced, inertia, one);
     for (int j = parent[k]; j >= 0; j = parent[j])
       L[j] = M[j] * (jc.forced[i] * jc.forced[static_cast<std::size_t>(j)]);
   }
-  factor_ltdl(jc.forced_dofs, parent, ws.L.data());
-  solve_ltdl(jc.forced_dofs, parent, ws.L.data(), jc.dv.data());
+  factor_ltdl(jc.forced_dofs, parent, tree.M_row.data(), ws.L.data());
+  solve_ltdl(jc.forced_dofs, parent, tree.M_row.data(), ws.L.data(), jc.dv.data());
 }
 
 /// dv and impulses that the stances imply.
@@ -186,17 +247,20 @@ MANYHANDS_INLINE void solve_stances(const Tree<real_t<T>>& tree, const T* stance
   mask_t<T> any_forced(false);
   for (std::size_t i = 0; i < nv; ++i) {
     const T s = stances[i];
-    const auto forced = abs(s) == one;
+    const auto pushed = abs(s) == one;
+    const T grip = jc.touched[i] * (static_cast<R>(kGrip) * (ws.M.data() + tree.M_row[i])[i]);
+    const T spring = tree.dof_drive[i] >= 0 ? select(s == zero, jc.slope[i], grip) : grip;
+    jc.spring[i] = select(pushed, zero, spring);
+    const auto forced = pushed | (jc.spring[i] > zero);
     any_forced = any_forced | forced;
     jc.forced[i] = select(forced, one, zero);
-    const T at_limit = select(s == T(R(kAtLower)), jc.lower[i], jc.upper[i]);
-    jc.held[i] = select(forced, zero, select(s == zero, jc.target[i], at_limit));
+    jc.held[i] = select(forced, zero, held_change(s, i, jc));
     jc.dv[i] = zero;
   }
   multiply_tree_matrix<T>(tree, ws.M.data(), jc.held.data(), jc.impulse.data());
   when(any_forced, [&] {
     find_forced(tree, jc);
-    solve_forced(stances, ws, jc);
+    solve_forced(tree, stances, ws, jc);
     for (const int k : jc.forced_dofs)
       add_tree_column<T>(tree, ws.M.data(), k, jc.dv[static_cast<std::size_t>(k)], jc.impulse.data());
   });
@@ -204,6 +268,28 @@ MANYHANDS_INLINE void solve_stances(const Tree<real_t<T>>& tree, const T* stance
     jc.impulse[i] = jc.impulse[i] - jc.rhs[i];
     jc.dv[i] = (jc.dv[i] + jc.held[i]) + zero;  // + 0: a zero's sign would tell which other lanes were solved
   }
+}
+
+/// The stance to which dof i should move, given what its present one led to: of a drive, whose tread has a slope.
+template <Number T>
+MANYHANDS_INLINE T better_drive_stance(T s, std::size_t i, const JointConstraints<T>& jc) {
+  using R = real_t<T>;
+  const T tolerance(kPivotTolerance<T>), one(R(1)), F = jc.max_impulse[i], impulse = jc.impulse[i], dv = jc.dv[i];
+  const T slack = tolerance * (one + abs(jc.rhs[i])), speed_slack = tolerance * (one + abs(dv));
+  const T up{R(kPushedUp)}, down{R(kPushedDown)}, held{R(kHeld)}, at_lower{R(kAtLower)}, at_upper{R(kAtUpper)};
+  const auto below = dv<jc.lower[i] - speed_slack, above = dv> jc.upper[i] + speed_slack;
+  const T from_held =
+      select(below, at_lower,
+             select(above, at_upper, select(impulse > F + slack, up, select(impulse < -F - slack, down, held))));
+  const T reach = jc.slope[i] * (jc.target[i] - dv);
+  const T from_up = select(below, at_lower, select(reach < F - slack, held, s));
+  const T from_down = select(above, at_upper, select(reach > slack - F, held, s));
+  const T lowest = clamp(jc.slope[i] * (jc.target[i] - jc.lower[i]), -F, F);
+  const T highest = clamp(jc.slope[i] * (jc.target[i] - jc.upper[i]), -F, F);
+  const T from_lower = select(impulse < lowest - slack, held, s);
+  const T from_upper = select(impulse > highest + slack, held, s);
+  return select(s == held, from_held,
+                select(s == up, from_up, select(s == down, from_down, select(s > one, from_lower, from_upper))));
 }
 
 /// The stance to which dof i should move, given what its present one led to.
@@ -224,10 +310,22 @@ MANYHANDS_INLINE T better_stance(T s, std::size_t i, const JointConstraints<T>& 
                 select(s == one, pushed_up, select(s == -one, pushed_down, select(s > one, at_lower, at_upper))));
 }
 
+/// Tells every dof its better stance; the number of those that should move.
+template <Number T>
+MANYHANDS_INLINE T find_better_stances(const Tree<real_t<T>>& tree, const T* stances, JointConstraints<T>& jc) {
+  using R = real_t<T>;
+  T wrong(R(0));
+  for (std::size_t i = 0; i < jc.better.size(); ++i) {
+    jc.better[i] = tree.dof_drive[i] >= 0 ? better_drive_stance(stances[i], i, jc) : better_stance(stances[i], i, jc);
+    wrong += select(jc.better[i] != stances[i], T(R(1)), T(R(0)));
+  }
+  return wrong;
+}
+
 }  // namespace internal
 
-/// dv and impulses of all dofs after `prepare_joint_constraints`. The answer depends on the state and the stances it
-/// starts from (kept in the state), not on the other lanes.
+/// dv and impulses of all dofs after `prepare_joint_constraints`, given `rhs`. The answer depends on the state and the
+/// stances it starts from (kept in the state), not on the other lanes.
 template <Number T>
 MANYHANDS_INLINE void solve_joint_constraints(const Tree<real_t<T>>& tree, State<T>& state, Workspace<T>& ws,
                                               JointConstraints<T>& jc) {
@@ -238,11 +336,7 @@ MANYHANDS_INLINE void solve_joint_constraints(const Tree<real_t<T>>& tree, State
   T fewest(std::numeric_limits<R>::infinity()), patience = zero;
   for (int pivot = 0; pivot < internal::kMaxPivots; ++pivot) {
     internal::solve_stances(tree, stances, ws, jc);
-    T wrong = zero;
-    for (std::size_t i = 0; i < nv; ++i) {
-      jc.better[i] = internal::better_stance(stances[i], i, jc);
-      wrong += select(jc.better[i] != stances[i], one, zero);
-    }
+    const T wrong = internal::find_better_stances(tree, stances, jc);
     if (none(wrong > zero)) break;
     patience = select(wrong < fewest, T(R(internal::kPatience)), patience - one);
     fewest = min(wrong, fewest);

@@ -16,7 +16,7 @@ MANYHANDS_INLINE void mass_matrix_rows(const Tree<real_t<T>>& tree, const Params
   for (int k = body.iv; k < body.iv + body.nv; ++k) {
     const auto i = static_cast<std::size_t>(k);
     const Force<T> F = ws.I[b] * ws.S[i];
-    T* row = &ws.M[triangle_row(i)];
+    T* row = ws.M.data() + tree.M_row[i];
     row[i] = dot(ws.S[i], F) + broadcast<T>(params.armature[i]);
     for (int j = tree.dof_parent[i]; j >= 0; j = tree.dof_parent[static_cast<std::size_t>(j)]) {
       row[j] = dot(ws.S[static_cast<std::size_t>(j)], F);

@@ -12,13 +12,14 @@ namespace manyhands {
 
 /// Factors the packed lower triangle `L` in place: L below the diagonal, 1 / D on it.
 template <Number T>
-MANYHANDS_INLINE void factor_ltdl(std::span<const int> dofs_from_leaves, const int* parent, T* L) {
+MANYHANDS_INLINE void factor_ltdl(std::span<const int> dofs_from_leaves, const int* parent, const std::ptrdiff_t* rows,
+                                  T* L) {
   for (const int k : dofs_from_leaves) {
-    T* row_k = L + triangle_row(static_cast<std::size_t>(k));
+    T* row_k = L + rows[k];
     const T D_inverse = T(real_t<T>(1)) / row_k[k];
     for (int i = parent[k]; i >= 0; i = parent[i]) {
       const T a = row_k[i] * D_inverse;
-      T* row_i = L + triangle_row(static_cast<std::size_t>(i));
+      T* row_i = L + rows[i];
       for (int j = i; j >= 0; j = parent[j]) row_i[j] = fma(-a, row_k[j], row_i[j]);
       row_k[i] = a;
     }
@@ -26,17 +27,18 @@ MANYHANDS_INLINE void factor_ltdl(std::span<const int> dofs_from_leaves, const i
   }
 }
 
-/// x := M^-1 x (nv) with the factors of `factor_ltdl`.
-template <Number T>
-MANYHANDS_INLINE void solve_ltdl(std::span<const int> dofs_from_leaves, const int* parent, const T* L, T* x) {
+/// x := M^-1 x (nv) with the factors of `factor_ltdl`. X is T, or Vec3<T> for three right-hand sides at once.
+template <Number T, class X>
+MANYHANDS_INLINE void solve_ltdl(std::span<const int> dofs_from_leaves, const int* parent, const std::ptrdiff_t* rows,
+                                 const T* L, X* x) {
   for (const int k : dofs_from_leaves) {
-    const T* row = L + triangle_row(static_cast<std::size_t>(k));
+    const T* row = L + rows[k];
     for (int i = parent[k]; i >= 0; i = parent[i]) x[i] = fma(-row[i], x[k], x[i]);
   }
   for (std::size_t n = dofs_from_leaves.size(); n-- > 0;) {
     const int k = dofs_from_leaves[n];
-    const T* row = L + triangle_row(static_cast<std::size_t>(k));
-    T y = x[k] * row[k];
+    const T* row = L + rows[k];
+    X y = x[k] * row[k];
     for (int i = parent[k]; i >= 0; i = parent[i]) y = fma(-row[i], x[i], y);
     x[k] = y;
   }
@@ -47,7 +49,7 @@ template <Number T>
 MANYHANDS_INLINE void multiply_tree_matrix(const Tree<real_t<T>>& tree, const T* M, const T* x, T* y) {
   const int* parent = tree.dof_parent.data();
   for (int k = 0; k < tree.nv; ++k) {
-    const T* row = M + triangle_row(static_cast<std::size_t>(k));
+    const T* row = M + tree.M_row[static_cast<std::size_t>(k)];
     T sum = row[k] * x[k];
     for (int i = parent[k]; i >= 0; i = parent[i]) {
       sum = fma(row[i], x[i], sum);
@@ -60,10 +62,11 @@ MANYHANDS_INLINE void multiply_tree_matrix(const Tree<real_t<T>>& tree, const T*
 /// y (nv) += column k of M times x.
 template <Number T>
 MANYHANDS_INLINE void add_tree_column(const Tree<real_t<T>>& tree, const T* M, int k, T x, T* y) {
-  const T* row = M + triangle_row(static_cast<std::size_t>(k));
+  const T* row = M + tree.M_row[static_cast<std::size_t>(k)];
   for (int i = k; i >= 0; i = tree.dof_parent[static_cast<std::size_t>(i)]) y[i] = fma(row[i], x, y[i]);
-  for (int i = k + 1; i < tree.nv; ++i)
-    y[i] = fma(M[triangle_row(static_cast<std::size_t>(i)) + static_cast<std::size_t>(k)], x, y[i]);
+  const int root = tree.root_dof[static_cast<std::size_t>(k)];
+  for (int i = k + 1; i < tree.nv && tree.root_dof[static_cast<std::size_t>(i)] == root; ++i)
+    y[i] = fma(M[static_cast<std::size_t>(tree.M_row[static_cast<std::size_t>(i)] + k)], x, y[i]);
 }
 
 }  // namespace manyhands

@@ -51,7 +51,8 @@ class RowKernelOf final : public RowKernel<real_t<T>> {
     for_each_block<1, 1>(n, {{{q, nq_}}}, {{{M, nv_ * nv_}}}, [&](const auto& in, const auto& out) {
       manyhands::crba(tree_, params_, in[0], ws_);
       for (std::size_t i = 0; i < nv_; ++i) {
-        for (std::size_t j = 0; j <= i; ++j) out[0][i * nv_ + j] = out[0][j * nv_ + i] = ws_.M[triangle_row(i) + j];
+        for (std::size_t j = 0; j <= i; ++j)
+          out[0][i * nv_ + j] = out[0][j * nv_ + i] = mass_matrix_entry(tree_, ws_, i, j);
       }
     });
   }

@@ -11,11 +11,12 @@ namespace manyhands {
 template <Number T>
 class State {
  public:
-  State(int nq, int nv)
-      : nq_(static_cast<std::size_t>(nq)),
-        nv_(static_cast<std::size_t>(nv)),
-        numbers_(nq_ + 6 * nv_, T(real_t<T>(0))) {}
-  explicit State(const Model& model) : State(model.nq(), model.nv()) {
+  /// `contact_numbers`: how many numbers the memory of contacts takes.
+  explicit State(const Model& model, std::size_t contact_numbers = 0)
+      : nq_(static_cast<std::size_t>(model.nq())),
+        nv_(static_cast<std::size_t>(model.nv())),
+        nu_(static_cast<std::size_t>(model.nu())),
+        numbers_(nq_ + 6 * nv_ + nu_ + contact_numbers, T(real_t<T>(0))) {
     const std::vector<double> neutral = model.neutral_configuration();
     for (std::size_t i = 0; i < nq_; ++i) numbers_[i] = T(static_cast<real_t<T>>(neutral[i]));
   }
@@ -27,21 +28,31 @@ class State {
   [[nodiscard]] T* target_v() { return target_q() + nv_; }  ///< (nv) motor target [rad/s or m/s]
   [[nodiscard]] T* stance() { return target_v() + nv_; }    ///< (nv) warm start of the joint constraints
   [[nodiscard]] T* dv() { return stance() + nv_; }          ///< (nv) change of v in the last step: a hint to the next
+  [[nodiscard]] T* ctrl() { return dv() + nv_; }            ///< (nu) commands of the actuators
+  [[nodiscard]] std::span<T> contacts() { return numbers().subspan(nq_ + 6 * nv_ + nu_); }  ///< what they remember
   [[nodiscard]] const T* q() const { return numbers_.data(); }
   [[nodiscard]] const T* v() const { return q() + nq_; }
   [[nodiscard]] const T* tau() const { return v() + nv_; }
   [[nodiscard]] const T* target_q() const { return tau() + nv_; }
   [[nodiscard]] const T* target_v() const { return target_q() + nv_; }
   [[nodiscard]] const T* stance() const { return target_v() + nv_; }
-
   [[nodiscard]] const T* dv() const { return stance() + nv_; }
+  [[nodiscard]] const T* ctrl() const { return dv() + nv_; }
+
+  [[nodiscard]] std::span<const T> contacts() const { return numbers().subspan(nq_ + 6 * nv_ + nu_); }
+
+  /// Makes room for other contacts; the old ones are forgotten.
+  void resize_contacts(std::size_t count) {
+    numbers_.resize(nq_ + 6 * nv_ + nu_);
+    numbers_.resize(nq_ + 6 * nv_ + nu_ + count, T(real_t<T>(0)));
+  }
 
   [[nodiscard]] std::span<T> numbers() { return numbers_; }
   [[nodiscard]] std::span<const T> numbers() const { return numbers_; }
 
  private:
-  std::size_t nq_, nv_;
-  std::vector<T> numbers_;  // q, v, tau, target_q, target_v, stance, dv
+  std::size_t nq_, nv_, nu_;
+  std::vector<T> numbers_;  // q, v, tau, target_q, target_v, stance, dv, ctrl, contacts
 };
 
 /// Copies lane `from_lane` of one state into lane `to_lane` of another of the same model.

@@ -52,6 +52,29 @@ Tree<R>::Tree(const Model& model)
     set_turn(body.X_PF.R, bodies.back());
   }
   for (int k = nv - 1; k >= 0; --k) dofs_from_leaves.push_back(k);
+  for (int k = 0; k < nv; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    root_dof.push_back(dof_parent[i] < 0 ? k : root_dof[static_cast<std::size_t>(dof_parent[i])]);
+    M_row.push_back(static_cast<std::ptrdiff_t>(M_size) - root_dof[i]);
+    M_size += static_cast<std::size_t>(k - root_dof[i] + 1);
+  }
+  end_dof.assign(root_dof.size(), nv);
+  for (std::size_t i = end_dof.size(); i-- > 1;) {
+    end_dof[i - 1] = root_dof[i] == root_dof[i - 1] ? end_dof[i] : static_cast<int>(i);
+  }
+  for (const TreeBody<R>& body : bodies) {
+    last_dof.push_back(last_dof.empty() ? -1
+                       : body.nv > 0    ? body.iv + body.nv - 1
+                                        : last_dof[static_cast<std::size_t>(body.parent)]);
+  }
+  dof_drive.assign(static_cast<std::size_t>(nv), -1);
+  for (const Actuator& actuator : model.actuators()) {
+    const Joint& joint = model.joint(actuator.joint);
+    if (actuator.type != ActuatorType::kMotor) {
+      dof_drive[static_cast<std::size_t>(joint.iv)] = static_cast<int>(actuators.size());
+    }
+    actuators.push_back({actuator.type, static_cast<std::size_t>(joint.iv), static_cast<std::size_t>(joint.iq)});
+  }
   for (const JointLimits& limits : model.dof_limits()) {
     dof_limited.push_back(is_finite(limits.lower) || is_finite(limits.upper));
   }
@@ -64,11 +87,28 @@ Params<T>::Params(const Model& model)
       armature(broadcast_all<T>(model.dof_armature())),
       motor_kp(static_cast<std::size_t>(model.nv()), T(real_t<T>(0))),
       motor_kd(motor_kp),
-      motor_max_force(motor_kp) {
+      motor_max_force(motor_kp),
+      friction(broadcast_all<T>(model.dof_friction())) {
   for (const Body& body : model.bodies()) inertia.push_back(broadcast<T>(body.inertia));
   for (const JointLimits& limits : model.dof_limits()) {
     lower.push_back(T(static_cast<real_t<T>>(limits.lower)));
     upper.push_back(T(static_cast<real_t<T>>(limits.upper)));
+  }
+  const auto number = [](double value) { return T(static_cast<real_t<T>>(value)); };
+  for (const Geom& geom : model.geoms()) {
+    const SurfaceMaterial& surface = geom.surface;
+    geom_size.push_back(broadcast<T>(geom.shape.size));
+    geom_friction.push_back(number(surface.lateral_friction));
+    geom_friction_y.push_back(number(surface.friction_y.value_or(surface.lateral_friction)));
+    geom_spinning.push_back(number(surface.spinning_friction));
+    geom_rolling.push_back(number(surface.rolling_friction));
+    geom_restitution.push_back(number(surface.restitution));
+  }
+  for (const Actuator& actuator : model.actuators()) {
+    gear.push_back(T(static_cast<real_t<T>>(actuator.gear)));
+    drive_kp.push_back(T(static_cast<real_t<T>>(actuator.type == ActuatorType::kPosition ? actuator.kp : 0.0)));
+    drive_kd.push_back(T(static_cast<real_t<T>>(actuator.kd)));
+    drive_max_force.push_back(T(static_cast<real_t<T>>(actuator.max_force)));
   }
 }
 

@@ -28,6 +28,13 @@ struct TreeBody {
   Transform<R> X_PF = Transform<R>::identity();
 };
 
+/// A drive of the model as kernels read it.
+struct TreeActuator {
+  ActuatorType type{};
+  std::size_t dof{};
+  std::size_t q{};  ///< the coordinate it measures
+};
+
 /// The uniform part of a model for kernels of real type R.
 template <Real R>
 struct Tree {
@@ -37,9 +44,17 @@ struct Tree {
   int nq{}, nv{};
   std::vector<TreeBody<R>> bodies;        ///< (nb)
   std::vector<int> dof_parent;            ///< (nv) next dof towards the root, or -1
+  std::vector<int> root_dof;              ///< (nv) first dof of the dof's tree; trees take consecutive dofs
+  std::vector<int> end_dof;                ///< (nv) one past the last dof of the dof's tree
+  std::vector<int> last_dof;              ///< (nb) the body's last dof, or its next ancestor's; -1 if it never moves
+  std::vector<std::ptrdiff_t> M_row;      ///< (nv) M[M_row[i] + j] is entry (i, j <= i) within a tree; trees follow
+                                          ///< each other, and nothing is stored between them
+  std::size_t M_size{};                   ///< numbers in M
   std::vector<int> dofs_from_leaves;      ///< (nv) nv - 1, ..., 0
   std::vector<int> dof_q;                 ///< (nv) the coordinate that the dof integrates, or -1
   std::vector<std::uint8_t> dof_limited;  ///< (nv) whether the joint has position limits
+  std::vector<TreeActuator> actuators;    ///< (nu)
+  std::vector<int> dof_drive;             ///< (nv) the position or velocity actuator of the dof, or -1
 };
 
 /// What may differ from world to world: set from the model, then randomised at will. Kernels take P = T, numbers of
@@ -48,12 +63,20 @@ template <Number T>
 struct Params {
   explicit Params(const Model& model);
 
-  Vec3<T> gravity;                       ///< [m/s^2], in the world frame
-  std::vector<RigidInertia<T>> inertia;  ///< (nb) about the body's origin, in its axes
-  std::vector<T> damping, armature;      ///< (nv) [N m s/rad or N s/m], [kg m^2 or kg]
-  std::vector<T> lower, upper;           ///< (nv) position limits [rad or m]; infinite where there are none
-  std::vector<T> motor_kp, motor_kd;     ///< (nv) motor gains, per step and dimensionless (see motors.h)
-  std::vector<T> motor_max_force;        ///< (nv) [N m or N]; 0 where there is no motor
+  Vec3<T> gravity;                             ///< [m/s^2], in the world frame
+  std::vector<RigidInertia<T>> inertia;        ///< (nb) about the body's origin, in its axes
+  std::vector<T> damping, armature;            ///< (nv) [N m s/rad or N s/m], [kg m^2 or kg]
+  std::vector<T> lower, upper;                 ///< (nv) position limits [rad or m]; infinite where there are none
+  std::vector<T> motor_kp, motor_kd;           ///< (nv) motor gains, per step and dimensionless (see motors.h)
+  std::vector<T> motor_max_force;              ///< (nv) [N m or N]; 0 where there is no motor
+  std::vector<T> gear, drive_kp, drive_kd;     ///< (nu) of the actuators, see couplings.h
+  std::vector<T> drive_max_force;              ///< (nu) at the joint [N m or N]
+  std::vector<T> friction;                     ///< (nv) dry friction of the joint [N m or N]
+  std::vector<Vec3<T>> geom_size;              ///< (geoms) see Shape [m]
+  std::vector<T> geom_friction;                ///< (geoms) lateral, along the geom's x
+  std::vector<T> geom_friction_y;              ///< (geoms) along its y
+  std::vector<T> geom_spinning, geom_rolling;  ///< (geoms) [m]
+  std::vector<T> geom_restitution;             ///< (geoms)
 };
 
 }  // namespace manyhands

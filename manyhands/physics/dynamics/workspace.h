@@ -8,9 +8,6 @@
 
 namespace manyhands {
 
-/// Where row i of a packed lower triangle begins: entry (i, j) with j <= i lies at triangle_row(i) + j.
-[[nodiscard]] constexpr std::size_t triangle_row(std::size_t i) { return i * (i + 1) / 2; }
-
 /// Quantities of a body or dof are in world axes about O, the origin of the first body of its tree: for a robot far
 /// from the world's origin, single precision loses nothing. Motions and forces of one tree add without transforms.
 template <Number T>
@@ -29,8 +26,8 @@ struct Workspace {
         D_inverse(size(tree.nv)),
         u(size(tree.nv)),
         bias(size(tree.nv)),
-        M(triangle_row(size(tree.nv)), T(real_t<T>(0))),
-        L(triangle_row(size(tree.nv)), T(real_t<T>(0))) {}
+        M(tree.M_size, T(real_t<T>(0))),
+        L(tree.M_size, T(real_t<T>(0))) {}
 
   std::vector<Mat3<T>> R_WB;               ///< (nb)
   std::vector<Vec3<T>> p_OB;               ///< (nb) body origin from its tree's origin O [m]
@@ -44,11 +41,18 @@ struct Workspace {
   std::vector<Force<T>> U;                 ///< (nv) I_A S
   std::vector<T> D_inverse, u;             ///< (nv)
   std::vector<T> bias;                     ///< (nv) C(q, v) v + g(q) [N m or N]
-  std::vector<T> M;                        ///< (nv, nv) lower triangle, packed by rows (see triangle_row)
+  std::vector<T> M;                        ///< (nv, nv) lower triangle of each tree, packed by rows (see Tree::M_row)
   std::vector<T> L;                        ///< (nv, nv) its factors
 
  private:
   static std::size_t size(int n) { return static_cast<std::size_t>(n); }
 };
+
+/// Entry (i, j <= i) of M; 0 between trees.
+template <Number T>
+[[nodiscard]] T mass_matrix_entry(const Tree<real_t<T>>& tree, const Workspace<T>& ws, std::size_t i, std::size_t j) {
+  if (static_cast<int>(j) < tree.root_dof[i]) return T(real_t<T>(0));
+  return ws.M[static_cast<std::size_t>(tree.M_row[i] + static_cast<std::ptrdiff_t>(j))];
+}
 
 }  // namespace manyhands

@@ -1,18 +1,43 @@
 // One step of one world, or of one block of worlds.
 #pragma once
 
-#include "manyhands/physics/contact/joint_constraints.h"
+#include "manyhands/physics/contact/contact_solver.h"
 #include "manyhands/physics/dynamics/aba.h"
 #include "manyhands/physics/dynamics/crba.h"
 
 namespace manyhands {
 
+/// What steps share: the model as kernels read it, and how hard the solver works. Uniform.
+template <Real R>
+struct System {
+  explicit System(const Model& model) : tree(model), colliders(model) {}
+  /// One in which nothing collides.
+  explicit System(Tree<R> alone) : tree(std::move(alone)) {}
+
+  /// The numbers that a state needs for the memory of contacts.
+  [[nodiscard]] std::size_t contact_numbers() const { return colliders.num_manifolds * kManifoldNumbers<R>; }
+
+  Tree<R> tree;
+  Colliders<R> colliders;
+  SolverSettings solver;
+};
+
 /// All that a step derives: allocated once, never saved.
 template <Number T>
 struct StepWorkspace {
-  explicit StepWorkspace(const Tree<real_t<T>>& tree) : dynamics(tree), joints(tree.nv) {}
+  explicit StepWorkspace(const System<real_t<T>>& system)
+      : dynamics(system.tree),
+        joints(system.tree.nv),
+        collision(system.colliders),
+        contacts(system.colliders, system.tree.nv),
+        resting(static_cast<std::size_t>(system.tree.nb)) {}
+
   Workspace<T> dynamics;
   JointConstraints<T> joints;
+  CollisionWorkspace<T> collision;
+  ContactSet<T> contacts;
+  std::vector<T> resting;  ///< (nb) 1 where something holds the body up
+  int sweeps = 0;          ///< that the solver took
 };
 
 /// q := q moved by the velocity v (nv) for `time` [s].
@@ -52,15 +77,54 @@ MANYHANDS_INLINE void add_velocity_change(const std::vector<T>& dv, State<T>& st
   }
 }
 
-/// Advances the state by h [s]: semi-implicit Euler at the velocity level, with implicit damping, motors and limits.
+/// Free bodies fall on parabolas: takes back the h^2 / 2 a by which the last velocity of a step overshoots, except for
+/// bodies that rest on something.
 template <Number T, Number P>
-MANYHANDS_INLINE void step(const Tree<real_t<T>>& tree, const Params<P>& params, real_t<T> h, State<T>& state,
+MANYHANDS_INLINE void correct_free_fall(const Tree<real_t<T>>& tree, const Params<P>& params, real_t<T> h,
+                                        const ContactSet<T>& contacts, std::vector<T>& resting, State<T>& state) {
+  using R = real_t<T>;
+  const T zero(R(0)), one(R(1)), overshoot(R(-0.5) * h * h);
+  for (T& body : resting) body = zero;
+  for (const ContactPoint<T>& point : contacts.points) {
+    const auto holds = (point.impulse.x > zero) & (point.bounces == zero);
+    for (const std::size_t body : {point.rows.body_a, point.rows.body_b})
+      resting[body] = select(holds, one, resting[body]);
+  }
+  for (std::size_t b = 1; b < tree.bodies.size(); ++b) {
+    const TreeBody<R>& body = tree.bodies[b];
+    const bool free = body.type == JointType::kFloating && body.parent == 0 &&
+                      tree.end_dof[static_cast<std::size_t>(body.iv)] == body.iv + body.nv;
+    if (!free) continue;
+    const Vec3<T> gravity = transpose_times(broadcast<T>(body.X_PF.R), broadcast<T>(params.gravity));
+    const T* force = state.tau() + body.iv + 3;
+    const T inverse_mass = one / broadcast<T>(params.inertia[b].m);
+    const T share = overshoot * (one - resting[b]);
+    T* p = state.q() + body.iq;
+    p[0] = fma(share, fma(inverse_mass, force[0], gravity.x), p[0]);
+    p[1] = fma(share, fma(inverse_mass, force[1], gravity.y), p[1]);
+    p[2] = fma(share, fma(inverse_mass, force[2], gravity.z), p[2]);
+  }
+}
+
+/// Advances the state by h [s]: semi-implicit Euler at the velocity level; contacts, motors, limits and damping are
+/// implicit.
+template <Number T, Number P>
+MANYHANDS_INLINE void step(const System<real_t<T>>& system, const Params<P>& params, real_t<T> h, State<T>& state,
                            StepWorkspace<T>& ws) {
-  bias_and_mass_matrix(tree, params, state.q(), state.v(), ws.dynamics);      // 1 kinematics, bias and inertia
-  prepare_joint_constraints(tree, params, h, state, ws.dynamics, ws.joints);  // 2 what motors and limits want
-  solve_joint_constraints(tree, state, ws.dynamics, ws.joints);               // 3 what they get
-  add_velocity_change(ws.joints.dv, state);                                   // 4 velocities
-  integrate_configuration(tree, state.v(), T(h), state.q());                  // 5 positions
+  const Tree<real_t<T>>& tree = system.tree;
+  const Colliders<real_t<T>>& colliders = system.colliders;
+  const std::span<const ColliderPair> pairs(colliders.pairs);
+  const std::span<RememberedManifold<T>> memory = remembered(state.contacts());
+  bias_and_mass_matrix(tree, params, state.q(), state.v(), ws.dynamics);      // 1 kinematics, bias, inertia
+  collide(colliders, pairs, params, h, ws.dynamics, ws.collision);            // 2 what touches
+  prepare_joint_constraints(tree, params, h, state, ws.dynamics, ws.joints);  // 3 what joints want
+  prepare_contacts(tree, colliders, pairs, params, h, memory, ws.collision, ws.dynamics, ws.joints,
+                   ws.contacts);  // 4 what contacts want
+  ws.sweeps = solve_constraints(tree, system.solver, state, ws.dynamics, ws.joints, ws.contacts);  // 5 what they get
+  remember(ws.contacts, memory);                              // 6 for the next step
+  add_velocity_change(ws.joints.dv, state);                   // 7 velocities
+  integrate_configuration(tree, state.v(), T(h), state.q());  // 8 positions
+  correct_free_fall(tree, params, h, ws.contacts, ws.resting, state);
 }
 
 }  // namespace manyhands

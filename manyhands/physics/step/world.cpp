@@ -38,13 +38,13 @@ World::World(std::shared_ptr<const Model> model, double time_step, Integrator in
       integrator_(integrator),
       nq_(static_cast<std::size_t>(model_->nq())),
       nv_(static_cast<std::size_t>(model_->nv())),
-      tree_(*model_),
+      system_(*model_),
       params_(*model_),
-      state_(*model_),
-      before_(*model_),
-      step_(tree_),
-      runge_kutta_(tree_),
-      scratch_(tree_) {
+      state_(*model_, system_.contact_numbers()),
+      before_(state_),
+      step_(system_),
+      runge_kutta_(system_.tree),
+      scratch_(system_.tree) {
   if (!(time_step > 0) || !is_finite(time_step)) {
     throw std::invalid_argument("time_step is " + std::to_string(time_step) + " s; expected a number above 0");
   }
@@ -56,7 +56,7 @@ void World::step(int n) {
     if (integrator_ == Integrator::kRungeKutta4) {
       runge_kutta_step_or_throw();
     } else {
-      manyhands::step(tree_, params_, time_step_, state_, step_);
+      manyhands::step(system_, params_, time_step_, state_, step_);
     }
     ++steps_;
   }
@@ -64,8 +64,8 @@ void World::step(int n) {
 
 void World::require_within_limits(const char* when) const {
   for (std::size_t i = 0; i < nv_; ++i) {
-    if (!tree_.dof_limited[i]) continue;
-    const double q = state_.q()[tree_.dof_q[i]];
+    if (!system_.tree.dof_limited[i]) continue;
+    const double q = state_.q()[system_.tree.dof_q[i]];
     if (q >= params_.lower[i] && q <= params_.upper[i]) continue;
     const std::string& joint = model_->joint(JointId(model_->dof_joint()[i])).name;
     throw std::runtime_error("the rk4 integrator knows no joint limits, but joint '" + joint + "' is outside its own " +
@@ -79,7 +79,7 @@ void World::runge_kutta_step_or_throw() {
   }
   require_within_limits("before");
   before_ = state_;
-  runge_kutta_step(tree_, params_, time_step_, state_, runge_kutta_);
+  runge_kutta_step(system_.tree, params_, time_step_, state_, runge_kutta_);
   try {
     require_within_limits("after");
   } catch (const std::runtime_error&) {
@@ -91,7 +91,7 @@ void World::runge_kutta_step_or_throw() {
 void World::set_q(std::span<const double> q) {
   require_numbers("q", q, nq_);
   std::vector<double> checked(q.begin(), q.end());
-  for (const TreeBody<double>& body : tree_.bodies) {
+  for (const TreeBody<double>& body : system_.tree.bodies) {
     if (body.type != JointType::kSpherical && body.type != JointType::kFloating) continue;
     double* r = &checked[static_cast<std::size_t>(body.iq + (body.type == JointType::kFloating ? 3 : 0))];
     const double length = sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3]);
@@ -130,10 +130,12 @@ void World::set_motors(const MotorCommands& commands) {
   std::ranges::copy(commands.max_force, params_.motor_max_force.begin());
 }
 
-Energy<double> World::energy() const { return manyhands::energy(tree_, params_, state_.q(), state_.v(), scratch_); }
+Energy<double> World::energy() const {
+  return manyhands::energy(system_.tree, params_, state_.q(), state_.v(), scratch_);
+}
 
 MassProperties<double> World::mass_properties() const {
-  return manyhands::mass_properties(tree_, params_, state_.q(), state_.v(), scratch_);
+  return manyhands::mass_properties(system_.tree, params_, state_.q(), state_.v(), scratch_);
 }
 
 std::vector<double> World::snapshot() const {

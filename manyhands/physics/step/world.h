@@ -71,7 +71,7 @@ class World {
   Integrator integrator_;
   std::size_t nq_, nv_;
   std::int64_t steps_ = 0;
-  Tree<double> tree_;
+  System<double> system_;
   Params<double> params_;
   State<double> state_, before_;
   StepWorkspace<double> step_;

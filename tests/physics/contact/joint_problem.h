@@ -77,7 +77,7 @@ struct JointLaw {
     bias_and_mass_matrix(tree, params, q.data(), v.data(), ws);
     const double h = p.h;
     for (std::size_t i = 0; i < n; ++i) {
-      for (std::size_t j = 0; j <= i; ++j) M[i * n + j] = M[j * n + i] = ws.M[triangle_row(i) + j];
+      for (std::size_t j = 0; j <= i; ++j) M[i * n + j] = M[j * n + i] = mass_matrix_entry(tree, ws, i, j);
       M[i * n + i] += h * p.params.damping[i];
       rhs[i] = h * (p.state.tau()[i] - ws.bias[i] - p.params.damping[i] * v[i]);
     }

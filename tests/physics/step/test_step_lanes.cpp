@@ -66,10 +66,11 @@ std::vector<std::uint32_t> bits_of_lane(const auto& state, int k) {
 /// The bits of the state after every 20 steps.
 std::vector<std::vector<std::uint32_t>> scalar_run(const JointProblem<float>& world) {
   State<float> state = world.state;
-  StepWorkspace<float> ws(world.tree);
+  const System<float> system(world.tree);
+  StepWorkspace<float> ws(system);
   std::vector<std::vector<std::uint32_t>> trace;
   for (int step = 1; step <= kSteps; ++step) {
-    manyhands::step(world.tree, world.params, world.h, state, ws);
+    manyhands::step(system, world.params, world.h, state, ws);
     if (step % 20 == 0) trace.push_back(bits_of_lane(state, 0));
   }
   return trace;
@@ -90,22 +91,22 @@ TYPED_TEST(StepLanes, EqualTheScalarBitForBit) {
   int compared = 0, dead = 0;
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     const Worlds worlds(seed);
-    const Tree<float>& tree = worlds.all[0].tree;
+    const System<float> system(worlds.all[0].tree);
     State<T> state(worlds.first.model);
     Params<T> params(worlds.first.model);
     for (int k = 0; k < width_v<T>; ++k) put(worlds.all[static_cast<std::size_t>(k)], k, state, params);
-    StepWorkspace<T> ws(tree);
+    StepWorkspace<T> ws(system);
     std::vector<std::vector<std::vector<std::uint32_t>>> expected;
     for (int k = 0; k < width_v<T>; ++k) expected.push_back(scalar_run(worlds.all[static_cast<std::size_t>(k)]));
     for (int step = 1; step <= kSteps; ++step) {
-      manyhands::step(tree, params, worlds.first.h, state, ws);
+      manyhands::step(system, params, worlds.first.h, state, ws);
       if (step % 20 != 0) continue;
       for (int k = 0; k < width_v<T>; ++k) {
         const std::vector<std::uint32_t> found = bits_of_lane(state, k),
                                          alone = expected[static_cast<std::size_t>(k)]
                                                          [static_cast<std::size_t>(step / 20 - 1)];
         const std::string which = "seed " + std::to_string(seed) + ", lane " + std::to_string(k) + ", step " +
-                                  std::to_string(step) + ", nv " + std::to_string(tree.nv);
+                                  std::to_string(step) + ", nv " + std::to_string(system.tree.nv);
         ASSERT_EQ(is_alive(found), is_alive(alone)) << which;
         if (is_alive(alone)) {
           ASSERT_EQ(found, alone) << which;
@@ -124,7 +125,7 @@ TYPED_TEST(StepLanes, DoNotSeeOneAnother) {
   using T = TypeParam;
   for (std::uint64_t seed = 100; seed < 106; ++seed) {
     const Worlds worlds(seed);
-    const Tree<float>& tree = worlds.all[0].tree;
+    const System<float> system(worlds.all[0].tree);
     const int place = static_cast<int>(seed) % width_v<T>;
     std::vector<std::vector<std::uint32_t>> found;
     for (int company = 0; company < 3; ++company) {
@@ -136,8 +137,8 @@ TYPED_TEST(StepLanes, DoNotSeeOneAnother) {
         for (T& x : state.numbers()) set_lane(x, k, std::numeric_limits<float>::quiet_NaN());
       }
       put(worlds.all[0], place, state, params);
-      StepWorkspace<T> ws(tree);
-      for (int step = 0; step < kSteps; ++step) manyhands::step(tree, params, worlds.first.h, state, ws);
+      StepWorkspace<T> ws(system);
+      for (int step = 0; step < kSteps; ++step) manyhands::step(system, params, worlds.first.h, state, ws);
       found.push_back(bits_of_lane(state, place));
     }
     EXPECT_EQ(found[0], found[1]) << "seed " << seed;
@@ -149,7 +150,7 @@ TYPED_TEST(StepLanes, DoNotSeeOneAnother) {
 TYPED_TEST(StepLanes, TakeSharedParametersToo) {
   using T = TypeParam;
   const Worlds worlds(7);
-  const Tree<float>& tree = worlds.all[0].tree;
+  const System<float> system(worlds.all[0].tree);
   State<T> shared(worlds.first.model), own(worlds.first.model);
   Params<T> params(worlds.first.model);
   for (int k = 0; k < width_v<T>; ++k) {
@@ -157,10 +158,10 @@ TYPED_TEST(StepLanes, TakeSharedParametersToo) {
     copy_params(worlds.all[0].params, params, k);
   }
   for (std::size_t i = 0; i < own.numbers().size(); ++i) shared.numbers()[i] = own.numbers()[i];
-  StepWorkspace<T> ws(tree);
+  StepWorkspace<T> ws(system);
   for (int step = 0; step < 50; ++step) {
-    manyhands::step(tree, params, worlds.first.h, own, ws);
-    manyhands::step(tree, worlds.all[0].params, worlds.first.h, shared, ws);
+    manyhands::step(system, params, worlds.first.h, own, ws);
+    manyhands::step(system, worlds.all[0].params, worlds.first.h, shared, ws);
   }
   for (int k = 0; k < width_v<T>; ++k) EXPECT_EQ(bits_of_lane(own, k), bits_of_lane(shared, k)) << "lane " << k;
 }

@@ -1,0 +1,64 @@
+// A quick look at whether two geoms can be near each other.
+#pragma once
+
+#include <span>
+
+#include "manyhands/physics/collision/colliders.h"
+#include "manyhands/physics/dynamics/workspace.h"
+
+namespace manyhands {
+
+/// The radius of a sphere about the geom's origin that holds its shape [m]; infinite for a plane.
+template <Number T>
+MANYHANDS_INLINE T bounding_radius(const Collider<real_t<T>>& geom, const Vec3<T>& size) {
+  using R = real_t<T>;
+  switch (geom.type) {
+    case ShapeType::kSphere:
+      return size.x;
+    case ShapeType::kCapsule:
+      return size.x + size.y;
+    case ShapeType::kCylinder:
+      return sqrt(fma(size.x, size.x, size.y * size.y));
+    case ShapeType::kBox:
+      return norm(size);
+    case ShapeType::kPlane:
+      return T(std::numeric_limits<R>::infinity());
+    default:
+      return T(geom.radius);
+  }
+}
+
+namespace internal {
+
+/// Whether the sphere (p, r) comes nearer than r to the box (half, X).
+template <Number T>
+MANYHANDS_INLINE mask_t<T> sphere_meets_box(const Vec3<T>& p, T r, const Vec3<T>& half, const Transform<T>& X) {
+  const T zero(real_t<T>(0));
+  const Vec3<T> d = transpose_times(X.R, p - X.p);
+  const Vec3<T> out{max(abs(d.x) - half.x, zero), max(abs(d.y) - half.y, zero), max(abs(d.z) - half.z, zero)};
+  return squared_norm(out) < r * r;
+}
+
+}  // namespace internal
+
+/// Whether the pair's shapes may be nearer to each other than `margin`.
+template <Number T, Number P>
+MANYHANDS_INLINE mask_t<T> bounds_meet(const Colliders<real_t<T>>& colliders, const ColliderPair& pair,
+                                       const Params<P>& params, T margin, const std::vector<Transform<T>>& X_WG,
+                                       const std::vector<T>& radius) {
+  const Collider<real_t<T>>&a = colliders.geoms[pair.a], &b = colliders.geoms[pair.b];
+  const Transform<T>&X_A = X_WG[pair.a], &X_B = X_WG[pair.b];
+  const T reach_A = radius[pair.a] + margin, reach_B = radius[pair.b] + margin;
+  if (b.type == ShapeType::kPlane) return dot(X_B.R.z, X_A.p - X_B.p) < reach_A;
+  const auto size = [&](const Collider<real_t<T>>& geom) { return broadcast<T>(params.geom_size[geom.geom]); };
+  if (b.type == ShapeType::kBox) {
+    const auto meets = internal::sphere_meets_box(X_A.p, reach_A, size(b), X_B);
+    if (a.type != ShapeType::kBox) return meets;
+    return meets & internal::sphere_meets_box(X_B.p, reach_B, size(a), X_A);
+  }
+  if (a.type == ShapeType::kBox) return internal::sphere_meets_box(X_B.p, reach_B, size(a), X_A);
+  const T reach = reach_A + radius[pair.b];
+  return squared_norm(X_B.p - X_A.p) < reach * reach;
+}
+
+}  // namespace manyhands

@@ -1,0 +1,89 @@
+// Which geoms touch, or may within a step: bounds, then the narrow phase of each pair whose bounds meet.
+#pragma once
+
+#include <span>
+
+#include "manyhands/physics/collision/collide_pair.h"
+
+namespace manyhands {
+
+/// One manifold with a point near enough to matter in some world.
+template <Number T>
+struct Touch {
+  std::size_t pair{};      ///< index in the list of pairs
+  std::size_t manifold{};  ///< where the manifold's memory is
+  Manifold<T> contact{};
+};
+
+/// Where geoms are and how far they may come in a step; what touches.
+template <Number T>
+struct CollisionWorkspace {
+  explicit CollisionWorkspace(const Colliders<real_t<T>>& colliders)
+      : X_WG(colliders.geoms.size(), Transform<T>::identity()), radius(X_WG.size()), sweep(X_WG.size()) {
+    touches.reserve(colliders.num_manifolds);
+  }
+
+  std::vector<Transform<T>> X_WG;  ///< (colliders)
+  std::vector<T> radius;           ///< of the bounding sphere about the geom's origin [m]
+  std::vector<T> sweep;            ///< how far its surface may move in the step [m]
+  std::vector<Touch<T>> touches;
+};
+
+namespace internal {
+
+/// Contacts are looked for at least this far ahead of the surfaces [m].
+inline constexpr double kContactMargin = 0.002;
+
+/// The poses of body b's geoms, their bounds, and how far they move in a step of h.
+template <Number T, Number P>
+MANYHANDS_INLINE void place_collider(const Collider<real_t<T>>& geom, const Params<P>& params, real_t<T> h,
+                                     const Workspace<T>& ws, std::size_t g, CollisionWorkspace<T>& cw) {
+  const Transform<T> X_WB{ws.R_WB[geom.body], ws.p_OB[geom.body] + ws.p_WO[geom.body]};
+  Transform<T>& X_WG = cw.X_WG[g];
+  X_WG.R = geom.turned ? X_WB.R * broadcast<T>(geom.X_BG.R) : X_WB.R;
+  X_WG.p = X_WB.R * broadcast<T>(geom.X_BG.p) + X_WB.p;
+  cw.radius[g] = bounding_radius(geom, broadcast<T>(params.geom_size[geom.geom]));
+  if (geom.body == 0) {
+    cw.sweep[g] = T(real_t<T>(0));
+    return;
+  }
+  const Motion<T>& V = ws.V[geom.body];
+  const Vec3<T> v = V.v + cross(V.w, X_WG.p - ws.p_WO[geom.body]);
+  cw.sweep[g] = T(h) * fma(norm(V.w), cw.radius[g], norm(v));
+}
+
+}  // namespace internal
+
+/// Fills `cw` for the bodies as placed and moving in `ws`; `pairs` is the colliders' own list or a part of it.
+template <Number T, Number P>
+MANYHANDS_INLINE void collide(const Colliders<real_t<T>>& colliders, std::span<const ColliderPair> pairs,
+                              const Params<P>& params, real_t<T> h, const Workspace<T>& ws, CollisionWorkspace<T>& cw) {
+  using R = real_t<T>;
+  cw.touches.clear();
+  if (pairs.empty()) return;
+  for (std::size_t g = 0; g < colliders.geoms.size(); ++g) {
+    internal::place_collider(colliders.geoms[g], params, h, ws, g, cw);
+  }
+  const T far(std::numeric_limits<R>::infinity());
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const ColliderPair& pair = pairs[i];
+    const T margin = T(R(internal::kContactMargin)) + (cw.sweep[pair.a] + cw.sweep[pair.b]);
+    const R skin = colliders.geoms[pair.a].margin + colliders.geoms[pair.b].margin;
+    const auto near = bounds_meet(colliders, pair, params, margin + T(skin), cw.X_WG, cw.radius);
+    if (none(near)) continue;
+    std::array<Manifold<T>, 4> found;
+    const std::size_t count = collide_pair(colliders, pair, params, near, margin + T(skin), cw.X_WG, found);
+    for (std::size_t k = 0; k < count; ++k) {
+      mask_t<T> touching(false);
+      for (T& phi : found[k].phi) {
+        phi = phi - T(skin);
+        const auto touches = near & (phi < margin);
+        phi = select(touches, phi, far);
+        touching = touching | touches;
+      }
+      if (any(touching)) cw.touches.push_back({i, pair.manifold + k, found[k]});
+    }
+  }
+}
+
+}  // namespace manyhands

@@ -1,0 +1,51 @@
+// The model's colliding geoms and the pairs of them that may touch: uniform, the same for every world.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "manyhands/math/vec3.h"
+#include "manyhands/model/model.h"
+
+namespace manyhands {
+
+/// One colliding geom as kernels read it.
+template <Real R>
+struct Collider {
+  ShapeType type{};
+  std::size_t geom{};  ///< index in Model::geoms() and in the geom arrays of Params
+  std::size_t body{};
+  bool turned{};  ///< whether the shape's axes differ from the body's
+  Transform<R> X_BG = Transform<R>::identity();
+  SurfaceMaterial surface{};
+  R margin{};
+  R radius{};  ///< of a sphere about the origin that holds the mesh, hull or height field [m]
+};
+
+/// Two geoms that may touch. The lower ShapeType is A.
+struct ColliderPair {
+  std::size_t a{}, b{};       ///< indices in Colliders::geoms
+  std::size_t manifold{};     ///< the first of its manifolds in a list of all pairs'
+  std::size_t manifolds = 1;  ///< how many it may have: more than one against meshes and height fields
+  int surface = -1;           ///< index in Colliders::surfaces where the pair has its own, else -1
+};
+
+/// Every colliding geom, and every pair that the model's rules let touch, sorted by shapes so that a batch treats
+/// pairs of one kind together.
+template <Real R>
+struct Colliders {
+  Colliders() = default;  ///< none
+  explicit Colliders(const Model& model);
+
+  std::vector<Collider<R>> geoms;
+  std::vector<ColliderPair> pairs;
+  std::vector<SurfaceMaterial> surfaces;  ///< of explicit pairs
+  std::size_t num_manifolds{};            ///< of all pairs together
+  ContactRules rules;
+  bool has_torsion{};  ///< whether any surface resists spinning or rolling
+};
+
+/// Whether the rules let the geoms touch: filters, exclusions, one body, joint neighbours, self-collision.
+[[nodiscard]] bool may_touch(const Model& model, const Geom& a, const Geom& b);
+
+}  // namespace manyhands

@@ -1,0 +1,86 @@
+// What contacts leave to the next step: where they were and what they carried.
+#pragma once
+
+#include <span>
+
+#include "manyhands/physics/contact/contact_points.h"
+
+namespace manyhands {
+
+/// One manifold in the memory of a State, as plain numbers: all zero where there is no contact.
+template <Number T>
+struct RememberedManifold {
+  T used;                                        ///< 1 if any point carried an impulse
+  std::array<Vec3<T>, kManifoldPoints> p;        ///< in the world [m]
+  std::array<Vec3<T>, kManifoldPoints> impulse;  ///< on B, in world axes [N s]
+  std::array<Vec3<T>, kManifoldPoints> moment;   ///< of torsional and rolling friction on B [N m s]
+};
+
+template <Number T>
+inline constexpr std::size_t kManifoldNumbers = sizeof(RememberedManifold<T>) / sizeof(T);
+
+static_assert(kManifoldNumbers<double> == 1 + 9 * kManifoldPoints);
+
+/// The contact memory of a state as its manifolds.
+template <Number T>
+[[nodiscard]] MANYHANDS_INLINE std::span<RememberedManifold<T>> remembered(std::span<T> numbers) {
+  return {reinterpret_cast<RememberedManifold<T>*>(numbers.data()), numbers.size() / kManifoldNumbers<T>};
+}
+
+/// Gives each new point the impulse of the nearest old one that is still free, in order.
+template <Number T>
+MANYHANDS_INLINE void match_points(const RememberedManifold<T>& old, const Manifold<T>& now,
+                                   std::array<Vec3<T>, kManifoldPoints>& impulse,
+                                   std::array<Vec3<T>, kManifoldPoints>& moment) {
+  using R = real_t<T>;
+  const T taken(std::numeric_limits<R>::infinity());
+  std::array<T, kManifoldPoints> cost{};
+  for (std::size_t k = 0; k < kManifoldPoints; ++k) cost[k] = T(R(0));
+  for (std::size_t k = 0; k < kManifoldPoints; ++k) {
+    const auto exists = is_finite(now.phi[k]);
+    T best = taken, choice(R(-1));
+    for (std::size_t j = 0; j < kManifoldPoints; ++j) {
+      const T distance = squared_norm(now.p[k] - old.p[j]) + cost[j];
+      const auto nearer = exists & (distance < best);
+      best = select(nearer, distance, best);
+      choice = select(nearer, T(static_cast<R>(j)), choice);
+    }
+    impulse[k] = moment[k] = Vec3<T>::zero();
+    for (std::size_t j = 0; j < kManifoldPoints; ++j) {
+      const auto chosen = choice == T(static_cast<R>(j));
+      impulse[k] = select(chosen, old.impulse[j], impulse[k]);
+      moment[k] = select(chosen, old.moment[j], moment[k]);
+      cost[j] = select(chosen, taken, cost[j]);
+    }
+  }
+}
+
+/// Forgets every manifold, and writes down those that carry something.
+template <Number T>
+MANYHANDS_INLINE void remember(const ContactSet<T>& set, std::span<RememberedManifold<T>> memory) {
+  using R = real_t<T>;
+  const T zero(R(0)), one(R(1));
+  for (RememberedManifold<T>& manifold : memory) {
+    when(manifold.used != zero, [&] {
+      T* numbers = &manifold.used;
+      for (std::size_t i = 0; i < kManifoldNumbers<T>; ++i) numbers[i] = zero;
+    });
+  }
+  for (const ContactPoint<T>& point : set.points) {
+    RememberedManifold<T>& manifold = memory[point.manifold];
+    const auto carries = point.impulse.x > zero;
+    const Vec3<T> impulse =
+        fma(point.impulse.x, point.normal, fma(point.impulse.y, point.e_1, point.impulse.z * point.e_2));
+    manifold.used = select(carries, one, manifold.used);
+    manifold.p[point.index] = select(carries, point.p, Vec3<T>::zero());
+    manifold.impulse[point.index] = select(carries, impulse, Vec3<T>::zero());
+  }
+  for (const ContactTorsion<T>& torsion : set.torsions) {
+    const ContactPoint<T>& point = set.points[torsion.point];
+    const Vec3<T> moment =
+        fma(torsion.impulse.x, point.normal, fma(torsion.impulse.y, torsion.t_1, torsion.impulse.z * torsion.t_2));
+    memory[point.manifold].moment[point.index] = select(point.impulse.x > zero, moment, Vec3<T>::zero());
+  }
+}
+
+}  // namespace manyhands

@@ -1,0 +1,103 @@
+// How the materials of two geoms become the numbers of one contact.
+#pragma once
+
+#include "manyhands/physics/collision/colliders.h"
+#include "manyhands/physics/contact/contact_points.h"
+
+namespace manyhands {
+
+namespace internal {
+
+template <Number T>
+MANYHANDS_INLINE T combined(CombineRule rule, T a, T b) {
+  switch (rule) {
+    case CombineRule::kProduct:
+      return a * b;
+    case CombineRule::kGeometricMean:
+      return sqrt(a * b);
+    case CombineRule::kMaximum:
+      return max(a, b);
+    default:
+      return min(a, b);
+  }
+}
+
+/// Two unit vectors across the unit vector n (Duff et al. 2017, Building an Orthonormal Basis, Revisited).
+template <Number T>
+MANYHANDS_INLINE void tangents(const Vec3<T>& n, Vec3<T>& t_1, Vec3<T>& t_2) {
+  const T one(real_t<T>(1));
+  const T sign = copysign(one, n.z);
+  const T a = -one / (sign + n.z), b = n.x * n.y * a;
+  t_1 = {fma(sign * (n.x * n.x), a, one), sign * b, -(sign * n.x)};
+  t_2 = {b, fma(n.y * n.y, a, sign), -n.y};
+}
+
+/// t_1 along the axis as far as it lies in the plane; any tangents where it stands on the plane.
+template <Number T>
+MANYHANDS_INLINE void tangents_along(const Vec3<T>& axis, const Vec3<T>& n, Vec3<T>& t_1, Vec3<T>& t_2) {
+  tangents(n, t_1, t_2);
+  const Vec3<T> along = fma(-dot(axis, n), n, axis);
+  const T length = norm(along);
+  const auto flat = length > T(real_t<T>(1e-4));
+  const T inverse = T(real_t<T>(1)) / select(flat, length, T(real_t<T>(1)));
+  t_1 = select(flat, inverse * along, t_1);
+  t_2 = select(flat, cross(n, t_1), t_2);
+}
+
+/// The stiffness of two soft surfaces in a row; of one alone if the other is hard.
+[[nodiscard]] inline std::optional<double> in_series(std::optional<double> a, std::optional<double> b) {
+  if (!a || !b) return a ? a : b;
+  return *a * *b / (*a + *b);
+}
+
+}  // namespace internal
+
+/// The combined surface of a pair whose contact has the given normal. A soft surface's force k (-phi) - d u, implicit
+/// in the velocity u, is the law u_n + softness n = target with softness = 1 / (h (h k + d)), target = -push phi.
+template <Number T, Number P>
+MANYHANDS_INLINE CombinedSurface<T> combine_surfaces(const Colliders<real_t<T>>& colliders, const ColliderPair& pair,
+                                                     const Params<P>& params, real_t<T> h, const Vec3<T>& normal,
+                                                     const std::vector<Transform<T>>& X_WG) {
+  using R = real_t<T>;
+  const Collider<R>&a = colliders.geoms[pair.a], &b = colliders.geoms[pair.b];
+  CombinedSurface<T> surface;
+  std::optional<double> stiffness, damping;
+  if (pair.surface >= 0) {
+    const SurfaceMaterial& own = colliders.surfaces[static_cast<std::size_t>(pair.surface)];
+    const auto number = [](double value) { return T(static_cast<R>(value)); };
+    surface.friction_1 = number(own.lateral_friction);
+    surface.friction_2 = number(own.friction_y.value_or(own.lateral_friction));
+    surface.restitution = number(own.restitution);
+    surface.spinning = number(own.spinning_friction);
+    surface.rolling = number(own.rolling_friction);
+    stiffness = own.stiffness;
+    damping = own.damping;
+  } else {
+    const auto all = [&](CombineRule rule, const std::vector<P>& values) {
+      return internal::combined(rule, broadcast<T>(values[a.geom]), broadcast<T>(values[b.geom]));
+    };
+    const bool mixed = a.surface.friction_y.has_value() != b.surface.friction_y.has_value();
+    surface.friction_1 = all(colliders.rules.friction, params.geom_friction);
+    surface.friction_2 =
+        all(colliders.rules.friction, mixed || a.surface.friction_y ? params.geom_friction_y : params.geom_friction);
+    surface.restitution = all(colliders.rules.restitution, params.geom_restitution);
+    surface.spinning = all(CombineRule::kMaximum, params.geom_spinning);
+    surface.rolling = all(CombineRule::kMaximum, params.geom_rolling);
+    stiffness = internal::in_series(a.surface.stiffness, b.surface.stiffness);
+    damping = internal::in_series(a.surface.damping, b.surface.damping);
+  }
+  if (a.surface.friction_y || b.surface.friction_y) {
+    internal::tangents_along(X_WG[a.surface.friction_y ? pair.a : pair.b].R.x, normal, surface.t_1, surface.t_2);
+  } else {
+    internal::tangents(normal, surface.t_1, surface.t_2);
+  }
+  surface.softness = surface.push = T(R(0));
+  if (stiffness) {
+    const double softness = 1 / (h * (h * *stiffness + damping.value_or(0)));
+    surface.softness = T(static_cast<R>(softness));
+    surface.push = T(static_cast<R>(softness * h * *stiffness));
+  }
+  return surface;
+}
+
+}  // namespace manyhands

@@ -1,0 +1,93 @@
+// One contact point, solved exactly: Signorini's law, Coulomb's cone and maximum dissipation, given all other impulses.
+//
+// In the basis of README.md (tangent rows scaled by friction, turned until what resists sliding is diagonal) a change
+// of the impulse changes the contact's velocity by
+//     du_n = G_nn (dn + slope . dy),    du_t = sigma dy + slope du_n,
+// and the impulse (n, y) must satisfy  u_n >= 0, n >= 0, u_n n = 0, |y| <= n, and u_t = -kappa y with kappa >= 0 where
+// |y| = n, u_t = 0 where |y| < n.
+#pragma once
+
+#include "manyhands/math/control_flow.h"
+#include "manyhands/math/vec3.h"
+
+namespace manyhands {
+
+/// How one contact point gives way to its own impulse.
+template <Number T>
+struct ContactStiffness {
+  T normal{};              ///< G_nn [1/kg]
+  T normal_inverse{};      ///< 1 / G_nn
+  T slope_1{}, slope_2{};  ///< g / G_nn, where g couples the normal with the tangents
+  T sigma_1{}, sigma_2{};  ///< G_tt - g g^T / G_nn, diagonal [1/kg]
+};
+
+namespace internal {
+
+inline constexpr int kMostSlideSteps = 20;
+
+template <Number T>
+inline constexpr real_t<T> kSlideTolerance = std::same_as<real_t<T>, float> ? real_t<T>(1e-6) : real_t<T>(1e-14);
+
+/// The least that 1 + slope . direction counts for: below 0 friction wedges the contact, and no impulse on the cone
+/// keeps u_n at 0.
+inline constexpr double kLeastWedge = 0.05;
+
+}  // namespace internal
+
+/// A tangential impulse y on the rim of its cone: (sigma_i + kappa) y_i = h_i, |y| = rest - slope . y. Newton's method
+/// on 1 / |y|, which is nearly linear in kappa (Moré and Sorensen 1983), one number whatever the anisotropy.
+/// Lanes outside `slides` keep their y.
+template <Number T>
+MANYHANDS_INLINE void slide(const ContactStiffness<T>& G, T h_1, T h_2, T rest, mask_t<T> slides, T& y_1, T& y_2,
+                            T& radius) {
+  using R = real_t<T>;
+  const T zero(R(0)), one(R(1)), tiny(std::numeric_limits<R>::min() * R(16)), wedge(R(internal::kLeastWedge));
+  T kappa = zero;
+  iterate(slides, internal::kMostSlideSteps, [&](mask_t<T> active) {
+    const T inverse_1 = one / max(G.sigma_1 + kappa, tiny), inverse_2 = one / max(G.sigma_2 + kappa, tiny);
+    const T a_1 = h_1 * inverse_1, a_2 = h_2 * inverse_2;
+    const T length = max(sqrt(fma(a_1, a_1, a_2 * a_2)), tiny);
+    const T d_1 = a_1 / length, d_2 = a_2 / length;
+    const T rim = rest / max(fma(G.slope_1, d_1, fma(G.slope_2, d_2, one)), wedge);
+    const T fall = fma(d_1 * d_1, inverse_1, (d_2 * d_2) * inverse_2);
+    const T excess = length / max(rim, tiny) - one;
+    radius = select(active, rim, radius);
+    y_1 = select(active, rim * d_1, y_1);
+    y_2 = select(active, rim * d_2, y_2);
+    kappa = select(active, max(zero, kappa + excess / max(fall, tiny)), kappa);
+    return abs(excess) > T(internal::kSlideTolerance<T>);
+  });
+}
+
+/// The contact's impulse (n, y_1, y_2) that obeys its law, where the present one gives the velocity u.
+template <Number T>
+MANYHANDS_INLINE Vec3<T> solve_coulomb(const ContactStiffness<T>& G, const Vec3<T>& u, const Vec3<T>& impulse) {
+  using R = real_t<T>;
+  const T zero(R(0)), tiny(std::numeric_limits<R>::min() * R(16));
+  // n if y were 0; at or below it the surfaces part.
+  const T rest = impulse.x - fma(u.x, G.normal_inverse, -fma(G.slope_1, impulse.y, G.slope_2 * impulse.z));
+  // sigma y of the y at which sliding would stop.
+  const T h_1 = fma(G.sigma_1, impulse.y, -fma(-G.slope_1, u.x, u.y));
+  const T h_2 = fma(G.sigma_2, impulse.z, -fma(-G.slope_2, u.x, u.z));
+  T y_1 = h_1 / max(G.sigma_1, tiny), y_2 = h_2 / max(G.sigma_2, tiny);
+  T n = rest - fma(G.slope_1, y_1, G.slope_2 * y_2);
+  const auto closed = (rest > zero) & (G.normal_inverse > zero);
+  const auto outside = !(fma(y_1, y_1, y_2 * y_2) <= n * abs(n));
+  when(closed & outside, [&] { slide(G, h_1, h_2, rest, closed & outside, y_1, y_2, n); });
+  return {select(closed, n, zero), select(closed, y_1, zero), select(closed, y_2, zero)};
+}
+
+/// y within a disc of the given radius that stops a rotation if it can: torsional or rolling friction.
+template <Number T>
+MANYHANDS_INLINE void solve_disc(const ContactStiffness<T>& G, T u_1, T u_2, T radius, T& y_1, T& y_2) {
+  using R = real_t<T>;
+  const T tiny(std::numeric_limits<R>::min() * R(16));
+  const T h_1 = fma(G.sigma_1, y_1, -u_1), h_2 = fma(G.sigma_2, y_2, -u_2);
+  y_1 = h_1 / max(G.sigma_1, tiny);
+  y_2 = h_2 / max(G.sigma_2, tiny);
+  const auto outside = fma(y_1, y_1, y_2 * y_2) > radius * radius;
+  T rim = radius;
+  when(outside, [&] { slide(G, h_1, h_2, radius, outside, y_1, y_2, rim); });
+}
+
+}  // namespace manyhands
