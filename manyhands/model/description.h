@@ -74,8 +74,9 @@ struct Joint {
   double friction = 0;  ///< dry friction [N m or N]
   double armature = 0;  ///< rotor inertia seen at the joint [kg m^2 or kg]
   std::optional<Mimic> mimic{};
-  int iq = -1;  ///< first index in q; -1 for fixed joints (set by build)
-  int iv = -1;  ///< first index in v; -1 for fixed joints (set by build)
+  std::vector<double> initial{};  ///< where it starts, in q; empty: at 0, or unturned
+  int iq = -1;                    ///< first index in q; -1 for fixed joints (set by build)
+  int iv = -1;                    ///< first index in v; -1 for fixed joints (set by build)
 };
 
 /// A triangle mesh, shared by the geoms that show or use it.
@@ -143,6 +144,15 @@ struct Geom {
   SurfaceMaterial surface{};
   CollisionFilter filter{};
   double margin = 0;  ///< how far the surface is pushed outwards for contact [m]
+};
+
+/// A state that a scene was given a name for.
+struct Keyframe {
+  std::string name{};
+  double time = 0;             ///< [s]
+  std::vector<double> q{};     ///< (nq)
+  std::vector<double> v{};     ///< (nv)
+  std::vector<double> ctrl{};  ///< (nu)
 };
 
 }  // namespace manyhands

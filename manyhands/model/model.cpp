@@ -1,5 +1,7 @@
 #include "manyhands/model/model.h"
 
+#include <algorithm>
+
 namespace manyhands {
 
 const char* to_string(JointType type) {
@@ -80,6 +82,12 @@ std::vector<double> Model::neutral_configuration() const {
     const bool has_quaternion = body.type == JointType::kSpherical || body.type == JointType::kFloating;
     if (has_quaternion) q[static_cast<std::size_t>(body.iq + body.nq - 1)] = 1.0;
   }
+  return q;
+}
+
+std::vector<double> Model::initial_configuration() const {
+  std::vector<double> q = neutral_configuration();
+  for (const Joint& joint : joints_) std::ranges::copy(joint.initial, q.begin() + std::max(joint.iq, 0));
   return q;
 }
 

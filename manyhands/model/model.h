@@ -88,6 +88,11 @@ class Model {
 
   [[nodiscard]] Vec3<double> gravity() const { return gravity_; }   ///< [m/s^2], in the world frame
   [[nodiscard]] std::vector<double> neutral_configuration() const;  ///< q with joints at 0, quaternions at identity
+  [[nodiscard]] std::vector<double> initial_configuration() const;  ///< the same but for joints that start elsewhere
+  [[nodiscard]] std::span<const Keyframe> keyframes() const { return keyframes_; }
+  [[nodiscard]] std::optional<double> time_step() const {
+    return time_step_;
+  }  ///< [s], if the description asks for one
 
  private:
   friend class ModelBuilder;
@@ -109,6 +114,8 @@ class Model {
   std::vector<int> dof_parent_, dof_body_, dof_joint_, dof_q_;
   std::vector<JointLimits> dof_limits_;
   std::vector<double> dof_damping_, dof_armature_, dof_friction_;
+  std::vector<Keyframe> keyframes_;
+  std::optional<double> time_step_;
   Vec3<double> gravity_{0, 0, -9.81};
 };
 

@@ -79,6 +79,10 @@ JointId ModelBuilder::add_joint(Joint joint) {
   if (!(joint.damping >= 0) || !(joint.friction >= 0) || !(joint.armature >= 0)) {
     throw ModelError(what + ": damping, friction and armature must be 0 or more");
   }
+  if (!joint.initial.empty() && std::ssize(joint.initial) != configuration_size(joint.type)) {
+    throw ModelError(what + ": its initial configuration has " + std::to_string(joint.initial.size()) +
+                     " numbers; expected " + std::to_string(configuration_size(joint.type)));
+  }
   const JointId id(joints_.size());
   if (!joint_names_.emplace(joint.name, id.value()).second) throw ModelError("there is a " + what + " already");
   child.parent = joint.parent;
@@ -199,6 +203,7 @@ Model ModelBuilder::compile() const {
   Model model;
   model.name_ = name_;
   model.gravity_ = gravity_;
+  model.time_step_ = time_step_;
   model.links_ = links_;
   model.joints_ = joints_;
   model.geoms_ = geoms_;
@@ -331,6 +336,18 @@ void ModelBuilder::add_mimic_loops(Model& model) const {
   }
 }
 
+void ModelBuilder::add_keyframes(Model& model) const {
+  for (Keyframe key : keyframes_) {
+    if (key.q.empty()) key.q = model.initial_configuration();
+    if (key.v.empty()) key.v.resize(static_cast<std::size_t>(model.nv()), 0.0);
+    if (key.ctrl.empty()) key.ctrl.resize(static_cast<std::size_t>(model.nu()), 0.0);
+    if (std::ssize(key.q) != model.nq() || std::ssize(key.v) != model.nv() || std::ssize(key.ctrl) != model.nu()) {
+      throw ModelError("keyframe '" + key.name + "' does not have nq, nv and nu numbers");
+    }
+    model.keyframes_.push_back(std::move(key));
+  }
+}
+
 Model ModelBuilder::build() const {
   for (const Joint& joint : joints_) {
     if (joint.mimic && !joint_names_.contains(joint.mimic->joint)) {
@@ -339,6 +356,7 @@ Model ModelBuilder::build() const {
   }
   Model model = compile();
   add_mimic_loops(model);
+  add_keyframes(model);
   const std::vector<JointId> massless = joints_without_inertia();
   if (!massless.empty()) {
     throw ModelError("joint '" + joints_[massless.front().index()].name +

@@ -26,7 +26,7 @@ class ModelBuilder {
   /// Adds a link. Throws ModelError if the name is taken or empty, or the inertial is not physical.
   LinkId add_link(std::string name, const Inertial& inertial = {});
   /// Adds a joint; parent and child must be added before. Throws ModelError on a taken name, a second parent, a zero
-  /// axis, or limits out of order.
+  /// axis, limits out of order, or an initial configuration of the wrong size.
   JointId add_joint(Joint joint);
   /// Puts a link that will have no joint to a parent at X_WL in the world.
   void place_root(LinkId link, const Transform<double>& X_WL) { links_[link.index()].X_BL = X_WL; }
@@ -44,6 +44,9 @@ class ModelBuilder {
   /// Adds a named frame on a link, besides the links' own.
   void add_frame(std::string name, LinkId link, const Transform<double>& X_LF);
   void set_gravity(const Vec3<double>& gravity) { gravity_ = gravity; }
+  void set_time_step(double time_step) { time_step_ = time_step; }  ///< [s], for worlds that are not told another
+  /// Its sizes are checked by `build`; an empty q, v or ctrl becomes the initial one, or 0.
+  void add_keyframe(Keyframe keyframe) { keyframes_.push_back(std::move(keyframe)); }
 
   [[nodiscard]] LoadReport& report() { return report_; }
   [[nodiscard]] const std::vector<Link>& links() const { return links_; }
@@ -70,6 +73,7 @@ class ModelBuilder {
 
   [[nodiscard]] std::vector<LinkId> depth_first() const;
   [[nodiscard]] Model compile() const;
+  void add_keyframes(Model& model) const;
   void require_link(const std::string& what, LinkId link) const;
   void require_single_dof(const std::string& what, JointId joint) const;
   void add_mimic_loops(Model& model) const;
@@ -89,6 +93,8 @@ class ModelBuilder {
   ContactRules contact_rules_;
   std::vector<NamedFrame> frames_;
   std::map<std::string, int, std::less<>> link_names_, joint_names_;
+  std::vector<Keyframe> keyframes_;
+  std::optional<double> time_step_;
   Vec3<double> gravity_{0, 0, -9.81};
   LoadReport report_;
 };

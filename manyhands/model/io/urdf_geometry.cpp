@@ -78,8 +78,10 @@ bool is_solid(const UrdfGeom& geom) {
     case ShapeType::kBox:
       return size.x > 0 && size.y > 0 && size.z > 0;
     case ShapeType::kMesh:
+    case ShapeType::kConvex:
       return scale.x != 0 && scale.y != 0 && scale.z != 0;
     case ShapeType::kPlane:
+    case ShapeType::kHeightField:
       return true;
   }
   return false;

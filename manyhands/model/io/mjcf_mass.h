@@ -1,0 +1,25 @@
+// The mass that shapes have, as MuJoCo derives it.
+#pragma once
+
+#include "manyhands/model/description.h"
+
+namespace manyhands::io {
+
+/// Mass properties of a solid shape of density 1 about its own frame: sphere, capsule, cylinder, box; 0 for others.
+[[nodiscard]] Inertial solid_of(const Shape& shape);
+/// Of the ellipsoid with these half axes.
+[[nodiscard]] Inertial solid_ellipsoid(const Vec3<double>& half_axes);
+/// Of the solid inside a mesh (Eberly, Polyhedral Mass Properties, 2002, by pyramids on each face); `legacy` counts
+/// every pyramid from the middle of the faces as positive, as MuJoCo does unless told otherwise.
+[[nodiscard]] Inertial solid_of(const Mesh& mesh, bool legacy);
+/// Of the skin of a mesh, at 1 kg/m^2.
+[[nodiscard]] Inertial skin_of(const Mesh& mesh);
+
+/// All masses and inertias times `factor`.
+[[nodiscard]] Inertial scaled(const Inertial& inertial, double factor);
+/// The inertial of a part at pose X, in the frame in which X is given.
+[[nodiscard]] Inertial placed(const Transform<double>& X, const Inertial& inertial);
+/// Both together.
+[[nodiscard]] Inertial sum(const Inertial& a, const Inertial& b);
+
+}  // namespace manyhands::io
