@@ -54,7 +54,7 @@ MANYHANDS_INLINE SignedDistance<T> distance_from_box(const Vec3<T>& p, const Vec
   const T x = abs(p.x) - half.x, y = abs(p.y) - half.y, z = abs(p.z) - half.z;
   const T deepest = max(x, max(y, z));
   const mask_t<T> is_x = x >= deepest;
-  const mask_t<T> is_y = (y >= deepest) & !is_x;
+  const mask_t<T> is_y = (y >= deepest) & (!is_x);
   const Vec3<T> face{select(is_x, one, zero), select(is_y, one, zero), select(is_x | is_y, zero, one)};
   const auto gap = direction_or(Vec3<T>{max(x, zero), max(y, zero), max(z, zero)}, face);
   const Vec3<T> out = gap.unit;

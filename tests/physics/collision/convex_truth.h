@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "manyhands/math/quaternion.h"
@@ -23,6 +24,26 @@ struct Body {
   Vec size{};
   Pose X_WB = Pose::identity();
 };
+
+inline std::string describe(const Body& body) {
+  std::string text = "size";
+  const auto add = [&](const Vec& v) {
+    for (const double x : {v.x, v.y, v.z}) text += " " + std::to_string(x);
+  };
+  add(body.size);
+  text += " at";
+  add(body.X_WB.p);
+  text += " axes";
+  add(body.X_WB.R.x);
+  add(body.X_WB.R.y);
+  add(body.X_WB.R.z);
+  return text;
+}
+
+template <class R>
+std::size_t deepest(const Manifold<R>& m) {
+  return static_cast<std::size_t>(std::min_element(m.phi.begin(), m.phi.end()) - m.phi.begin());
+}
 
 inline Vec unit(const Vec& v) { return (1 / norm(v)) * v; }
 

@@ -49,26 +49,6 @@ Manifold<double> collide(const Body& a, const Body& b) {
   return collide<double>(a.type, b.type, a.size, a.X_WB, b.size, b.X_WB);
 }
 
-template <class R>
-std::size_t deepest(const Manifold<R>& m) {
-  return static_cast<std::size_t>(std::min_element(m.phi.begin(), m.phi.end()) - m.phi.begin());
-}
-
-std::string describe(const Body& body) {
-  std::string text = "size";
-  const auto add = [&](const Vec& v) {
-    for (const double x : {v.x, v.y, v.z}) text += " " + std::to_string(x);
-  };
-  add(body.size);
-  text += " at";
-  add(body.X_WB.p);
-  text += " axes";
-  add(body.X_WB.R.x);
-  add(body.X_WB.R.y);
-  add(body.X_WB.R.z);
-  return text;
-}
-
 class PrimitivePairs : public ::testing::TestWithParam<PairOfShapes> {
  protected:
   std::string where(int trial, const Body& a, const Body& b) {
