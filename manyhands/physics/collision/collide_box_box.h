@@ -90,6 +90,7 @@ MANYHANDS_INLINE BoxPoint<T> nearest_corners(const BoxPair<T>& boxes, const Vec3
 }  // namespace internal
 
 /// sizes: half extents. Faces: up to four corners of their overlap, the deepest among them; edges: one point.
+/// No points where the boxes are more than the margin apart.
 template <Number T>
 Manifold<T> collide_box_box(const Vec3<T>& size_A, const Transform<T>& X_WA, const Vec3<T>& size_B,
                             const Transform<T>& X_WB, T margin) {
@@ -97,28 +98,39 @@ Manifold<T> collide_box_box(const Vec3<T>& size_A, const Transform<T>& X_WA, con
   const T zero(R(0)), far(std::numeric_limits<R>::infinity());
   const internal::BoxPair<T> boxes(size_A, X_WA, size_B, X_WB);
   const auto face = internal::best_face(boxes);
-  const auto edge = internal::best_edge(boxes);
-  const T preference = fma(T(R(0.02)), max(-face.separation, zero), boxes.bias);
-  const mask_t<T> by_edge = edge.separation > face.separation + preference;
+  Manifold<T> m;
+  m.normal = {zero, zero, T(R(1))};
+  m.p.fill(Vec3<T>::zero());
+  const mask_t<T> near = face.separation <= margin;
+  when(near, [&] {
+    const auto edge = internal::best_edge(boxes);
+    const mask_t<T> by_edge = near & (edge.separation > face.separation + boxes.bias);
+    const T separation = select(by_edge, edge.separation, face.separation);
 
-  auto m = internal::overlap_of_faces(boxes, face, X_WA, X_WB, margin);
-  const T lowest = min(min(m.phi[0], m.phi[1]), min(m.phi[2], m.phi[3]));
-  const T separation = select(by_edge, edge.separation, face.separation);
-  mask_t<T> past = (!by_edge) & (lowest > fma(T(R(1.001)), face.separation, boxes.bias));
+    const auto overlap = internal::overlap_of_faces(boxes, face, X_WA, X_WB, margin);
+    m.normal = select(near, overlap.normal, m.normal);
+    T lowest = far;
+    for (std::size_t k = 0; k < m.phi.size(); ++k) {
+      m.p[k] = select(near, overlap.p[k], m.p[k]);
+      m.phi[k] = select(near, overlap.phi[k], far);
+      lowest = min(overlap.phi[k], lowest);
+    }
+    mask_t<T> past = (near ^ by_edge) & (lowest > fma(T(R(1.001)), face.separation, boxes.bias));
 
-  const auto put = [&](mask_t<T> where, const internal::BoxPoint<T>& point) {
-    m.normal = select(where, X_WA.R * point.normal, m.normal);
-    m.p[0] = select(where, X_WA * point.p, m.p[0]);
-    m.phi[0] = select(where, point.phi, m.phi[0]);
-    for (std::size_t k = 1; k < m.phi.size(); ++k) m.phi[k] = select(where, far, m.phi[k]);
-  };
-  when(by_edge, [&] {
-    const auto crossing = internal::cross_edges(boxes, edge);
-    put(by_edge, crossing.point);
-    past = past | (by_edge & crossing.past_end);
+    const auto put = [&](mask_t<T> where, const internal::BoxPoint<T>& point) {
+      m.normal = select(where, X_WA.R * point.normal, m.normal);
+      m.p[0] = select(where, X_WA * point.p, m.p[0]);
+      m.phi[0] = select(where, point.phi, m.phi[0]);
+      for (std::size_t k = 1; k < m.phi.size(); ++k) m.phi[k] = select(where, far, m.phi[k]);
+    };
+    when(by_edge, [&] {
+      const auto crossing = internal::cross_edges(boxes, edge);
+      put(by_edge, crossing.point);
+      past = past | (by_edge & crossing.past_end);
+    });
+    const mask_t<T> at_corner = past & (separation > zero) & (separation <= margin);
+    when(at_corner, [&] { put(at_corner, internal::nearest_corners(boxes, m.normal)); });
   });
-  const mask_t<T> at_corner = past & (separation > zero) & (separation <= margin);
-  when(at_corner, [&] { put(at_corner, internal::nearest_corners(boxes, Vec3<T>{zero, zero, T(R(1))})); });
   return m;
 }
 

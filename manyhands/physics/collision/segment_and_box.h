@@ -88,7 +88,7 @@ struct SegmentAndBox {
       const T sign = -copysign(inverse_length, along);
       const T n_j = -sign * d[k], n_k = sign * d[j];
       const T depth = fma(half_extent[j], abs(n_j), half_extent[k] * abs(n_k)) - abs(along);
-      const mask_t<T> better = slanted & (depth < T(R(0.98)) * least);
+      const mask_t<T> better = slanted & (depth < least);
       Vec3<T> n = Vec3<T>::zero();
       (j == 0 ? n.x : j == 1 ? n.y : n.z) = n_j;
       (k == 0 ? n.x : k == 1 ? n.y : n.z) = n_k;
