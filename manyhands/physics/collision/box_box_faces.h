@@ -78,46 +78,64 @@ MANYHANDS_INLINE FaceCandidates<T> face_candidates(const FacePair<T>& f) {
   return points;
 }
 
+/// Of the points with phi <= limit the one farthest from `from`, and the square of how far; `from` if none is.
+template <Number T>
+struct Farthest {
+  FacePoint<T> point;
+  T squared;
+};
+template <Number T>
+MANYHANDS_INLINE Farthest<T> farthest(const FaceCandidates<T>& points, const FacePoint<T>& from, T limit) {
+  Farthest<T> best{from, T(real_t<T>(0))};
+  for (const auto& point : points) {
+    const T u = point.u - from.u, v = point.v - from.v;
+    const T squared = fma(u, u, v * v);
+    const mask_t<T> better = (point.phi <= limit) & (squared > best.squared);
+    best = {choose(better, point, best.point), select(better, squared, best.squared)};
+  }
+  return best;
+}
+
 /// The deepest point, the one farthest from it, and the farthest to either side of the line between them; of points
-/// farther away than the margin the deepest only. Points that are none have an infinite phi; so do those no
-/// farther apart, or from the line, than `coincident`.
+/// farther away than the margin the deepest only. Points that are none have an infinite phi; so do those no farther
+/// apart, or from the line, than `coincident`.
 template <Number T>
 MANYHANDS_INLINE std::array<FacePoint<T>, 4> thin_out(const FaceCandidates<T>& points, T margin, T rounding,
                                                       T coincident) {
   using R = real_t<T>;
-  const T far(std::numeric_limits<R>::infinity());
+  const T far(std::numeric_limits<R>::infinity()), most_finite(std::numeric_limits<R>::max());
+  T least_phi = points[0].phi;
   FacePoint<T> first = points[0];
-  for (std::size_t k = 1; k < points.size(); ++k)
-    first = choose(points[k].phi < first.phi - rounding, points[k], first);
-  const T limit = min(max(margin, first.phi), T(std::numeric_limits<R>::max()));
-
-  FacePoint<T> second = first;
-  T longest = coincident * coincident;
-  for (const auto& point : points) {
-    const T du = point.u - first.u, dv = point.v - first.v;
-    const T length = fma(du, du, dv * dv);
-    const mask_t<T> better = (point.phi <= limit) & (length > longest);
-    second = choose(better, point, second);
-    longest = select(better, length, longest);
+  for (std::size_t k = 1; k < points.size(); ++k) {
+    first = choose(points[k].phi < least_phi, points[k], first);
+    least_phi = min(points[k].phi, least_phi);
   }
-  const T u = second.u - first.u, v = second.v - first.v;
+  const T limit = min(max(margin, least_phi), most_finite);
+  auto second = farthest(points, first, limit);
+  // Of points that are as deep but for rounding, the one that spans most: on faces that coincide, a corner.
+  const T as_deep = least_phi + fma(T(R(1e-6)), sqrt(second.squared), rounding);
+  const auto opposite = farthest(points, second.point, min(as_deep, limit));
+  first = opposite.point;
+  const mask_t<T> apart = opposite.squared > coincident * coincident;
 
+  const T u = second.point.u - first.u, v = second.point.v - first.v;
+  const T least_area = coincident * sqrt(opposite.squared);
   FacePoint<T> left = first, right = first;
-  T most = coincident * sqrt(longest), least = -most;
+  T most = least_area, least = -least_area;
   for (const auto& point : points) {
     const T area = fma(u, point.v - first.v, -(v * (point.u - first.u)));
-    const mask_t<T> usable = point.phi <= limit;
-    const mask_t<T> on_left = usable & (area > most), on_right = usable & (area < least);
+    const mask_t<T> usable = apart & (point.phi <= limit);
+    const mask_t<T> on_left = usable & (area > most);
+    const mask_t<T> on_right = usable & (area < least);
     left = choose(on_left, point, left);
     most = select(on_left, area, most);
     right = choose(on_right, point, right);
     least = select(on_right, area, least);
   }
-  const mask_t<T> has_second = longest > coincident * coincident;
-  second.phi = select(has_second, second.phi, far);
-  left.phi = select(most > coincident * sqrt(longest), left.phi, far);
-  right.phi = select(least < -(coincident * sqrt(longest)), right.phi, far);
-  return {first, second, left, right};
+  second.point.phi = select(apart, second.point.phi, far);
+  left.phi = select(most > least_area, left.phi, far);
+  right.phi = select(least < -least_area, right.phi, far);
+  return {first, second.point, left, right};
 }
 
 /// Where the opposite face lies over the chosen one.

@@ -100,8 +100,10 @@ Manifold<T> collide_capsule_box(const Vec3<T>& size_A, const Transform<T>& X_WA,
     t = select(by_edge, out.at_edge, t);
   });
 
-  auto facing = s.facing(normal, t, select(inside, T(R(0)), T(R(0.01)) * size_A.x));
-  facing = {select(by_edge, t, facing.low), select(by_edge, t, facing.high)};
+  const T slack = select(inside, T(R(0)), T(R(0.01)) * size_A.x);
+  auto facing = s.facing(normal, t, slack);
+  facing.low = select(by_edge | (facing.low >= t - T(R(2)) * slack), t, facing.low);
+  facing.high = select(by_edge | (facing.high <= t + T(R(2)) * slack), t, facing.high);
   const T box_face = fma(size_B.x, abs(normal.x), fma(size_B.y, abs(normal.y), size_B.z * abs(normal.z)));
   std::array<internal::SegmentPoint<T>, 3> points;
   const std::array<T, 3> along{facing.low, facing.high, t};

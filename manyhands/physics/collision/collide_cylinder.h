@@ -17,7 +17,7 @@ Manifold<T> collide_cylinder_plane(const Vec3<T>& size_A, const Transform<T>& X_
   const Vec3<T>& up = X_WB.R.z;
   const T cosine = dot(axis, up);
   // The least bit of x gives the rim of a standing cylinder a place to begin that rounding does not move about.
-  const T bias(R(64) * std::numeric_limits<R>::epsilon());
+  const T bias(std::same_as<R, float> ? R(1e-5) : R(1e-7));
   const Vec3<T> falling = fma(bias, X_WA.R.x, cross(axis, cross(axis, up)));
   const Vec3<T> down = internal::direction_or(falling, X_WA.R.x).unit;
   const Vec3<T> beside = cross(axis, down);

@@ -105,14 +105,15 @@ struct SegmentAndBox {
   struct Stretch {
     T low, high;
   };
-  /// The part of the segment, t included, that lies beside the box seen along the normal.
+  /// The part of the segment that lies over the box seen along the normal; over its edge or corner, if t does.
   MANYHANDS_INLINE Stretch facing(const Vec3<T>& normal, T t, T slack) const {
     const std::array<T, 3> n{abs(normal.x), abs(normal.y), abs(normal.z)};
     const T largest = max(n[0], max(n[1], n[2]));
     Stretch s{-half, half};
     for (std::size_t i = 0; i < 3; ++i) {
       const T inverse_d = inverse_slope(i);
-      const T bound = max(half_extent[i], abs(fma(t, d[i], p[i]))) + slack;
+      const T at_t = abs(fma(t, d[i], p[i]));
+      const T bound = select(at_t > half_extent[i], at_t + slack, half_extent[i]);
       const T middle = -p[i] * inverse_d, reach = bound * abs(inverse_d);
       const mask_t<T> across = n[i] < largest;
       s.low = select(across, max(middle - reach, s.low), s.low);

@@ -82,5 +82,124 @@ TEST(BoxBox, EveryLaneIsTheScalar) {
   expect_lanes_collide_as_scalars<Lanes<float, 16>>(2000, bodies, function);
 }
 
+TEST(BoxBox, SinglePrecisionKeepsTheDistance) {
+  RandomBodies random(14);
+  for (int trial = 0; trial < 20000; ++trial) {
+    const auto [a, b] = random.pair(ShapeType::kBox, ShapeType::kBox);
+    SCOPED_TRACE("trial " + std::to_string(trial) + "\nA " + describe(a) + "\nB " + describe(b));
+    const auto m = collide(a, b);
+    const auto s = collide_box_box<float>(broadcast<float>(a.size), broadcast<float>(a.X_WB), broadcast<float>(b.size),
+                                          broadcast<float>(b.X_WB), static_cast<float>(kMargin));
+    const double phi = m.phi[deepest(m)];
+    if (phi > 0.99 * kMargin) continue;
+    ASSERT_NEAR(s.phi[deepest(s)], phi, 2e-6 + preference(a, b, phi));
+  }
+}
+
+TEST(BoxBox, MovesWithTheWorldAndSwapsSides) {
+  RandomBodies random(15);
+  for (int trial = 0; trial < 5000; ++trial) {
+    const auto [a, b] = random.pair(ShapeType::kBox, ShapeType::kBox);
+    SCOPED_TRACE("trial " + std::to_string(trial) + "\nA " + describe(a) + "\nB " + describe(b));
+    const auto m = collide(a, b), other = swapped(collide(b, a));
+    const double phi = m.phi[deepest(m)];
+    if (phi > 0.99 * kMargin) continue;
+    ASSERT_NEAR(other.phi[deepest(other)], phi, 2 * preference(a, b, phi) + 1e-9);
+    const Pose X{random.rotation(), {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)}};
+    const auto moved = collide({a.type, a.size, X * a.X_WB}, {b.type, b.size, X * b.X_WB});
+    ASSERT_NEAR(moved.phi[deepest(moved)], phi, 2 * preference(a, b, phi) + 1e-9);
+  }
+}
+
+/// A pose that stands upright but for a tilt [rad], turned by yaw.
+Pose standing(double yaw, double tilt, const Vec& p) {
+  return {to_matrix(normalized(Quat<double>{tilt, 0.5 * tilt, std::sin(yaw / 2), std::cos(yaw / 2)})), p};
+}
+
+/// The points' distances from the wanted ones: each wanted point has one near.
+template <class R>
+double worst_miss(const Manifold<R>& m, const std::vector<Vec>& wanted) {
+  double worst = 0;
+  for (const Vec& w : wanted) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < m.phi.size(); ++k) {
+      if (std::isfinite(m.phi[k])) nearest = std::min(nearest, norm(broadcast<double>(m.p[k]) - w));
+    }
+    worst = std::max(worst, nearest);
+  }
+  return worst;
+}
+
+template <class R>
+Manifold<R> collide_as(const Body& a, const Body& b) {
+  return collide_box_box<R>(broadcast<R>(a.size), broadcast<R>(a.X_WB), broadcast<R>(b.size), broadcast<R>(b.X_WB),
+                            static_cast<R>(kMargin));
+}
+
+// A small cube at rest on a large table, in single precision and with the tilts of rounding: always its four corners.
+TEST(BoxBox, CubeOnATableKeepsItsFourCorners) {
+  RandomBodies random(16);
+  for (int trial = 0; trial < 5000; ++trial) {
+    const double yaw = random.chance(0.3) ? 0 : random.uniform(-3, 3);
+    const Body table{ShapeType::kBox, {0.55, 0.35, 0.2}, standing(random.chance(0.5) ? 0 : yaw, 0, {0.2, -0.1, -0.2})};
+    const Vec above = table.X_WB * Vec{random.uniform(-0.5, 0.5), random.uniform(-0.3, 0.3), 0.22};
+    const double tilt = random.uniform(-1e-4, 1e-4);
+    const Body cube{
+        ShapeType::kBox, {0.02, 0.02, 0.02}, standing(yaw, tilt, above + Vec{0, 0, random.uniform(-1e-4, 1e-4)})};
+    std::vector<Vec> corners;
+    for (const double x : {-0.02, 0.02}) {
+      for (const double y : {-0.02, 0.02}) corners.push_back(cube.X_WB * Vec{x, y, -0.02});
+    }
+    const auto below = collide_as<float>(table, cube), over = collide_as<float>(cube, table);
+    ASSERT_LT(worst_miss(below, corners), 1e-4) << trial;
+    ASSERT_LT(worst_miss(over, corners), 1e-4) << trial;
+    ASSERT_NEAR(below.normal.z, 1, 1e-6) << trial;
+    ASSERT_NEAR(over.normal.z, -1, 1e-6) << trial;
+  }
+}
+
+// Cubes of one size one upon the other, flush but for rounding, share all four corners.
+TEST(BoxBox, StackedCubesShareFourCorners) {
+  RandomBodies random(17);
+  for (int trial = 0; trial < 5000; ++trial) {
+    const auto noise = [&] { return random.uniform(-1, 1) * std::pow(10.0, random.uniform(-9, -4)); };
+    const Body low{ShapeType::kBox, {0.02, 0.02, 0.02}, standing(noise(), noise(), {0.5, 0.3, 0.02})};
+    const Body high{ShapeType::kBox,
+                    {0.02, 0.02, 0.02},
+                    standing(noise(), noise(), {0.5 + noise(), 0.3 + noise(), 0.06 + noise()})};
+    std::vector<Vec> corners;
+    for (const double x : {0.48, 0.52}) {
+      for (const double y : {0.28, 0.32}) corners.push_back({x, y, 0.04});
+    }
+    const auto m = collide_as<float>(low, high);
+    ASSERT_LT(worst_miss(m, corners), 4e-4) << trial;
+    ASSERT_NEAR(m.normal.z, 1, 1e-6) << trial;
+  }
+}
+
+TEST(BoxBox, CrossedEdgesTouchOnce) {
+  const double c = std::numbers::sqrt2 / 2;
+  const Body low{ShapeType::kBox, {0.02, 0.02, 0.02}, {{{1, 0, 0}, {0, c, c}, {0, -c, c}}, Vec::zero()}};
+  for (const double gap : {-0.002, -1e-5, 1e-5, 0.002, 0.015}) {
+    const double z = 2 * 0.02 * std::numbers::sqrt2 + gap;
+    const Body high{ShapeType::kBox, {0.02, 0.02, 0.02}, {{{c, 0, -c}, {0, 1, 0}, {c, 0, c}}, {0.003, -0.005, z}}};
+    const auto m = collide(low, high);
+    EXPECT_NEAR(norm(m.normal - Vec{0, 0, 1}), 0, 1e-12);
+    EXPECT_NEAR(m.phi[0], gap, 1e-12);
+    EXPECT_NEAR(norm(m.p[0] - Vec{0.003, 0, z / 2}), 0, 1e-12);
+    for (std::size_t k = 1; k < 4; ++k) EXPECT_FALSE(std::isfinite(m.phi[k]));
+  }
+}
+
+TEST(BoxBox, CornersAndSharedCentresAreFinite) {
+  const Vec half{0.02, 0.03, 0.04};
+  const Body box{ShapeType::kBox, half, Pose::identity()};
+  const auto inside = collide(box, box);
+  EXPECT_NEAR(inside.phi[deepest(inside)], -0.04, 1e-12);
+  const auto apart = collide(box, {ShapeType::kBox, half, {Mat3<double>::identity(), {0.041, 0.062, 0.082}}});
+  EXPECT_NEAR(apart.phi[0], 0.003, 1e-12);
+  EXPECT_NEAR(norm(apart.normal - Vec{1.0 / 3, 2.0 / 3, 2.0 / 3}), 0, 1e-9);
+}
+
 }  // namespace
 }  // namespace manyhands::testing
