@@ -3,16 +3,7 @@
 
 #include "manyhands/physics/collision/bounds_meet.h"
 #include "manyhands/physics/collision/collide_box.h"
-#if __has_include("manyhands/physics/collision/collide_box_box.h")
 #include "manyhands/physics/collision/collide_box_box.h"
-#else
-namespace manyhands {
-template <Number T>
-Manifold<T> collide_box_box(const Vec3<T>&, const Transform<T>&, const Vec3<T>&, const Transform<T>&, T) {
-  return {};
-}
-}  // namespace manyhands
-#endif
 #include "manyhands/physics/collision/collide_capsule.h"
 #include "manyhands/physics/collision/collide_cylinder.h"
 #include "manyhands/physics/collision/collide_sphere.h"

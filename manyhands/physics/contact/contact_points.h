@@ -21,7 +21,8 @@ struct ContactPoint {
   T softness{};      ///< what a soft surface adds to G_nn [1/kg]
   Vec3<T> offset{};  ///< J v less the target: the velocity is offset + J dv
   ContactStiffness<T> stiffness{};
-  Vec3<T> impulse{};  ///< [N s]
+  Vec3<T> impulse{};    ///< [N s]
+  Vec3<T> closed_at{};  ///< the impulse at which the loops were closed
 };
 
 /// What resists spinning about the normal and rolling across it at one contact point: impulses are moments.
@@ -34,7 +35,8 @@ struct ContactTorsion {
   Vec3<T> offset{};
   T spin_inverse{};
   ContactStiffness<T> stiffness{};
-  Vec3<T> impulse{};  ///< (about the normal, about t_1, about t_2) [N m s]
+  Vec3<T> impulse{};    ///< (about the normal, about t_1, about t_2) [N m s]
+  Vec3<T> closed_at{};  ///< the impulse at which the loops were closed
 };
 
 /// A touching surface's numbers, those of its two geoms combined.

@@ -2,7 +2,7 @@
 // the pivoting of the joints. See README.md in this folder.
 #pragma once
 
-#include "manyhands/physics/contact/prepare_contacts.h"
+#include "manyhands/physics/contact/loops.h"
 
 namespace manyhands {
 
@@ -16,6 +16,9 @@ namespace internal {
 
 /// Sweeps between two looks at the joints' stances.
 inline constexpr int kSweepsPerPivot = 8;
+
+/// How often the joints' stances may change once contacts take part.
+inline constexpr int kMostContactPivots = 12;
 
 /// Turns the tangent rows of G = J W so that what resists sliding is diagonal; the angle's cosine and sine.
 template <Number T>
@@ -46,11 +49,19 @@ MANYHANDS_INLINE ContactStiffness<T> diagonalise(const Mat3<T>& G, T softness, T
 /// W, G and the basis of every contact, for the stances whose factors are in ws.L. `active` worlds change their basis.
 template <Number T>
 MANYHANDS_INLINE void find_responses(const Tree<real_t<T>>& tree, const Workspace<T>& ws, mask_t<T> active,
-                                     ContactSet<T>& set) {
+                                     LoopSet<T>& loops, ContactSet<T>& set) {
   using R = real_t<T>;
   const T zero(R(0)), one(R(1));
+  const std::size_t nl = loops.x.size();
+  loops.Z.resize(nl * (set.points.size() + set.torsions.size()));
+  Vec3<T>* Z = loops.Z.data();
+  const auto turn_answer = [&](T c, T s) {
+    for (std::size_t i = 0; i < nl; ++i) Z[i] = turned_rows(Z[i], c, s);
+    Z += nl;
+  };
   for (ContactPoint<T>& point : set.points) {
-    const Mat3<T> G = respond(tree, point.rows, ws, set.store);
+    Mat3<T> G = respond(tree, point.rows, ws, set.store);
+    if (nl > 0) eliminate_loops(tree, point.rows, loops, Z, set.store, G);
     T c, s;
     const ContactStiffness<T> stiffness = diagonalise(G, point.softness, c, s);
     c = select(active, c, one);
@@ -62,9 +73,12 @@ MANYHANDS_INLINE void find_responses(const Tree<real_t<T>>& tree, const Workspac
     point.e_2 = e_2;
     point.offset = turned_rows(point.offset, c, s);
     point.impulse = turned_rows(point.impulse, c, s);
+    point.closed_at = point.impulse;
+    turn_answer(c, s);
   }
   for (ContactTorsion<T>& torsion : set.torsions) {
-    const Mat3<T> G = respond(tree, torsion.rows, ws, set.store);
+    Mat3<T> G = respond(tree, torsion.rows, ws, set.store);
+    if (nl > 0) eliminate_loops(tree, torsion.rows, loops, Z, set.store, G);
     // Spinning and rolling are solved apart: turn the rolling rows by their own block of G alone.
     T c, s;
     torsion.stiffness = diagonalise(Mat3<T>{{one, zero, zero}, {zero, G.y.y, G.y.z}, {zero, G.z.y, G.z.z}}, zero, c, s);
@@ -77,6 +91,8 @@ MANYHANDS_INLINE void find_responses(const Tree<real_t<T>>& tree, const Workspac
     torsion.t_2 = t_2;
     torsion.offset = turned_rows(torsion.offset, c, s);
     torsion.impulse = turned_rows(torsion.impulse, c, s);
+    torsion.closed_at = torsion.impulse;
+    turn_answer(c, s);
   }
 }
 
@@ -110,7 +126,8 @@ MANYHANDS_INLINE T relax(const Tree<real_t<T>>& tree, mask_t<T> active, T normal
   return T(real_t<T>(0));
 }
 
-/// Up to kSweepsPerPivot sweeps over all contacts in worlds that are not yet `settled`, back and forth in turn.
+/// Up to `most` sweeps over all contacts, always in the same order, in worlds that are not yet `settled`. Orders that
+/// go back and forth converge more slowly (docs/contact_solver.md).
 template <Number T>
 MANYHANDS_INLINE int sweep(const Tree<real_t<T>>& tree, T tolerance, int most, mask_t<T> active, ContactSet<T>& set,
                            T* dv, mask_t<T>& settled) {
@@ -121,10 +138,9 @@ MANYHANDS_INLINE int sweep(const Tree<real_t<T>>& tree, T tolerance, int most, m
     T largest(real_t<T>(0));
     const auto moving = !settled;
     for (std::size_t k = 0; k < n; ++k) {
-      const std::size_t i = sweeps % 2 == 0 ? k : n - 1 - k;
-      ContactPoint<T>& point = set.points[i];
+      ContactPoint<T>& point = set.points[k];
       largest = max(largest, relax(tree, moving, point, set.store, dv));
-      if (!set.torsions.empty()) relax(tree, moving, point.impulse.x, set.torsions[i], set.store, dv);
+      if (!set.torsions.empty()) relax(tree, moving, point.impulse.x, set.torsions[k], set.store, dv);
     }
     settled = settled | (largest <= tolerance);
     ++sweeps;
@@ -132,49 +148,90 @@ MANYHANDS_INLINE int sweep(const Tree<real_t<T>>& tree, T tolerance, int most, m
   return sweeps;
 }
 
-/// rhs = smooth + J^T impulses, and the motors' and limits' impulses that the present dv needs.
+/// What the loops' impulses become by the contacts' changes since they were closed.
 template <Number T>
-MANYHANDS_INLINE void find_joint_impulses(const Tree<real_t<T>>& tree, const Workspace<T>& ws, const ContactSet<T>& set,
-                                          JointConstraints<T>& jc) {
+MANYHANDS_INLINE void follow_contacts(ContactSet<T>& set, LoopSet<T>& loops) {
+  const std::size_t nl = loops.x.size();
+  const Vec3<T>* Z = loops.Z.data();
+  for (ContactPoint<T>& point : set.points) {
+    follow_contact(Z, point.impulse - point.closed_at, loops);
+    point.closed_at = point.impulse;
+    Z += nl;
+  }
+  for (ContactTorsion<T>& torsion : set.torsions) {
+    follow_contact(Z, torsion.impulse - torsion.closed_at, loops);
+    torsion.closed_at = torsion.impulse;
+    Z += nl;
+  }
+}
+
+/// rhs = smooth + J^T impulses.
+template <Number T>
+MANYHANDS_INLINE void gather_impulses(const Tree<real_t<T>>& tree, const ContactSet<T>& set, const LoopSet<T>& loops,
+                                      JointConstraints<T>& jc) {
   jc.rhs = jc.smooth;
-  for (const ContactPoint<T>& point : set.points)
-    add_row_impulse(tree, point.rows, set.store, point.impulse, jc.rhs.data());
-  for (const ContactTorsion<T>& torsion : set.torsions)
-    add_row_impulse(tree, torsion.rows, set.store, torsion.impulse, jc.rhs.data());
-  multiply_tree_matrix<T>(tree, ws.M.data(), jc.dv.data(), jc.impulse.data());
-  for (std::size_t i = 0; i < jc.impulse.size(); ++i) jc.impulse[i] = jc.impulse[i] - jc.rhs[i];
+  const auto add = [&](const auto& blocks, const RowStore<T>& store) {
+    for (const auto& block : blocks) add_row_impulse(tree, block.rows, store, block.impulse, jc.rhs.data());
+  };
+  add(set.points, set.store);
+  add(set.torsions, set.store);
+  add(loops.blocks, loops.store);
+}
+
+/// The impulses of motors and limits at the present dv, in trees that touch: there every dof is pushed or gives way.
+template <Number T>
+MANYHANDS_INLINE void find_joint_impulses(const T* stances, JointConstraints<T>& jc) {
+  using R = real_t<T>;
+  const T zero(R(0)), one(R(1));
+  for (std::size_t i = 0; i < jc.impulse.size(); ++i) {
+    const auto pushed = abs(stances[i]) == one, held = jc.spring[i] > zero;
+    const T pulled = jc.spring[i] * (held_change(stances[i], i, jc) - jc.dv[i]);
+    const T impulse = select(pushed, stances[i] * jc.max_impulse[i], select(held, pulled, jc.impulse[i]));
+    jc.impulse[i] = select(jc.touched[i] > zero, impulse, jc.impulse[i]);
+  }
 }
 
 }  // namespace internal
 
-/// dv of all dofs, and the impulses of contacts, motors and limits, after `prepare_contacts`; the number of sweeps.
+/// dv of all dofs, and the impulses of contacts, loops, motors and limits, after `prepare_contacts`; the number of
+/// sweeps.
 template <Number T>
 MANYHANDS_INLINE int solve_constraints(const Tree<real_t<T>>& tree, const SolverSettings& settings, State<T>& state,
-                                       Workspace<T>& ws, JointConstraints<T>& jc, ContactSet<T>& set) {
+                                       Workspace<T>& ws, JointConstraints<T>& jc, LoopSet<T>& loops,
+                                       ContactSet<T>& set) {
   using R = real_t<T>;
   solve_joint_constraints(tree, state, ws, jc);
-  if (set.points.empty()) return 0;
+  if (set.points.empty() && loops.blocks.empty()) return 0;
   const T tolerance(static_cast<R>(settings.tolerance));
   T* stances = state.stance();
   mask_t<T> active(true);
-  bool moved = true;
   int sweeps = 0;
-  while (true) {
-    if (moved) internal::find_responses(tree, ws, active, set);
+  bool moved = true;
+  for (int pivots = 0;;) {
+    if (moved) {
+      internal::find_loop_responses(tree, ws, loops);
+      internal::find_responses(tree, ws, active, loops, set);
+      internal::close_loops(tree, active, loops, jc.dv.data());
+    }
+    const int most = std::min(internal::kSweepsPerPivot, settings.max_sweeps - sweeps);
     mask_t<T> settled;
-    sweeps += internal::sweep(tree, tolerance, std::min(internal::kSweepsPerPivot, settings.max_sweeps - sweeps),
-                              active, set, jc.dv.data(), settled);
-    internal::find_joint_impulses(tree, ws, set, jc);
+    sweeps += internal::sweep(tree, tolerance, most, active, set, jc.dv.data(), settled);
+    internal::follow_contacts(set, loops);
+    internal::find_joint_impulses(stances, jc);
     const auto wrong = internal::find_better_stances(tree, stances, jc) > T(R(0));
     active = active & (wrong | !settled);
-    if (none(active) || sweeps >= settings.max_sweeps) return sweeps;
-    moved = any(active & wrong);
+    moved = any(active & wrong) && pivots < internal::kMostContactPivots;
+    if (none(active) || (!moved && sweeps >= settings.max_sweeps)) break;
     if (!moved) continue;
+    ++pivots;
     for (std::size_t i = 0; i < jc.dv.size(); ++i) stances[i] = select(active, jc.better[i], stances[i]);
     set.kept_dv = jc.dv;
+    internal::gather_impulses(tree, set, loops, jc);
     internal::solve_stances(tree, stances, ws, jc);
     for (std::size_t i = 0; i < jc.dv.size(); ++i) jc.dv[i] = select(active, jc.dv[i], set.kept_dv[i]);
   }
+  internal::remember_loops(loops, state.loops());
+  return sweeps;
 }
 
 }  // namespace manyhands

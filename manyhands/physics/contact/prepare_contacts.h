@@ -13,6 +13,10 @@ namespace internal {
 inline constexpr double kContactRecovery = 0.2;
 inline constexpr double kFastestRecovery = 0.5;
 
+/// Surfaces this near count as touching [m]. Without it the corners of a resting box, whose distances differ by
+/// rounding, would take turns in carrying it.
+inline constexpr double kTouching = 1e-6;
+
 /// The velocity of B's point at p (world) against A's.
 template <Number T>
 MANYHANDS_INLINE Vec3<T> relative_velocity(const Workspace<T>& ws, std::size_t a, std::size_t b, const Vec3<T>& p) {
@@ -59,8 +63,10 @@ MANYHANDS_INLINE void set_target(const CombinedSurface<T>& surface, T inverse_h,
                                  ContactPoint<T>& point) {
   using R = real_t<T>;
   const T zero(R(0)), one(R(1)), phi = point.phi;
-  const T out = min(T(static_cast<R>(kContactRecovery)) * (-phi * inverse_h), T(static_cast<R>(kFastestRecovery)));
-  const T hard = select(phi > zero, -phi * inverse_h, out);
+  const T slack(static_cast<R>(kTouching));
+  const T depth = max(-phi - slack, zero), gap = max(phi - slack, zero);
+  const T out = min(T(static_cast<R>(kContactRecovery)) * (depth * inverse_h), T(static_cast<R>(kFastestRecovery)));
+  const T hard = fma(-gap, inverse_h, out);
   const T back = fma(-surface.restitution, u_n, free_change);
   const auto lossless = surface.restitution >= one;
   const auto bounces = (surface.restitution > zero) & (lossless | ((u_n < zero) & (back > zero)));
@@ -112,7 +118,7 @@ MANYHANDS_INLINE void add_point(const Tree<real_t<T>>& tree, const Workspace<T>&
                                 const CombinedSurface<T>& surface, const Touch<T>& touch, std::size_t k,
                                 const RowBlock& bodies, const Vec3<T>& impulse, ContactSet<T>& set) {
   using R = real_t<T>;
-  const T zero(R(0)), one(R(1));
+  const T zero(R(0));
   const Manifold<T>& found = touch.contact;
   const auto exists = is_finite(found.phi[k]);
   ContactPoint<T>& point = set.points.emplace_back();

@@ -40,12 +40,12 @@ MANYHANDS_INLINE RowBlock add_row_block(const Tree<real_t<T>>& tree, std::size_t
   for (int i = last_b; i != rows.common; i = parent(i)) ++entries;
   store.J.resize(store.J.size() + entries);
   if (last_a >= 0) {
-    rows.begin_a = tree.root_dof[static_cast<std::size_t>(last_a)];
-    rows.end_a = tree.end_dof[static_cast<std::size_t>(last_a)];
+    rows.begin_a = tree.cluster_begin[static_cast<std::size_t>(last_a)];
+    rows.end_a = tree.cluster_end[static_cast<std::size_t>(last_a)];
   }
-  if (last_b >= 0 && (last_a < 0 || tree.root_dof[static_cast<std::size_t>(last_b)] != rows.begin_a)) {
-    rows.begin_b = tree.root_dof[static_cast<std::size_t>(last_b)];
-    rows.end_b = tree.end_dof[static_cast<std::size_t>(last_b)];
+  if (last_b >= 0 && (last_a < 0 || tree.cluster_begin[static_cast<std::size_t>(last_b)] != rows.begin_a)) {
+    rows.begin_b = tree.cluster_begin[static_cast<std::size_t>(last_b)];
+    rows.end_b = tree.cluster_end[static_cast<std::size_t>(last_b)];
   }
   store.W.resize(store.W.size() + static_cast<std::size_t>(rows.end_a - rows.begin_a + rows.end_b - rows.begin_b));
   return rows;
@@ -89,20 +89,9 @@ MANYHANDS_INLINE void apply_row_impulse(const RowBlock& rows, const RowStore<T>&
   apply(rows.begin_b, rows.end_b);
 }
 
-/// W = A J^T with the factors ws.L, in which all dofs of the two trees take part; G = J W by its columns.
+/// Writes W from store.x, which has it by dof, and multiplies: G = J W by its columns.
 template <Number T>
-MANYHANDS_INLINE Mat3<T> respond(const Tree<real_t<T>>& tree, const RowBlock& rows, const Workspace<T>& ws,
-                                 RowStore<T>& store) {
-  const auto solve = [&](int begin, int end) {
-    const std::span<const int> dofs(tree.dofs_from_leaves);
-    solve_ltdl(dofs.subspan(static_cast<std::size_t>(tree.nv - end), static_cast<std::size_t>(end - begin)),
-               tree.dof_parent.data(), tree.M_row.data(), ws.L.data(), store.x.data());
-  };
-  for (int i = rows.begin_a; i < rows.end_a; ++i) store.x[static_cast<std::size_t>(i)] = Vec3<T>::zero();
-  for (int i = rows.begin_b; i < rows.end_b; ++i) store.x[static_cast<std::size_t>(i)] = Vec3<T>::zero();
-  visit_rows<T>(tree, rows, [&](std::size_t entry, std::size_t i, real_t<T>) { store.x[i] = store.J[entry]; });
-  if (rows.end_a > rows.begin_a) solve(rows.begin_a, rows.end_a);
-  if (rows.end_b > rows.begin_b) solve(rows.begin_b, rows.end_b);
+MANYHANDS_INLINE Mat3<T> gather_response(const Tree<real_t<T>>& tree, const RowBlock& rows, RowStore<T>& store) {
   std::size_t entry = rows.W;
   for (int i = rows.begin_a; i < rows.end_a; ++i) store.W[entry++] = store.x[static_cast<std::size_t>(i)];
   for (int i = rows.begin_b; i < rows.end_b; ++i) store.W[entry++] = store.x[static_cast<std::size_t>(i)];
@@ -112,6 +101,44 @@ MANYHANDS_INLINE Mat3<T> respond(const Tree<real_t<T>>& tree, const RowBlock& ro
     G = {fma(w.x, store.J[k], G.x), fma(w.y, store.J[k], G.y), fma(w.z, store.J[k], G.z)};
   });
   return G;
+}
+
+/// W = A J^T with the factors ws.L, in which all dofs of the two clusters take part; G = J W by its columns. Leaves W
+/// by dof in store.x.
+template <Number T>
+MANYHANDS_INLINE Mat3<T> respond(const Tree<real_t<T>>& tree, const RowBlock& rows, const Workspace<T>& ws,
+                                 RowStore<T>& store) {
+  const auto solve = [&](int begin, int end) {
+    if (begin == end) return;
+    const std::span<const int> dofs(tree.dofs_from_leaves);
+    solve_ltdl(dofs.subspan(static_cast<std::size_t>(tree.nv - end), static_cast<std::size_t>(end - begin)),
+               tree.dof_parent.data(), tree.M_row.data(), ws.L.data(), store.x.data());
+  };
+  for (int i = rows.begin_a; i < rows.end_a; ++i) store.x[static_cast<std::size_t>(i)] = Vec3<T>::zero();
+  for (int i = rows.begin_b; i < rows.end_b; ++i) store.x[static_cast<std::size_t>(i)] = Vec3<T>::zero();
+  visit_rows<T>(tree, rows, [&](std::size_t entry, std::size_t i, real_t<T>) { store.x[i] = store.J[entry]; });
+  solve(rows.begin_a, rows.end_a);
+  solve(rows.begin_b, rows.end_b);
+  return gather_response(tree, rows, store);
+}
+
+/// J of one block times what another block's impulse does, `response` by dof: one Vec3 per row of this block, over the
+/// three impulses of the other.
+template <Number T>
+MANYHANDS_INLINE std::array<Vec3<T>, 3> multiply_shared_rows(const Tree<real_t<T>>& tree, const RowBlock& rows,
+                                                             const RowStore<T>& store, const RowBlock& other,
+                                                             const std::vector<Vec3<T>>& response) {
+  std::array<Vec3<T>, 3> product{Vec3<T>::zero(), Vec3<T>::zero(), Vec3<T>::zero()};
+  const auto covered = [&](std::size_t dof) {
+    const int i = static_cast<int>(dof);
+    return (i >= other.begin_a && i < other.end_a) || (i >= other.begin_b && i < other.end_b);
+  };
+  visit_rows<T>(tree, rows, [&](std::size_t entry, std::size_t i, real_t<T>) {
+    if (!covered(i)) return;
+    const Vec3<T>& J = store.J[entry];
+    product = {fma(J.x, response[i], product[0]), fma(J.y, response[i], product[1]), fma(J.z, response[i], product[2])};
+  });
+  return product;
 }
 
 /// Rows 2 and 3 turned by the angle of (c, s): (e_1, e_2) := (c e_1 + s e_2, c e_2 - s e_1).

@@ -16,9 +16,10 @@ class State {
       : nq_(static_cast<std::size_t>(model.nq())),
         nv_(static_cast<std::size_t>(model.nv())),
         nu_(static_cast<std::size_t>(model.nu())),
-        numbers_(nq_ + 6 * nv_ + nu_ + contact_numbers, T(real_t<T>(0))) {
-    const std::vector<double> neutral = model.neutral_configuration();
-    for (std::size_t i = 0; i < nq_; ++i) numbers_[i] = T(static_cast<real_t<T>>(neutral[i]));
+        nl_(loop_rows(model)),
+        numbers_(nq_ + 6 * nv_ + nu_ + nl_ + contact_numbers, T(real_t<T>(0))) {
+    const std::vector<double> initial = model.initial_configuration();
+    for (std::size_t i = 0; i < nq_; ++i) numbers_[i] = T(static_cast<real_t<T>>(initial[i]));
   }
 
   [[nodiscard]] T* q() { return numbers_.data(); }          ///< (nq) configuration
@@ -29,7 +30,10 @@ class State {
   [[nodiscard]] T* stance() { return target_v() + nv_; }    ///< (nv) warm start of the joint constraints
   [[nodiscard]] T* dv() { return stance() + nv_; }          ///< (nv) change of v in the last step: a hint to the next
   [[nodiscard]] T* ctrl() { return dv() + nv_; }            ///< (nu) commands of the actuators
-  [[nodiscard]] std::span<T> contacts() { return numbers().subspan(nq_ + 6 * nv_ + nu_); }  ///< what they remember
+  [[nodiscard]] std::span<T> loops() { return numbers().subspan(nq_ + 6 * nv_ + nu_, nl_); }  ///< warm start: impulses
+  [[nodiscard]] std::span<T> contacts() {
+    return numbers().subspan(nq_ + 6 * nv_ + nu_ + nl_);
+  }  ///< what they remember
   [[nodiscard]] const T* q() const { return numbers_.data(); }
   [[nodiscard]] const T* v() const { return q() + nq_; }
   [[nodiscard]] const T* tau() const { return v() + nv_; }
@@ -39,20 +43,20 @@ class State {
   [[nodiscard]] const T* dv() const { return stance() + nv_; }
   [[nodiscard]] const T* ctrl() const { return dv() + nv_; }
 
-  [[nodiscard]] std::span<const T> contacts() const { return numbers().subspan(nq_ + 6 * nv_ + nu_); }
+  [[nodiscard]] std::span<const T> contacts() const { return numbers().subspan(nq_ + 6 * nv_ + nu_ + nl_); }
 
   /// Makes room for other contacts; the old ones are forgotten.
   void resize_contacts(std::size_t count) {
-    numbers_.resize(nq_ + 6 * nv_ + nu_);
-    numbers_.resize(nq_ + 6 * nv_ + nu_ + count, T(real_t<T>(0)));
+    numbers_.resize(nq_ + 6 * nv_ + nu_ + nl_);
+    numbers_.resize(nq_ + 6 * nv_ + nu_ + nl_ + count, T(real_t<T>(0)));
   }
 
   [[nodiscard]] std::span<T> numbers() { return numbers_; }
   [[nodiscard]] std::span<const T> numbers() const { return numbers_; }
 
  private:
-  std::size_t nq_, nv_, nu_;
-  std::vector<T> numbers_;  // q, v, tau, target_q, target_v, stance, dv, ctrl, contacts
+  std::size_t nq_, nv_, nu_, nl_;
+  std::vector<T> numbers_;  // q, v, tau, target_q, target_v, stance, dv, ctrl, loops, contacts
 };
 
 /// Copies lane `from_lane` of one state into lane `to_lane` of another of the same model.

@@ -1,5 +1,7 @@
 #include "manyhands/physics/dynamics/tree.h"
 
+#include <algorithm>
+
 #include "manyhands/math/instantiate.h"
 
 namespace manyhands {
@@ -25,6 +27,69 @@ void set_turn(const Mat3<double>& m, TreeBody<R>& body) {
                                                                  : Turn::kQuarters;
 }
 
+/// Whether the loop also holds rotations.
+bool turns(LoopType type) {
+  return type == LoopType::kHinge || type == LoopType::kFixed || type == LoopType::kPrismatic ||
+         type == LoopType::kSlider;
+}
+
+template <Real R>
+TreeLoop<R> tree_loop(const Model& model, const LoopConstraint& loop) {
+  TreeLoop<R> result{.type = loop.type,
+                     .ratio = static_cast<R>(loop.ratio),
+                     .offset = static_cast<R>(loop.offset),
+                     .max_force = static_cast<R>(loop.max_force),
+                     .turns = turns(loop.type)};
+  if (loop.type == LoopType::kJoint || loop.type == LoopType::kGear) {
+    const Joint &a = model.joint(loop.joint_a), &b = model.joint(loop.joint_b);
+    result.body_a = model.link(a.child).body.index();
+    result.body_b = model.link(b.child).body.index();
+    result.dof_a = static_cast<std::size_t>(a.iv);
+    result.dof_b = static_cast<std::size_t>(b.iv);
+    result.q_a = static_cast<std::size_t>(a.iq);
+    result.q_b = static_cast<std::size_t>(b.iq);
+  } else {
+    const Link &a = model.link(loop.link_a), &b = model.link(loop.link_b);
+    result.body_a = a.body.index();
+    result.body_b = b.body.index();
+    result.X_BA = broadcast<R>(a.X_BL * loop.X_LA);
+    result.X_BB = broadcast<R>(b.X_BL * loop.X_LB);
+  }
+  return result;
+}
+
+/// Widens the ranges of dofs until no loop leaves its own and no two overlap in part.
+template <Real R>
+void join_clusters(Tree<R>& tree) {
+  tree.cluster_begin = tree.root_dof;
+  tree.cluster_end = tree.end_dof;
+  const auto join = [&](int i, int j) {
+    if (i < 0 || j < 0) return false;
+    const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
+    const int begin = std::min(tree.cluster_begin[a], tree.cluster_begin[b]);
+    const int end = std::max(tree.cluster_end[a], tree.cluster_end[b]);
+    bool grew = false;
+    for (auto k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k) {
+      grew = grew || tree.cluster_begin[k] != begin || tree.cluster_end[k] != end;
+      tree.cluster_begin[k] = begin;
+      tree.cluster_end[k] = end;
+    }
+    return grew;
+  };
+  for (bool grew = true; grew;) {
+    grew = false;
+    for (const TreeLoop<R>& loop : tree.loops) {
+      const int a = tree.last_dof[loop.body_a], b = tree.last_dof[loop.body_b];
+      grew = join(a, b) || grew;
+      for (const int end : {a, b}) {
+        if (end < 0) continue;
+        const auto i = static_cast<std::size_t>(end);
+        grew = join(tree.cluster_begin[i], tree.cluster_end[i] - 1) || grew;
+      }
+    }
+  }
+}
+
 template <Number T>
 std::vector<T> broadcast_all(std::span<const double> values) {
   std::vector<T> result;
@@ -33,6 +98,12 @@ std::vector<T> broadcast_all(std::span<const double> values) {
 }
 
 }  // namespace
+
+std::size_t loop_rows(const Model& model) {
+  std::size_t rows = 0;
+  for (const LoopConstraint& loop : model.loops()) rows += turns(loop.type) ? 6 : 3;
+  return rows;
+}
 
 template <Real R>
 Tree<R>::Tree(const Model& model)
@@ -67,6 +138,12 @@ Tree<R>::Tree(const Model& model)
                        : body.nv > 0    ? body.iv + body.nv - 1
                                         : last_dof[static_cast<std::size_t>(body.parent)]);
   }
+  for (const LoopConstraint& loop : model.loops()) {
+    loops.push_back(tree_loop<R>(model, loop));
+    loops.back().row = loop_rows;
+    loop_rows += loops.back().turns ? 6 : 3;
+  }
+  join_clusters(*this);
   dof_drive.assign(static_cast<std::size_t>(nv), -1);
   for (const Actuator& actuator : model.actuators()) {
     const Joint& joint = model.joint(actuator.joint);

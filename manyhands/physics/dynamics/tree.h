@@ -35,6 +35,18 @@ struct TreeActuator {
   std::size_t q{};  ///< the coordinate it measures
 };
 
+/// A loop of the model between two bodies, or two dofs, as kernels read it.
+template <Real R>
+struct TreeLoop {
+  LoopType type{};
+  std::size_t body_a{}, body_b{};                                                 ///< of joints: the bodies they move
+  Transform<R> X_BA = Transform<R>::identity(), X_BB = Transform<R>::identity();  ///< the frames on their bodies
+  std::size_t dof_a{}, dof_b{}, q_a{}, q_b{};                                     ///< of kJoint and kGear
+  R ratio{}, offset{}, max_force{};
+  std::size_t row{};  ///< its first row of three
+  bool turns{};       ///< whether three rows of rotation follow the first three
+};
+
 /// The uniform part of a model for kernels of real type R.
 template <Real R>
 struct Tree {
@@ -45,7 +57,7 @@ struct Tree {
   std::vector<TreeBody<R>> bodies;        ///< (nb)
   std::vector<int> dof_parent;            ///< (nv) next dof towards the root, or -1
   std::vector<int> root_dof;              ///< (nv) first dof of the dof's tree; trees take consecutive dofs
-  std::vector<int> end_dof;                ///< (nv) one past the last dof of the dof's tree
+  std::vector<int> end_dof;               ///< (nv) one past the last dof of the dof's tree
   std::vector<int> last_dof;              ///< (nb) the body's last dof, or its next ancestor's; -1 if it never moves
   std::vector<std::ptrdiff_t> M_row;      ///< (nv) M[M_row[i] + j] is entry (i, j <= i) within a tree; trees follow
                                           ///< each other, and nothing is stored between them
@@ -54,8 +66,15 @@ struct Tree {
   std::vector<int> dof_q;                 ///< (nv) the coordinate that the dof integrates, or -1
   std::vector<std::uint8_t> dof_limited;  ///< (nv) whether the joint has position limits
   std::vector<TreeActuator> actuators;    ///< (nu)
-  std::vector<int> dof_drive;             ///< (nv) the position or velocity actuator of the dof, or -1
+  std::vector<TreeLoop<R>> loops;
+  std::size_t loop_rows{};         ///< three for every loop, six where it holds rotations
+  std::vector<int> cluster_begin;  ///< (nv) first dof of the trees that loops join to the dof's, as one range
+  std::vector<int> cluster_end;    ///< (nv) one past their last
+  std::vector<int> dof_drive;      ///< (nv) the position or velocity actuator of the dof, or -1
 };
+
+/// Rows of all loops of a model: three each, six where they hold rotations.
+[[nodiscard]] std::size_t loop_rows(const Model& model);
 
 /// What may differ from world to world: set from the model, then randomised at will. Kernels take P = T, numbers of
 /// their own for every lane, or P = real_t<T>, the same for all: that is smaller and stays in the nearest cache.

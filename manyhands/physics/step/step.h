@@ -29,12 +29,14 @@ struct StepWorkspace {
       : dynamics(system.tree),
         joints(system.tree.nv),
         collision(system.colliders),
+        loops(system.tree),
         contacts(system.colliders, system.tree.nv),
         resting(static_cast<std::size_t>(system.tree.nb)) {}
 
   Workspace<T> dynamics;
   JointConstraints<T> joints;
   CollisionWorkspace<T> collision;
+  LoopSet<T> loops;
   ContactSet<T> contacts;
   std::vector<T> resting;  ///< (nb) 1 where something holds the body up
   int sweeps = 0;          ///< that the solver took
@@ -115,15 +117,15 @@ MANYHANDS_INLINE void step(const System<real_t<T>>& system, const Params<P>& par
   const Colliders<real_t<T>>& colliders = system.colliders;
   const std::span<const ColliderPair> pairs(colliders.pairs);
   const std::span<RememberedManifold<T>> memory = remembered(state.contacts());
-  bias_and_mass_matrix(tree, params, state.q(), state.v(), ws.dynamics);      // 1 kinematics, bias, inertia
+  bias_and_mass_matrix(tree, params, state.q(), state.v(), ws.dynamics);      // 1 kinematics, bias and inertia
   collide(colliders, pairs, params, h, ws.dynamics, ws.collision);            // 2 what touches
-  prepare_joint_constraints(tree, params, h, state, ws.dynamics, ws.joints);  // 3 what joints want
-  prepare_contacts(tree, colliders, pairs, params, h, memory, ws.collision, ws.dynamics, ws.joints,
-                   ws.contacts);  // 4 what contacts want
-  ws.sweeps = solve_constraints(tree, system.solver, state, ws.dynamics, ws.joints, ws.contacts);  // 5 what they get
-  remember(ws.contacts, memory);                              // 6 for the next step
-  add_velocity_change(ws.joints.dv, state);                   // 7 velocities
-  integrate_configuration(tree, state.v(), T(h), state.q());  // 8 positions
+  prepare_joint_constraints(tree, params, h, state, ws.dynamics, ws.joints);  // 3 what motors and limits want,
+  prepare_loops(tree, h, state, ws.dynamics, ws.joints, ws.loops);            //   loops,
+  prepare_contacts(tree, colliders, pairs, params, h, memory, ws.collision, ws.dynamics, ws.joints, ws.contacts);
+  ws.sweeps = solve_constraints(tree, system.solver, state, ws.dynamics, ws.joints, ws.loops, ws.contacts);  // 4
+  remember(ws.contacts, memory);                              // 5 where the next step begins
+  add_velocity_change(ws.joints.dv, state);                   // 6 velocities
+  integrate_configuration(tree, state.v(), T(h), state.q());  // 7 positions
   correct_free_fall(tree, params, h, ws.contacts, ws.resting, state);
 }
 

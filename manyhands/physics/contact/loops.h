@@ -1,0 +1,292 @@
+// Loops: equations between bodies or joints that always hold. They are eliminated exactly: what contacts see is the
+// tree's answer to an impulse with the loops' own answer to it taken off.
+#pragma once
+
+#include <algorithm>
+
+#include "manyhands/physics/contact/prepare_contacts.h"
+
+namespace manyhands {
+
+/// Three rows of one loop. Rows that the loop does not need are zero.
+template <Number T>
+struct LoopRows {
+  RowBlock rows{};
+  std::size_t loop{};
+  Vec3<T> offset{};   ///< J v less the velocity that closes the loop by the step's end
+  Vec3<T> impulse{};  ///< [N s or N m s]
+  T most{};           ///< of each component
+};
+
+/// All loops of a model: K = J A J^T over all their rows, and its factors.
+template <Number T>
+struct LoopSet {
+  explicit LoopSet(const Tree<real_t<T>>& tree)
+      : K(tree.loop_rows * tree.loop_rows), pivot_inverse(tree.loop_rows), x(tree.loop_rows) {
+    blocks.reserve(tree.loop_rows / 3);
+    store.x.resize(static_cast<std::size_t>(tree.nv));
+  }
+
+  std::vector<LoopRows<T>> blocks;
+  RowStore<T> store;
+  std::vector<T> K;              ///< (rows, rows) lower triangle: its factor L, K = L D L^T
+  std::vector<T> pivot_inverse;  ///< (rows) 1 / D; 0 where a row says what others have said
+  std::vector<T> x;              ///< (rows) scratch
+  std::vector<Vec3<T>> Z;        ///< (points and torsions, rows) the loops' impulses per impulse of a contact
+};
+
+namespace internal {
+
+/// Rows whose part of K that the others leave is smaller than this, relatively, are redundant.
+template <Number T>
+inline constexpr real_t<T> kRedundant = std::same_as<real_t<T>, float> ? real_t<T>(1e-4) : real_t<T>(1e-10);
+
+/// The acceleration that the point p of a body has by its present velocity alone, gravity taken off everywhere alike.
+template <Number T>
+MANYHANDS_INLINE Vec3<T> point_acceleration(const Workspace<T>& ws, std::size_t b, const Vec3<T>& p) {
+  const Motion<T>&A = ws.A[b], &V = ws.V[b];
+  const Vec3<T> r = p - ws.p_WO[b];
+  return A.v + cross(A.w, r) + cross(V.w, V.v + cross(V.w, r));
+}
+
+/// The offset of a row whose error is e and whose rate is u: by the step's end the error shall be 0 to third order,
+/// e + h u+ + h^2 / 2 gamma = 0.
+template <Number T>
+MANYHANDS_INLINE Vec3<T> closing_offset(const Vec3<T>& u, const Vec3<T>& e, const Vec3<T>& gamma, real_t<T> h) {
+  return u + fma(T(real_t<T>(1) / h), e, T(real_t<T>(0.5) * h) * gamma);
+}
+
+template <Number T>
+MANYHANDS_INLINE Vec3<T> masked(const Vec3<T>& a, const std::array<bool, 3>& keep) {
+  const T zero(real_t<T>(0));
+  return {keep[0] ? a.x : zero, keep[1] ? a.y : zero, keep[2] ? a.z : zero};
+}
+
+/// The rows of a loop between two frames: in A's axes, B's origin against A, and B's rotation against A.
+template <Number T>
+MANYHANDS_INLINE void add_frame_rows(const Tree<real_t<T>>& tree, const Workspace<T>& ws, real_t<T> h,
+                                     std::size_t index, LoopSet<T>& set) {
+  const TreeLoop<real_t<T>>& loop = tree.loops[index];
+  const std::size_t a = loop.body_a, b = loop.body_b;
+  const auto pose = [&](std::size_t body, const Transform<real_t<T>>& X) {
+    return Transform<T>{ws.R_WB[body], ws.p_OB[body] + ws.p_WO[body]} * broadcast<T>(X);
+  };
+  const Transform<T> X_A = pose(a, loop.X_BA), X_B = pose(b, loop.X_BB);
+  const bool slides = loop.type == LoopType::kPrismatic || loop.type == LoopType::kSlider;
+  const bool turns_about_z = loop.type == LoopType::kHinge || loop.type == LoopType::kSlider;
+  const std::array<bool, 3> linear{true, true, !slides}, angular{true, true, !turns_about_z};
+  const auto axes = [&](const std::array<bool, 3>& keep) {
+    const Vec3<T> none = Vec3<T>::zero();
+    return std::array<Vec3<T>, 3>{keep[0] ? X_A.R.x : none, keep[1] ? X_A.R.y : none, keep[2] ? X_A.R.z : none};
+  };
+  const T most = T(h * loop.max_force);
+  {
+    LoopRows<T>& block = set.blocks.emplace_back();
+    block.loop = index;
+    block.most = most;
+    block.rows = add_row_block(tree, a, b, set.store);
+    fill_point_rows(tree, ws, block.rows, X_B.p, axes(linear), set.store);
+    const Vec3<T> u = relative_velocity(ws, a, b, X_B.p);
+    const Vec3<T> gamma =
+        point_acceleration(ws, b, X_B.p) - point_acceleration(ws, a, X_B.p) - T(real_t<T>(2)) * cross(ws.V[a].w, u);
+    block.offset = masked(closing_offset(transpose_times(X_A.R, u), transpose_times(X_A.R, X_B.p - X_A.p),
+                                         transpose_times(X_A.R, gamma), h),
+                          linear);
+  }
+  if (!loop.turns) return;
+  LoopRows<T>& block = set.blocks.emplace_back();
+  block.loop = index;
+  block.most = most;
+  block.rows = add_row_block(tree, a, b, set.store);
+  fill_rotation_rows(tree, ws, block.rows, axes(angular), set.store);
+  const Vec3<T> w = ws.V[b].w - ws.V[a].w;
+  const Vec3<T> gamma = ws.A[b].w - ws.A[a].w - cross(ws.V[a].w, w);
+  const Vec3<T> turn = turns_about_z ? transpose_times(X_A.R, cross(X_A.R.z, X_B.R.z))
+                                     : rotation_vector(to_quat(transpose(X_A.R) * X_B.R));
+  block.offset = masked(closing_offset(transpose_times(X_A.R, w), turn, transpose_times(X_A.R, gamma), h), angular);
+}
+
+/// The row of a loop between two joints: q_b - ratio q_a - offset, or its rate alone.
+template <Number T>
+MANYHANDS_INLINE void add_joint_row(const Tree<real_t<T>>& tree, const State<T>& state, real_t<T> h, std::size_t index,
+                                    LoopSet<T>& set) {
+  using R = real_t<T>;
+  const TreeLoop<R>& loop = tree.loops[index];
+  const T zero(R(0)), ratio(loop.ratio);
+  LoopRows<T>& block = set.blocks.emplace_back();
+  block.loop = index;
+  block.most = T(h * loop.max_force);
+  block.rows = add_row_block(tree, loop.body_a, loop.body_b, set.store);
+  visit_rows<T>(tree, block.rows, [&](std::size_t entry, std::size_t i, R) {
+    const T weight = i == loop.dof_a ? -ratio : i == loop.dof_b ? T(R(1)) : zero;
+    set.store.J[entry] = {weight, zero, zero};
+  });
+  T u = state.v()[loop.dof_b] - ratio * state.v()[loop.dof_a];
+  if (loop.type == LoopType::kJoint) {
+    const T error = state.q()[loop.q_b] - fma(ratio, state.q()[loop.q_a], T(loop.offset));
+    u = fma(T(R(1) / h), error, u);
+  }
+  block.offset = {u, zero, zero};
+}
+
+/// The three numbers of block i in an array over all rows.
+template <Number T>
+MANYHANDS_INLINE Vec3<T> rows_of(const std::vector<T>& x, std::size_t i) {
+  return {x[3 * i], x[3 * i + 1], x[3 * i + 2]};
+}
+template <Number T>
+MANYHANDS_INLINE void set_rows(std::vector<T>& x, std::size_t i, const Vec3<T>& value) {
+  x[3 * i] = value.x;
+  x[3 * i + 1] = value.y;
+  x[3 * i + 2] = value.z;
+}
+
+/// K = L D L^T in place; a row that adds nothing to those before it gets no say.
+template <Number T>
+MANYHANDS_INLINE void factor_loops(LoopSet<T>& set) {
+  using R = real_t<T>;
+  const T zero(R(0)), one(R(1)), tiny(std::numeric_limits<R>::min() * R(1e6));
+  const std::size_t n = set.x.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    T* row = &set.K[i * n];
+    const T whole = row[i];
+    T pivot = whole;
+    for (std::size_t j = 0; j < i; ++j) {
+      const T* other = &set.K[j * n];
+      T sum = row[j];
+      for (std::size_t k = 0; k < j; ++k) sum = fma(-row[k], other[k], sum);
+      row[j] = sum;  // L_ij D_j for now
+    }
+    for (std::size_t j = 0; j < i; ++j) {
+      const T scaled = row[j] * set.pivot_inverse[j];
+      pivot = fma(-scaled, row[j], pivot);
+      row[j] = scaled;
+    }
+    const auto counts = pivot > max(T(kRedundant<T>) * whole, tiny);
+    set.pivot_inverse[i] = select(counts, one / select(counts, pivot, one), zero);
+  }
+}
+
+/// x := K^-1 x. X is T, or Vec3<T> for three right-hand sides at once.
+template <Number T, class X>
+MANYHANDS_INLINE void solve_loops(const LoopSet<T>& set, X* x) {
+  const std::size_t n = set.x.size();
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < i; ++j) x[i] = fma(-set.K[i * n + j], x[j], x[i]);
+  for (std::size_t i = 0; i < n; ++i) x[i] = x[i] * set.pivot_inverse[i];
+  for (std::size_t i = n; i-- > 0;)
+    for (std::size_t j = i + 1; j < n; ++j) x[i] = fma(-set.K[j * n + i], x[j], x[i]);
+}
+
+}  // namespace internal
+
+/// The rows of all loops, with the impulses of the last step added to `jc.rhs`. After `prepare_joint_constraints`.
+template <Number T>
+MANYHANDS_INLINE void prepare_loops(const Tree<real_t<T>>& tree, real_t<T> h, State<T>& state, const Workspace<T>& ws,
+                                    JointConstraints<T>& jc, LoopSet<T>& set) {
+  set.blocks.clear();
+  set.store.J.clear();
+  set.store.W.clear();
+  for (std::size_t i = 0; i < tree.loops.size(); ++i) {
+    if (tree.loops[i].type == LoopType::kJoint || tree.loops[i].type == LoopType::kGear) {
+      internal::add_joint_row(tree, state, h, i, set);
+    } else {
+      internal::add_frame_rows(tree, ws, h, i, set);
+    }
+  }
+  const std::span<const T> old = state.loops();
+  for (std::size_t i = 0; i < set.blocks.size(); ++i) {
+    LoopRows<T>& block = set.blocks[i];
+    block.impulse = {old[3 * i], old[3 * i + 1], old[3 * i + 2]};
+    internal::couple(tree, block.rows, mask_t<T>(true), block.impulse, set.store, jc);
+  }
+}
+
+namespace internal {
+
+/// W of every loop, and the factors of K, for the stances whose factors are in ws.L.
+template <Number T>
+MANYHANDS_INLINE void find_loop_responses(const Tree<real_t<T>>& tree, const Workspace<T>& ws, LoopSet<T>& set) {
+  const std::size_t n = set.x.size();
+  for (std::size_t j = 0; j < set.blocks.size(); ++j) {
+    const RowBlock& rows = set.blocks[j].rows;
+    respond(tree, rows, ws, set.store);  // leaves W of this block in store.x, by dof
+    for (std::size_t i = j; i < set.blocks.size(); ++i) {
+      const std::array<Vec3<T>, 3> K = multiply_shared_rows(tree, set.blocks[i].rows, set.store, rows, set.store.x);
+      for (std::size_t r = 0; r < 3; ++r) {
+        T* row = &set.K[(3 * i + r) * n + 3 * j];
+        row[0] = K[r].x;
+        if (i > j || r > 0) row[1] = K[r].y;
+        if (i > j || r > 1) row[2] = K[r].z;
+      }
+    }
+  }
+  factor_loops(set);
+}
+
+/// Closes the loops at the present dv: their impulses change, and dv with them.
+template <Number T>
+MANYHANDS_INLINE void close_loops(const Tree<real_t<T>>& tree, mask_t<T> active, LoopSet<T>& set, T* dv) {
+  for (std::size_t i = 0; i < set.blocks.size(); ++i) {
+    const LoopRows<T>& block = set.blocks[i];
+    set_rows(set.x, i, -(block.offset + multiply_rows(tree, block.rows, set.store, dv)));
+  }
+  solve_loops(set, set.x.data());
+  for (std::size_t i = 0; i < set.blocks.size(); ++i) {
+    LoopRows<T>& block = set.blocks[i];
+    const Vec3<T> total = block.impulse + rows_of(set.x, i);
+    const Vec3<T> limited{clamp(total.x, -block.most, block.most), clamp(total.y, -block.most, block.most),
+                          clamp(total.z, -block.most, block.most)};
+    const Vec3<T> next = select(active, limited, block.impulse);
+    apply_row_impulse(block.rows, set.store, next - block.impulse, dv);
+    block.impulse = next;
+  }
+}
+
+/// Takes the loops' answer to a contact's impulse off its W and G; Z (loop rows) keeps that answer. Right after
+/// `respond` for the contact.
+template <Number T>
+MANYHANDS_INLINE void eliminate_loops(const Tree<real_t<T>>& tree, const RowBlock& rows, const LoopSet<T>& loops,
+                                      Vec3<T>* Z, RowStore<T>& store, Mat3<T>& G) {
+  for (std::size_t i = 0; i < loops.blocks.size(); ++i) {
+    const std::array<Vec3<T>, 3> H = multiply_shared_rows(tree, loops.blocks[i].rows, loops.store, rows, store.x);
+    std::ranges::copy(H, Z + 3 * i);
+  }
+  solve_loops(loops, Z);
+  for (std::size_t i = 0; i < loops.blocks.size(); ++i) {
+    const RowBlock& loop = loops.blocks[i].rows;
+    const Vec3<T>* W = &loops.store.W[loop.W];
+    const auto take = [&](int begin, int end) {
+      for (int k = begin; k < end; ++k, ++W) {
+        Vec3<T>& x = store.x[static_cast<std::size_t>(k)];
+        x = fma(-W->x, Z[3 * i], fma(-W->y, Z[3 * i + 1], fma(-W->z, Z[3 * i + 2], x)));
+      }
+    };
+    take(loop.begin_a, loop.end_a);
+    take(loop.begin_b, loop.end_b);
+  }
+  G = gather_response(tree, rows, store);
+}
+
+/// Writes the loops' impulses down for the next step.
+template <Number T>
+MANYHANDS_INLINE void remember_loops(const LoopSet<T>& loops, std::span<T> memory) {
+  for (std::size_t i = 0; i < loops.blocks.size(); ++i) {
+    memory[3 * i] = loops.blocks[i].impulse.x;
+    memory[3 * i + 1] = loops.blocks[i].impulse.y;
+    memory[3 * i + 2] = loops.blocks[i].impulse.z;
+  }
+}
+
+/// What a change of a contact's impulse changes in the loops'.
+template <Number T>
+MANYHANDS_INLINE void follow_contact(const Vec3<T>* Z, const Vec3<T>& change, LoopSet<T>& loops) {
+  for (std::size_t i = 0; i < loops.blocks.size(); ++i) {
+    const Vec3<T> taken{dot(Z[3 * i], change), dot(Z[3 * i + 1], change), dot(Z[3 * i + 2], change)};
+    loops.blocks[i].impulse -= taken;
+  }
+}
+
+}  // namespace internal
+
+}  // namespace manyhands
