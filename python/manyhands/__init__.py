@@ -5,16 +5,25 @@ from pathlib import Path
 
 from manyhands import dynamics, envs
 from manyhands._core import (
+    Actuator,
     Frame,
+    Geom,
+    HeightField,
     Joint,
+    Keyframe,
     Link,
     LoadNote,
     LoadReport,
+    Loop,
+    Mesh,
+    MjcfError,
     Model,
     ModelBuilder,
     UrdfError,
     World,
     asset_path,
+    load_mjcf,
+    load_mjcf_string,
     load_urdf,
     set_asset_root,
 )
@@ -32,12 +41,19 @@ if _assets.is_dir():
 envs.register()
 
 __all__ = [
+    "Actuator",
     "Frame",
+    "Geom",
+    "HeightField",
     "IkResult",
     "Joint",
+    "Keyframe",
     "Link",
     "LoadNote",
     "LoadReport",
+    "Loop",
+    "Mesh",
+    "MjcfError",
     "Model",
     "ModelBuilder",
     "UrdfError",
@@ -47,5 +63,7 @@ __all__ = [
     "dynamics",
     "envs",
     "inverse_kinematics",
+    "load_mjcf",
+    "load_mjcf_string",
     "load_urdf",
 ]

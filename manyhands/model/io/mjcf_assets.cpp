@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "manyhands/model/convex_hull.h"
+#include "manyhands/model/convex_polyhedron.h"
 #include "manyhands/model/io/mesh_file.h"
 #include "manyhands/model/io/mjcf.h"
 #include "manyhands/model/io/text_file.h"
@@ -16,6 +16,19 @@ Rgba read_rgba(const MjcfElement& element, const Rgba& fallback) {
   Rgba rgba{};
   std::ranges::transform(v, rgba.begin(), [](double x) { return static_cast<float>(x); });
   return rgba;
+}
+
+Mesh hull_of(const Mesh& mesh) {
+  const ConvexPolyhedron hull = convex_polyhedron(mesh.vertices);
+  Mesh result{.source = mesh.source};
+  for (const Vec3<double>& v : hull.vertices) {
+    result.vertices.push_back({static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)});
+  }
+  for (std::size_t i = 0; i < hull.faces.size(); ++i) {
+    const std::span<const int> face = hull.faces[i];
+    for (std::size_t k = 2; k < face.size(); ++k) result.triangles.push_back({face[0], face[k - 1], face[k]});
+  }
+  return result;
 }
 
 namespace {
@@ -134,17 +147,16 @@ std::optional<MjcfMesh> MjcfAssets::read_mesh(const MjcfElement& source, ModelBu
                                    : inline_mesh(source);
     place_vertices(source, mesh);
     const std::string kind = source.word_or("inertia", {"convex", "exact", "legacy", "shell"}, "legacy");
-    if (mesh.triangles.empty()) mesh.triangles = convex_hull(mesh.vertices);
-    const Mesh hull = kind == "convex" ? Mesh{{}, mesh.vertices, convex_hull(mesh.vertices)} : Mesh{};
+    if (mesh.triangles.empty()) mesh = hull_of(mesh);
     const Inertial mass = kind == "shell"    ? skin_of(mesh)
-                          : kind == "convex" ? solid_of(hull, false)
+                          : kind == "convex" ? solid_of(hull_of(mesh), false)
                                              : solid_of(mesh, kind == "legacy");
     return MjcfMesh{builder.add_mesh(std::move(mesh)), mass};
   } catch (const PathEscape& error) {
     source.fail(error.what());
   } catch (const MjcfError&) {
     throw;
-  } catch (const std::runtime_error& error) {
+  } catch (const std::exception& error) {
     source.note(LoadAction::kIgnored, std::string(error.what()) + "; its geoms are left out");
   }
   return std::nullopt;

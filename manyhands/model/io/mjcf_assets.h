@@ -58,6 +58,9 @@ class MjcfAssets {
   std::map<std::string, Rgba> materials_;
 };
 
+/// The surface of the convex hull of a mesh's vertices. Throws ModelError if they have no extent.
+[[nodiscard]] Mesh hull_of(const Mesh& mesh);
+
 /// The heights of an <hfield>, from `elevation` or the bytes of its file. Fails on what is malformed.
 [[nodiscard]] HeightField read_height_field(const MjcfElement& source, const std::string& bytes);
 

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "manyhands/model/convex_hull.h"
 #include "manyhands/model/io/mjcf_scene.h"
 #include "manyhands/model/io/text_numbers.h"
 
@@ -41,14 +40,11 @@ MeshId ellipsoid_hull(MjcfScene& scene, const Vec3<double>& s) {
   if (is_new) {
     static const std::vector<Vec3<double>> kPoints = points_on_sphere();
     Mesh mesh{.source = "ellipsoid " + format_number(s.x) + " " + format_number(s.y) + " " + format_number(s.z)};
-    std::vector<Vec3<float>> unit;
     for (const Vec3<double>& p : kPoints) {
-      unit.push_back({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
       mesh.vertices.push_back(
           {static_cast<float>(s.x * p.x), static_cast<float>(s.y * p.y), static_cast<float>(s.z * p.z)});
     }
-    mesh.triangles = convex_hull(unit);
-    entry->second = scene.builder.add_mesh(std::move(mesh));
+    entry->second = scene.builder.add_mesh(hull_of(mesh));
   }
   return entry->second;
 }
@@ -95,7 +91,7 @@ void read_primitive(MjcfScene& scene, Part& part, const MjcfPlaced& placed) {
   if (part.type == "ellipsoid") {
     shape = {.type = ShapeType::kConvex, .mesh = ellipsoid_hull(scene, size)};
     part.volume = solid_ellipsoid(size);
-    e.note(LoadAction::kRepaired, "the ellipsoid became the hull of 162 points on it, up to 2 % smaller");
+    e.note_once("ellipsoid", LoadAction::kRepaired, "the ellipsoid became the hull of 162 points on it");
     return;
   }
   shape.type = part.type == "sphere"    ? ShapeType::kSphere

@@ -73,7 +73,7 @@ void MjcfSource::note_once(const std::string& key, LoadNote note) {
 LoadReport MjcfSource::take_report() {
   for (auto& [key, repeated] : repeated_) {
     if (repeated.further > 0) {
-      repeated.note.message += " (nor in " + std::to_string(repeated.further) + " further places)";
+      repeated.note.message += " (and in " + std::to_string(repeated.further) + " further places)";
     }
     report_.notes.push_back(std::move(repeated.note));
   }

@@ -1,0 +1,265 @@
+"""Scenes loaded from MJCF equal MuJoCo's: masses, poses, mass matrices, limits, actuators, geoms and filters."""
+
+import importlib.util
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+mujoco = pytest.importorskip("mujoco")
+
+from mujoco_map import XYZW, Array, Scene, rotation  # noqa: E402
+from mujoco_scenes import SCENES  # noqa: E402
+from scipy.spatial.transform import Rotation  # noqa: E402
+
+import manyhands as mh  # noqa: E402
+
+TOLERANCE = 1e-9
+MESH_TOLERANCE = 1e-6  # vertices are float32
+
+
+def shipped() -> list[Path]:
+    found: list[Path] = []
+    for package, folder in (("mujoco", "testdata"), ("pybullet_data", "mjcf"), ("gymnasium", "envs/mujoco/assets")):
+        spec = importlib.util.find_spec(package)
+        if spec is not None and spec.origin is not None:
+            found += sorted((Path(spec.origin).parent / folder).glob("*.xml"))
+    return found
+
+
+@pytest.fixture(autouse=True)
+def in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)  # MuJoCo writes its warnings to a file there
+
+
+def scene_of(source: str | Path) -> Scene:
+    if isinstance(source, str):
+        return Scene.of_string(SCENES[source])
+    try:
+        mujoco.MjModel.from_xml_path(str(source))
+    except ValueError as error:
+        pytest.skip(f"MuJoCo: {error}")
+    return Scene.of_file(source)
+
+
+ALL = [*SCENES, *shipped()]
+every_scene = pytest.mark.parametrize("source", ALL, ids=[s if isinstance(s, str) else s.name for s in ALL])
+
+
+def assert_close(ours: Array | float, theirs: Array | float, what: str, tolerance: float = TOLERANCE) -> None:
+    scale = max(float(np.max(np.abs(theirs), initial=0.0)), 1.0)
+    away = float(np.max(np.abs(np.asarray(ours) - theirs), initial=0.0))
+    assert away <= tolerance * scale, f"{what}: {away} away from {theirs}"
+
+
+def tolerance_of(scene: Scene) -> float:
+    return MESH_TOLERANCE if scene.mujoco.nmesh else TOLERANCE
+
+
+@every_scene
+def test_masses(source: str | Path) -> None:
+    scene = scene_of(source)
+    model, tolerance = scene.mujoco, tolerance_of(scene)
+    for i, name in enumerate(scene.names("body", model.nbody)):
+        link = scene.ours.link(name)
+        assert_close(link.mass, model.body_mass[i], f"{name}: mass", tolerance)
+        if i > 0 and link.mass > 0:
+            assert_close(link.com, model.body_ipos[i], f"{name}: com", tolerance)
+        largest = max(float(np.max(model.body_inertia[i])), 1e-12)
+        assert_close(link.inertia / largest, scene.body_inertia(i) / largest, f"{name}: inertia", tolerance)
+
+
+@every_scene
+def test_poses_and_mass_matrices(source: str | Path) -> None:
+    scene = scene_of(source)
+    model, data, tolerance = scene.mujoco, scene.data, tolerance_of(scene)
+    assert scene.ours.nq == model.nq
+    assert scene.ours.nv == model.nv
+    rng = np.random.default_rng(0)
+    bodies, sites = scene.names("body", model.nbody), scene.names("site", model.nsite)
+    for _ in range(5):
+        data.qpos = scene.random_qpos(rng)
+        data.qvel = 0
+        mujoco.mj_forward(model, data)
+        q, G = scene.configuration(data.qpos), scene.velocity_map(data.qpos)
+        for name, position, quaternion in zip(bodies, data.xpos, data.xquat, strict=True):
+            ours = mh.dynamics.frame_pose(scene.ours, q, name)
+            assert_close(ours[0], position, f"{name}: position")
+            assert_close(Rotation.from_quat(ours[1]).as_matrix(), rotation(quaternion), f"{name}: rotation")
+        for name, position, matrix in zip(sites, data.site_xpos, data.site_xmat, strict=True):
+            name = name + "_site" if name in bodies else name
+            ours = mh.dynamics.frame_pose(scene.ours, q, name)
+            assert_close(ours[0], position, f"{name}: position")
+            assert_close(Rotation.from_quat(ours[1]).as_matrix(), matrix.reshape(3, 3), f"{name}: rotation")
+        if model.nv == 0:
+            continue
+        M = np.zeros((model.nv, model.nv))
+        mujoco.mj_fullM(model, data, M)
+        assert_close(G.T @ mh.dynamics.crba(scene.ours, q) @ G, M, "mass matrix", tolerance)
+        zero = np.zeros(model.nv)
+        assert_close(G.T @ mh.dynamics.rnea(scene.ours, q, zero, zero), data.qfrc_bias, "gravity", tolerance)
+
+
+@every_scene
+def test_joints(source: str | Path) -> None:
+    scene = scene_of(source)
+    model = scene.mujoco
+    for i, name in enumerate(scene.names("joint", model.njnt)):
+        joint = scene.ours.joint(name)
+        assert (joint.iq, joint.iv) == (model.jnt_qposadr[i], model.jnt_dofadr[i])
+        if joint.nq == 1:
+            expected = model.jnt_range[i] if model.jnt_limited[i] else [-np.inf, np.inf]
+            assert np.allclose([joint.lower, joint.upper], expected, rtol=0, atol=1e-12), name
+        assert joint.damping == model.dof_damping[joint.iv]
+        assert joint.armature == model.dof_armature[joint.iv]
+        assert joint.friction == model.dof_frictionloss[joint.iv]
+    assert_close(scene.ours.initial_configuration(), scene.configuration(model.qpos0), "qpos0")
+    assert_close(scene.ours.gravity, model.opt.gravity, "gravity")
+    assert scene.ours.time_step == model.opt.timestep
+
+
+@every_scene
+def test_actuators(source: str | Path) -> None:
+    scene = scene_of(source)
+    model = scene.mujoco
+    ours = {actuator.name: actuator for actuator in scene.ours.actuators}
+    for i, name in enumerate(scene.names("actuator", model.nu)):
+        if name not in ours:
+            assert any(f"actuator '{name}'" == note.element and note.action == "ignored" for note in scene.report.notes)
+            continue
+        a = ours[name]
+        assert scene.names("joint", model.njnt)[model.actuator_trnid[i, 0]] == scene.ours.joints[a.joint].name
+        gear, gain, bias = model.actuator_gear[i, 0], model.actuator_gainprm[i, 0], model.actuator_biasprm[i, :3]
+        if a.type == "motor":
+            found = [a.gear, 0, 0]
+        else:
+            found = [a.gear * (a.kp if a.type == "position" else a.kd), -(a.gear**2) * a.kp, -(a.gear**2) * a.kd]
+        assert bias[0] == 0
+        if name.startswith("damped"):  # MuJoCo 4 lets the other joints yield, here they are held
+            joint = scene.ours.joints[a.joint]
+            critical = 2 * np.sqrt(gain * model.dof_M0[joint.iv]) / gear
+            assert a.kd == pytest.approx({"damped": 0.7, "damped2": 1.0}[name] * critical, rel=1e-9)
+            assert a.kd == pytest.approx(-bias[2], rel=0.01)
+            bias[2] = -a.kd
+        assert_close(np.array(found), np.array([gear * gain, gear**2 * bias[1], gear**2 * bias[2]]), name)
+        limits = model.actuator_ctrlrange[i] if model.actuator_ctrllimited[i] else [-np.inf, np.inf]
+        assert np.allclose([a.min_ctrl, a.max_ctrl], limits, rtol=0, atol=1e-12), name
+        force = np.max(np.abs(model.actuator_forcerange[i])) if model.actuator_forcelimited[i] else np.inf
+        assert a.max_force == pytest.approx(abs(gear) * force)
+
+
+def pose_of_geom(scene: Scene, q: Array, geom: mh.Geom) -> tuple[Array, Array]:
+    position, quaternion = mh.dynamics.frame_pose(scene.ours, q, scene.ours.links[geom.link].name)
+    R = Rotation.from_quat(quaternion).as_matrix()
+    return position + R @ geom.position, R @ Rotation.from_quat(geom.quaternion).as_matrix()
+
+
+@every_scene
+def test_geoms(source: str | Path) -> None:
+    scene = scene_of(source)
+    model, data = scene.mujoco, scene.data
+    data.qpos = scene.random_qpos(np.random.default_rng(1))
+    mujoco.mj_kinematics(model, data)
+    q = scene.configuration(data.qpos)
+    ours = {geom.name: geom for geom in scene.ours.geoms}
+    for i, name in enumerate(scene.names("geom", model.ngeom)):
+        geom = ours.pop(name)
+        position, R = pose_of_geom(scene, q, geom)
+        material = model.geom_matid[i]
+        own = material < 0 or not np.array_equal(model.geom_rgba[i], np.float32([0.5, 0.5, 0.5, 1]))
+        rgba = model.geom_rgba[i] if own else model.mat_rgba[material]
+        assert_close(geom.rgba, rgba, f"{name}: rgba", 1e-6)
+        if model.geom_type[i] == mujoco.mjtGeom.mjGEOM_MESH:  # MuJoCo turns meshes to their principal axes
+            mesh = model.geom_dataid[i]
+            start, count = model.mesh_vertadr[mesh], model.mesh_vertnum[mesh]
+            theirs = data.geom_xpos[i] + model.mesh_vert[start : start + count] @ data.geom_xmat[i].reshape(3, 3).T
+            vertices = position + scene.ours.meshes[geom.mesh].vertices @ R.T
+            away = np.linalg.norm(vertices[:, None] - theirs[None], axis=2)
+            assert away.min(axis=0).max() < 1e-5, name
+            assert away.min(axis=1).max() < 1e-5, name
+            continue
+        assert_close(position, data.geom_xpos[i], f"{name}: position")
+        assert_close(R, data.geom_xmat[i].reshape(3, 3), f"{name}: rotation")
+        size = model.geom_size[i]
+        if model.geom_type[i] == mujoco.mjtGeom.mjGEOM_ELLIPSOID:
+            unit = scene.ours.meshes[geom.mesh].vertices / size
+            assert np.allclose(np.linalg.norm(unit, axis=1), 1, atol=1e-6), name
+        else:
+            used = {"sphere": 1, "capsule": 2, "cylinder": 2, "box": 3}.get(geom.shape, 0)
+            assert_close(geom.size[:used], size[:used], f"{name}: size")
+        friction = [geom.friction, geom.spinning_friction, geom.rolling_friction]
+        known = np.array([3, 4, 6]) <= model.geom_condim[i]
+        assert_close(np.array(friction), model.geom_friction[i] * known, f"{name}: friction")
+    assert not ours
+
+
+@every_scene
+def test_filters(source: str | Path) -> None:
+    scene = scene_of(source)
+    model = scene.mujoco
+    ours = {geom.name: geom for geom in scene.ours.geoms}
+    for (i, a), (k, b) in combinations(enumerate(scene.names("geom", model.ngeom)), 2):
+        contype, conaffinity = model.geom_contype, model.geom_conaffinity
+        theirs = bool((contype[i] & conaffinity[k]) | (contype[k] & conaffinity[i]))
+        ga, gb = ours[a], ours[b]
+        assert bool(ga.group & gb.mask and gb.group & ga.mask) == theirs, f"{a} and {b}"
+    for i, name in enumerate(scene.names("geom", model.ngeom)):
+        paired = i in {*model.pair_geom1, *model.pair_geom2}
+        assert ours[name].is_visual == (not paired and not model.geom_contype[i] and not model.geom_conaffinity[i])
+
+
+def test_equalities_hold_at_the_start() -> None:
+    scene = Scene.of_string(SCENES["equalities"])
+    model, data = scene.mujoco, scene.data
+    mujoco.mj_forward(model, data)
+    q = scene.ours.initial_configuration()
+    assert [loop.type for loop in scene.ours.loops] == ["point", "point", "fixed", "fixed", "fixed", "joint", "point"]
+    for loop in scene.ours.loops:
+        if loop.type == "joint":
+            ratio, offset = loop.ratio, loop.offset
+            for x in (-1.0, 0.0, 2.0):  # MuJoCo's own residual of the driver at x
+                iq = [scene.ours.joints[i].iq for i in (loop.joint_a, loop.joint_b)]
+                data.qpos = model.qpos0
+                data.qpos[iq[0]], data.qpos[iq[1]] = x, ratio * x + offset
+                mujoco.mj_forward(model, data)
+                rows = data.efc_pos[np.flatnonzero(data.efc_id == model.equality("e6").id)[: data.ne]]
+                assert np.allclose(rows[:1], 0, atol=1e-12)
+            continue
+        ends = []
+        for link, p, r in (
+            (loop.link_a, loop.position_a, loop.quaternion_a),
+            (loop.link_b, loop.position_b, loop.quaternion_b),
+        ):
+            position, quaternion = mh.dynamics.frame_pose(scene.ours, q, scene.ours.links[link].name)
+            R = Rotation.from_quat(quaternion)
+            ends.append((position + R.apply(p), (R * Rotation.from_quat(r)).as_matrix()))
+        if loop.name != "e7":  # between sites, which lie apart
+            assert_close(ends[0][0], ends[1][0], f"{loop.name}: position")
+        if loop.type == "fixed":
+            assert_close(ends[0][1], ends[1][1], f"{loop.name}: rotation")
+
+
+@pytest.mark.parametrize("name", ["arm", "free"])
+def test_keyframes(name: str) -> None:
+    scene = Scene.of_string(SCENES[name])
+    model, data = scene.mujoco, scene.data
+    (key,) = scene.ours.keyframes
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    assert_close(key.q, scene.configuration(data.qpos), "q")
+    assert_close(key.v, scene.velocity_map(data.qpos) @ data.qvel, "v")
+    assert_close(key.ctrl, data.ctrl, "ctrl")
+    assert key.time == data.time
+
+
+def test_height_fields() -> None:
+    scene = Scene.of_string(SCENES["height field"])
+    (field,) = scene.ours.height_fields
+    theirs = scene.mujoco.hfield_data.reshape(3, 2) * 0.5
+    assert_close(field.heights, theirs, "heights", 1e-7)
+    assert (field.dx, field.dy) == (2.0, 2.0)
+
+
+def test_quaternion_order() -> None:
+    assert XYZW == [1, 2, 3, 0]
+    assert np.allclose(rotation(np.array([0.0, 1.0, 0.0, 0.0])), np.diag([1.0, -1.0, -1.0]))
