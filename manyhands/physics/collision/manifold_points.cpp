@@ -121,7 +121,18 @@ Polygon beside(const Polygon& a, const Polygon& b) {
   return result;
 }
 
+/// The point, if the polygon holds it.
+Polygon cut_point(const Polygon& point, const Polygon& polygon) {
+  for (std::size_t i = 0; i < polygon.size; ++i) {
+    const Flat a = polygon.p[i];
+    if (cross(polygon.p[(i + 1) % polygon.size] - a, point.p[0] - a) < 0) return {};
+  }
+  return point;
+}
+
 Polygon shared(const Polygon& a, const Polygon& b) {
+  if (a.size == 1 && b.size > 2) return cut_point(a, b);
+  if (b.size == 1 && a.size > 2) return cut_point(b, a);
   if (a.size < 2 || b.size < 2) return {};
   if (a.size == 2 && b.size == 2) return beside(a, b);
   if (a.size == 2) return cut_segment(a, b);
@@ -174,7 +185,13 @@ Manifold<double> choose_points(std::span<const ManifoldPoint> points, const Vec&
     return manyhands::dot(normal, manyhands::cross(p(j) - p(i), p(k) - p(i)));
   };
   const std::size_t n = points.size();
-  const std::size_t deepest = best_of(n, [&](std::size_t i) { return -points[i].phi; });
+  // Of points as deep as the deepest, the one farthest out: the others are then spread the most.
+  Vec middle = Vec::zero();
+  for (std::size_t i = 0; i < n; ++i) middle += (1.0 / static_cast<double>(n)) * p(i);
+  const auto out = [&](std::size_t i) { return norm(p(i) - middle); };
+  const double least = points[best_of(n, [&](std::size_t i) { return -points[i].phi; })].phi;
+  const double deep = least + 1e-6 * out(best_of(n, out));
+  const std::size_t deepest = best_of(n, [&](std::size_t i) { return points[i].phi <= deep ? out(i) : -1; });
   const std::size_t far = best_of(n, [&](std::size_t i) { return squared_norm(p(i) - p(deepest)); });
   const std::size_t left = best_of(n, [&](std::size_t i) { return std::abs(area(deepest, far, i)); });
   const double side = std::copysign(1.0, area(deepest, far, left));

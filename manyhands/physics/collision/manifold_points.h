@@ -26,8 +26,8 @@ struct ManifoldPoints {
 };
 
 /// The corners of what two features share, seen along the unit normal; all in one frame. Heights along the normal are
-/// those of the features, raised by `radius_a` and lowered by `radius_b`. None if the features share no more than a
-/// point, or are seen edge on.
+/// those of the features, raised by `radius_a` and lowered by `radius_b`. None if
+/// nothing is shared, neither feature is a face and they do not run side by side, or a face is seen edge on.
 [[nodiscard]] ManifoldPoints clip_features(const SupportingFeature& a, const SupportingFeature& b,
                                            const Vec3<double>& normal, double radius_a, double radius_b);
 
