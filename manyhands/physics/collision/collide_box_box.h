@@ -10,7 +10,6 @@
 #include "manyhands/physics/collision/box_box_axes.h"
 #include "manyhands/physics/collision/box_box_faces.h"
 #include "manyhands/physics/collision/collide_sphere.h"
-#include "manyhands/physics/collision/segment_and_box.h"
 
 namespace manyhands {
 
@@ -58,33 +57,50 @@ MANYHANDS_INLINE EdgeContact<T> cross_edges(const BoxPair<T>& boxes, const EdgeA
   return {{n, T(R(0.5)) * (x_A + x_B), axis.separation}, past_end};
 }
 
-/// The nearest points of separate boxes whose nearest features include a corner: one coordinate of B's point after
-/// another is moved to its best. At most one of them is free in the end, so that a few rounds are all.
+/// Of the corners of a box the one nearest to another box: the shortest way from there to the other box.
+template <Number T>
+struct CornerWay {
+  Vec3<T> corner, way;
+  T squared;
+};
+
+/// All in the frame of the box with the half extents `to`: the other one's centre and half edges.
+template <Number T>
+MANYHANDS_INLINE CornerWay<T> nearest_corner(const Vec3<T>& centre, const Mat3<T>& half_edges, const Vec3<T>& to) {
+  using R = real_t<T>;
+  CornerWay<T> best{Vec3<T>::zero(), Vec3<T>::zero(), T(std::numeric_limits<R>::infinity())};
+  for (const R x : {R(-1), R(1)}) {
+    const Vec3<T> middle = fma(T(x), half_edges.x, centre);
+    for (const R y : {R(-1), R(1)}) {
+      const Vec3<T> end = fma(T(y), half_edges.y, middle);
+      for (const R z : {R(-1), R(1)}) {
+        const Vec3<T> p = fma(T(z), half_edges.z, end);
+        const Vec3<T> way = Vec3<T>{clamp(p.x, -to.x, to.x), clamp(p.y, -to.y, to.y), clamp(p.z, -to.z, to.z)} - p;
+        const T squared = squared_norm(way);
+        const mask_t<T> better = squared < best.squared;
+        best = {select(better, p, best.corner), select(better, way, best.way), min(squared, best.squared)};
+      }
+    }
+  }
+  return best;
+}
+
+/// The nearest points of separate boxes where one of them is a corner.
 template <Number T>
 MANYHANDS_INLINE BoxPoint<T> nearest_corners(const BoxPair<T>& boxes, const Vec3<T>& otherwise) {
   using R = real_t<T>;
-  constexpr int kRounds = 4;
-  const std::array<Vec3<T>, 3> axis{boxes.R_AB.x, boxes.R_AB.y, boxes.R_AB.z};
-  const std::array<T, 3> half{boxes.half_B.x, boxes.half_B.y, boxes.half_B.z};
-  const auto start = -transpose_times(boxes.R_AB, boxes.p_AB);
-  std::array<T, 3> y{clamp(start.x, -half[0], half[0]), clamp(start.y, -half[1], half[1]),
-                     clamp(start.z, -half[2], half[2])};
-  Vec3<T> x = boxes.p_AB + boxes.R_AB * Vec3<T>{y[0], y[1], y[2]};
-  for (int round = 0; round < kRounds; ++round) {
-    for (std::size_t j = 0; j < 3; ++j) {
-      const Vec3<T> middle = fma(-y[j], axis[j], x);
-      const SegmentAndBox<T> line{{middle.x, middle.y, middle.z},
-                                  {axis[j].x, axis[j].y, axis[j].z},
-                                  {boxes.half_A.x, boxes.half_A.y, boxes.half_A.z},
-                                  half[j]};
-      y[j] = line.nearest();
-      x = fma(y[j], axis[j], middle);
-    }
-  }
-  const Vec3<T>& h = boxes.half_A;
-  const Vec3<T> on_A{clamp(x.x, -h.x, h.x), clamp(x.y, -h.y, h.y), clamp(x.z, -h.z, h.z)};
-  const auto way = direction_or(x - on_A, otherwise);
-  return {way.unit, T(R(0.5)) * (x + on_A), way.length};
+  const auto& M = boxes.R_AB;
+  const Vec3<T>& h_A = boxes.half_A;
+  const Vec3<T>& h_B = boxes.half_B;
+  const auto of_B = nearest_corner(boxes.p_AB, Mat3<T>{h_B.x * M.x, h_B.y * M.y, h_B.z * M.z}, h_A);
+  const Mat3<T> back = transpose(M);
+  const Mat3<T> edges_A{h_A.x * back.x, h_A.y * back.y, h_A.z * back.z};
+  const auto of_A = nearest_corner(-transpose_times(M, boxes.p_AB), edges_A, h_B);
+  const mask_t<T> by_A = of_A.squared < of_B.squared;
+  const Vec3<T> from = select(by_A, M * of_A.corner + boxes.p_AB, of_B.corner);
+  const Vec3<T> way = select(by_A, M * of_A.way, of_B.way);
+  const auto direction = direction_or(select(by_A, way, -way), otherwise);
+  return {direction.unit, fma(T(R(0.5)), way, from), direction.length};
 }
 
 }  // namespace internal
@@ -104,7 +120,9 @@ Manifold<T> collide_box_box(const Vec3<T>& size_A, const Transform<T>& X_WA, con
   const mask_t<T> near = face.separation <= margin;
   when(near, [&] {
     const auto edge = internal::best_edge(boxes);
-    const mask_t<T> by_edge = near & (edge.separation > face.separation + boxes.bias);
+    // Between boxes that are apart the distance must be true, and nothing rests on it.
+    const T preference = max(boxes.bias - max(face.separation, zero), boxes.rounding);
+    const mask_t<T> by_edge = near & (edge.separation > face.separation + preference);
     const T separation = select(by_edge, edge.separation, face.separation);
 
     const auto overlap = internal::overlap_of_faces(boxes, face, X_WA, X_WB, margin);
@@ -115,7 +133,7 @@ Manifold<T> collide_box_box(const Vec3<T>& size_A, const Transform<T>& X_WA, con
       m.phi[k] = select(near, overlap.phi[k], far);
       lowest = min(overlap.phi[k], lowest);
     }
-    mask_t<T> past = (near ^ by_edge) & (lowest > fma(T(R(1.001)), face.separation, boxes.bias));
+    mask_t<T> past = (near ^ by_edge) & (lowest > fma(T(R(1.0001)), face.separation, T(R(2)) * boxes.bias));
 
     const auto put = [&](mask_t<T> where, const internal::BoxPoint<T>& point) {
       m.normal = select(where, X_WA.R * point.normal, m.normal);

@@ -16,7 +16,7 @@ Manifold<double> collide(const Body& a, const Body& b, double margin = kMargin) 
 /// What may be lost to the preference for faces.
 double preference(const Body& a, const Body& b, double phi) {
   const double thin = std::min({a.size.x, a.size.y, a.size.z, b.size.x, b.size.y, b.size.z});
-  return 6e-4 * thin + 1e-3 * std::max(phi, 0.0);
+  return 6e-4 * thin + 1e-4 * std::max(phi, 0.0);
 }
 
 double kept_apart_by_a_face(const Body& a, const Body& b) {
