@@ -131,6 +131,12 @@ MANYHANDS_INLINE Transform<T> inverse(const Transform<T>& a) {
   return {transpose(a.R), -transpose_times(a.R, a.p)};
 }
 
+/// The transform in lane k.
+template <Number T>
+MANYHANDS_INLINE Transform<real_t<T>> lane(const Transform<T>& a, int k) {
+  return {{lane(a.R.x, k), lane(a.R.y, k), lane(a.R.z, k)}, lane(a.p, k)};
+}
+
 template <Number T, Number P>
 MANYHANDS_INLINE Transform<T> broadcast(const Transform<P>& a) {
   return {broadcast<T>(a.R), broadcast<T>(a.p)};

@@ -6,14 +6,37 @@
 #include "manyhands/physics/collision/collide_box_box.h"
 #include "manyhands/physics/collision/collide_capsule.h"
 #include "manyhands/physics/collision/collide_cylinder.h"
+#include "manyhands/physics/collision/collide_general.h"
 #include "manyhands/physics/collision/collide_sphere.h"
 
 namespace manyhands {
 
+namespace internal {
+
+/// The general narrow phase in those lanes that need it; the others get no points.
+template <Number T>
+std::size_t collide_lane_by_lane(const Colliders<real_t<T>>& colliders, const ColliderPair& pair, mask_t<T> near,
+                                 T margin, const Vec3<T>& size_A, const Transform<T>& X_WA, const Vec3<T>& size_B,
+                                 const Transform<T>& X_WB, std::array<Manifold<T>, 4>& found) {
+  using R = real_t<T>;
+  std::size_t most = 0;
+  for (Manifold<T>& m : found) m = {.normal = {T(R(0)), T(R(0)), T(R(1))}};
+  for_lanes<T>(near, [&](int k) {
+    std::array<Manifold<R>, 4> own;
+    const auto count = static_cast<std::size_t>(collide_general<R>(
+        colliders, pair, lane(size_A, k), lane(X_WA, k), lane(size_B, k), lane(X_WB, k), lane(margin, k), own));
+    for (std::size_t i = 0; i < count; ++i) copy_to_lane(own[i], found[i], k);
+    most = std::max(most, count);
+  });
+  return most;
+}
+
+}  // namespace internal
+
 /// The pair's manifolds into `found`; how many there are. Lanes outside `near` may get anything.
 template <Number T, Number P>
 MANYHANDS_INLINE std::size_t collide_pair(const Colliders<real_t<T>>& colliders, const ColliderPair& pair,
-                                          const Params<P>& params, mask_t<T> /*near*/, T margin,
+                                          const Params<P>& params, mask_t<T> near, T margin,
                                           const std::vector<Transform<T>>& X_WG, std::array<Manifold<T>, 4>& found) {
   const Collider<real_t<T>>&a = colliders.geoms[pair.a], &b = colliders.geoms[pair.b];
   const Vec3<T> size_A = broadcast<T>(params.geom_size[a.geom]), size_B = broadcast<T>(params.geom_size[b.geom]);
@@ -47,7 +70,8 @@ MANYHANDS_INLINE std::size_t collide_pair(const Colliders<real_t<T>>& colliders,
       break;
   }
 #undef MANYHANDS_COLLIDE
-  return 0;
+  return internal::collide_lane_by_lane(colliders, pair, near, margin, size_A, X_WG[pair.a], size_B, X_WG[pair.b],
+                                        found);
 }
 
 }  // namespace manyhands

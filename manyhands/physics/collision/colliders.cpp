@@ -1,6 +1,7 @@
 #include "manyhands/physics/collision/colliders.h"
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 
 namespace manyhands {
@@ -11,6 +12,41 @@ namespace {
 std::size_t manifolds_of(ShapeType a, ShapeType b) {
   const auto surface = [](ShapeType type) { return type == ShapeType::kMesh || type == ShapeType::kHeightField; };
   return surface(a) || surface(b) ? 4 : 1;
+}
+
+/// Shapes with a volume first, then the surfaces of the world.
+int rank(ShapeType type) {
+  switch (type) {
+    case ShapeType::kConvex:
+      return 4;
+    case ShapeType::kPlane:
+      return 5;
+    case ShapeType::kMesh:
+      return 6;
+    default:
+      return static_cast<int>(type);
+  }
+}
+
+/// What a shape needs beyond its size.
+template <Real R>
+void add_surface(const Model& model, const Geom& geom, Collider<R>& collider) {
+  if (collider.type == ShapeType::kMesh && collider.body != 0) collider.type = ShapeType::kConvex;
+  if (collider.type == ShapeType::kConvex) {
+    collider.hull = std::make_shared<ConvexPolyhedron>(
+        convex_polyhedron(std::span<const Vec3<float>>(model.meshes()[geom.shape.mesh.index()].vertices)));
+    collider.radius = static_cast<R>(collider.hull->bound);
+  } else if (collider.type == ShapeType::kMesh) {
+    collider.mesh = std::make_shared<TriangleMesh>(model.meshes()[geom.shape.mesh.index()]);
+    collider.radius = static_cast<R>(collider.mesh->bound());
+  } else if (collider.type == ShapeType::kHeightField) {
+    const HeightField& field = model.height_fields()[geom.shape.height_field.index()];
+    collider.height_field = std::make_shared<HeightField>(field);
+    double highest = 0;
+    for (const double z : field.height) highest = std::max(highest, std::abs(z));
+    collider.radius =
+        static_cast<R>(norm(Vec3<double>{field.columns * field.dx / 2, field.rows * field.dy / 2, highest}));
+  }
 }
 
 bool is_excluded(const Model& model, LinkId a, LinkId b) {
@@ -57,12 +93,19 @@ Colliders<R>::Colliders(const Model& model) : rules(model.contact_rules()) {
     const Mat3<double>& m = X_BG.R;
     const bool turned = geom.shape.type != ShapeType::kSphere && (m.x.x < 1 || m.y.y < 1 || m.z.z < 1);
     collider_of[i] = static_cast<int>(geoms.size());
-    geoms.push_back(
-        {geom.shape.type, i, link.body.index(), turned, broadcast<R>(X_BG), geom.surface, static_cast<R>(geom.margin)});
+    Collider<R>& collider = geoms.emplace_back();
+    collider.type = geom.shape.type;
+    collider.geom = i;
+    collider.body = link.body.index();
+    collider.turned = turned;
+    collider.X_BG = broadcast<R>(X_BG);
+    collider.surface = geom.surface;
+    collider.margin = static_cast<R>(geom.margin);
+    add_surface(model, geom, collider);
     has_torsion = has_torsion || resists_turning(geom.surface);
   }
   const auto add = [&](std::size_t a, std::size_t b, int surface) {
-    if (geoms[a].type > geoms[b].type) std::swap(a, b);
+    if (rank(geoms[a].type) > rank(geoms[b].type)) std::swap(a, b);
     pairs.push_back({.a = a, .b = b, .manifolds = manifolds_of(geoms[a].type, geoms[b].type), .surface = surface});
   };
   const auto is_explicit = [&](std::size_t a, std::size_t b) {
@@ -87,7 +130,8 @@ Colliders<R>::Colliders(const Model& model) : rules(model.contact_rules()) {
         pair.surface ? static_cast<int>(surfaces.size()) - 1 : -1);
   }
   std::ranges::stable_sort(pairs, [&](const ColliderPair& x, const ColliderPair& y) {
-    return std::tuple(geoms[x.a].type, geoms[x.b].type) < std::tuple(geoms[y.a].type, geoms[y.b].type);
+    return std::tuple(rank(geoms[x.a].type), rank(geoms[x.b].type)) <
+           std::tuple(rank(geoms[y.a].type), rank(geoms[y.b].type));
   });
   for (ColliderPair& pair : pairs) {
     pair.manifold = num_manifolds;

@@ -1,28 +1,34 @@
 // The model's colliding geoms and the pairs of them that may touch: uniform, the same for every world.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "manyhands/math/vec3.h"
 #include "manyhands/model/model.h"
+#include "manyhands/physics/collision/triangle_mesh.h"
 
 namespace manyhands {
 
 /// One colliding geom as kernels read it.
 template <Real R>
 struct Collider {
-  ShapeType type{};
+  ShapeType type{};    ///< a mesh that moves is its convex hull
   std::size_t geom{};  ///< index in Model::geoms() and in the geom arrays of Params
   std::size_t body{};
   bool turned{};  ///< whether the shape's axes differ from the body's
   Transform<R> X_BG = Transform<R>::identity();
   SurfaceMaterial surface{};
   R margin{};
+  std::shared_ptr<const ConvexPolyhedron> hull{};     ///< of a convex shape
+  std::shared_ptr<const TriangleMesh> mesh{};         ///< of a mesh
+  std::shared_ptr<const HeightField> height_field{};  ///< of a height field
   R radius{};  ///< of a sphere about the origin that holds the mesh, hull or height field [m]
 };
 
-/// Two geoms that may touch. The lower ShapeType is A.
+/// Two geoms that may touch: A stands before B in the order sphere, capsule, cylinder, box, convex, plane, mesh, height
+/// field.
 struct ColliderPair {
   std::size_t a{}, b{};       ///< indices in Colliders::geoms
   std::size_t manifold{};     ///< the first of its manifolds in a list of all pairs'

@@ -31,6 +31,21 @@ struct Manifold {
   }
 };
 
+/// Puts one world's manifold into its lane.
+template <Number T>
+MANYHANDS_INLINE void copy_to_lane(const Manifold<real_t<T>>& from, Manifold<T>& to, int k) {
+  const auto put = [&](const Vec3<real_t<T>>& a, Vec3<T>& b) {
+    set_lane(b.x, k, a.x);
+    set_lane(b.y, k, a.y);
+    set_lane(b.z, k, a.z);
+  };
+  put(from.normal, to.normal);
+  for (std::size_t i = 0; i < kManifoldPoints; ++i) {
+    put(from.p[i], to.p[i]);
+    set_lane(to.phi[i], k, from.phi[i]);
+  }
+}
+
 /// The same contact seen from B: normal and order of the shapes reversed.
 template <Number T>
 MANYHANDS_INLINE Manifold<T> swapped(Manifold<T> m) {
