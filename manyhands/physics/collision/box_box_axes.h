@@ -64,7 +64,8 @@ struct BoxPair {
 /// The face whose plane keeps the boxes apart best.
 template <Number T>
 struct FaceAxis {
-  T separation;
+  T separation;  ///< across the chosen face: less than the best by a little where A's face is preferred to B's
+  T best;
   mask_t<T> of_B;
   AxisChoice<T> axis;
 };
@@ -81,7 +82,7 @@ MANYHANDS_INLINE FaceAxis<T> best_face(const BoxPair<T>& boxes) {
   const auto axis_A = largest(of_A), axis_B = largest(of_B);
   const T best_A = pick(axis_A, of_A), best_B = pick(axis_B, of_B);
   const mask_t<T> by_B = best_B > best_A + boxes.bias;
-  return {select(by_B, best_B, best_A), by_B, choose(by_B, axis_B, axis_A)};
+  return {select(by_B, best_B, best_A), max(best_A, best_B), by_B, choose(by_B, axis_B, axis_A)};
 }
 
 /// The pair of edges, one of each box, across which the boxes are kept apart best.

@@ -121,8 +121,8 @@ Manifold<T> collide_box_box(const Vec3<T>& size_A, const Transform<T>& X_WA, con
   when(near, [&] {
     const auto edge = internal::best_edge(boxes);
     // Between boxes that are apart the distance must be true, and nothing rests on it.
-    const T preference = max(boxes.bias - max(face.separation, zero), boxes.rounding);
-    const mask_t<T> by_edge = near & (edge.separation > face.separation + preference);
+    const T preference = max(boxes.bias - max(face.best, zero), boxes.rounding);
+    const mask_t<T> by_edge = near & (edge.separation > face.best + preference);
     const T separation = select(by_edge, edge.separation, face.separation);
 
     const auto overlap = internal::overlap_of_faces(boxes, face, X_WA, X_WB, margin);
@@ -133,7 +133,7 @@ Manifold<T> collide_box_box(const Vec3<T>& size_A, const Transform<T>& X_WA, con
       m.phi[k] = select(near, overlap.phi[k], far);
       lowest = min(overlap.phi[k], lowest);
     }
-    mask_t<T> past = (near ^ by_edge) & (lowest > fma(T(R(1.0001)), face.separation, T(R(2)) * boxes.bias));
+    mask_t<T> past = (near ^ by_edge) & (lowest > fma(T(R(1.0001)), face.best, T(R(0.5)) * boxes.bias));
 
     const auto put = [&](mask_t<T> where, const internal::BoxPoint<T>& point) {
       m.normal = select(where, X_WA.R * point.normal, m.normal);
