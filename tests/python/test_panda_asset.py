@@ -181,7 +181,7 @@ def test_link_poses_equal_pybullets_own_robot(bullet) -> None:
             np.testing.assert_allclose(a[5], b[5], atol=1e-9)
 
 
-def test_pybullet_reads_inertias_friction_and_contact_softness(bullet) -> None:
+def test_pybullet_reads_inertias_and_friction(bullet) -> None:
     pybullet, ours, theirs = bullet
     for i, name in enumerate(LINKS):
         info, other = pybullet.getDynamicsInfo(ours, i), pybullet.getDynamicsInfo(theirs, i)
@@ -192,9 +192,9 @@ def test_pybullet_reads_inertias_friction_and_contact_softness(bullet) -> None:
             np.testing.assert_allclose(info[3], com, atol=1e-9)
             # Ours, read from the file, are the ones PyBullet computes for its own robot.
             np.testing.assert_allclose(info[2], other[2], rtol=1e-3)
-        # Lateral friction, restitution, rolling and spinning friction, damping, stiffness.
-        assert (info[1], *info[5:10]) == (other[1], *other[5:10])
-    assert pybullet.getDynamicsInfo(ours, 9)[8:10] == (1000.0, 30000.0)
+        # Lateral friction, restitution, rolling friction. PyBullet's fingers are soft and resist spinning besides, which
+        # its solver needs for a grasp and ours does not.
+        assert (info[1], *info[5:7]) == (other[1], *other[5:7])
 
 
 @pytest.mark.parametrize("name", sorted(BOXES))

@@ -66,7 +66,7 @@ class Link:
     shapes: list[Shape] = field(default_factory=list)
     visual: str = ""  # key in shells.LINKS
     turned: bool = False  # visual and collision turned by pi about z
-    grip: bool = False  # soft, high-friction contact
+    grip: bool = False  # high-friction contact
 
 
 @dataclass(frozen=True)
@@ -106,8 +106,7 @@ FINGER: list[Shape] = [
 ]
 NECK = [*_circle("z", (0.0, 0.0, -0.20), 0.052), *_circle("y", (0.0, 0.046, 0.0), 0.046)]
 NECK += _circle("y", (0.0, 0.126, 0.0), 0.046)
-PALM = [*_rectangle(0.024, -0.060, 0.060, -0.026), *_rectangle(0.032, -0.104, 0.100, 0.010)]
-PALM += _rectangle(0.032, -0.104, 0.100, 0.058) + _rectangle(0.028, -0.098, 0.094, 0.066)
+PALM = [Box((-0.024, -0.060, -0.026), (0.024, 0.060, 0.010)), Box((-0.032, -0.104, 0.010), (0.032, 0.100, 0.066))]
 
 LINKS: list[Link] = [
     Link(
@@ -179,7 +178,7 @@ LINKS: list[Link] = [
         "link7",
     ),
     Link("panda_link8"),
-    Link("panda_hand", 0.81, (0.0, 0.0, 0.04), (0.003719, 0.001016, 0.003388), [Hull("hand", PALM)], "hand"),
+    Link("panda_hand", 0.81, (0.0, 0.0, 0.04), (0.003719, 0.001016, 0.003388), PALM, "hand"),
     Link("panda_leftfinger", 0.10, (0.0, 0.01, 0.02), (4.168e-5, 3.874e-5, 1.694e-5), FINGER, "finger", grip=True),
     Link(
         "panda_rightfinger",

@@ -50,10 +50,6 @@ def _link(link: Link, parts: Mapping[str, list[str]]) -> Iterator[str]:
     if link.grip:
         yield "    <contact>"
         yield '      <lateral_friction value="1"/>'
-        yield '      <spinning_friction value="0.1"/>'
-        yield '      <stiffness value="30000"/>'
-        yield '      <damping value="1000"/>'
-        yield "      <friction_anchor/>"
         yield "    </contact>"
     ixx, iyy, izz = (_number(i) for i in link.inertia)
     yield "    <inertial>"
