@@ -104,7 +104,7 @@ class TriangleContact {
     const ShapeDistance<double> d = core_distance(face, shape_, X_MS_, margin_);
     const Vec m = d.normal_AB;
     const double facing = dot(m, t.normal);
-    if (facing < -1e-6) return solid_ ? upon(face, t.normal) : Manifold<double>{};
+    if (facing < -1e-6) return solid_ ? raised(face, t.normal) : Manifold<double>{};
     if (d.phi > margin_) return {};
     const unsigned corners = supporting_corners(t, m);
     if (corners == 7u || belongs(t, corners, m, is_summit)) {
@@ -141,10 +141,36 @@ class TriangleContact {
 
   /// The contact along the triangle's normal where the shape's supporting feature is above or below the triangle.
   [[nodiscard]] Manifold<double> upon(const ConvexShape& face, const Vec& normal) const {
-    const Vec low = X_MS_ * shape_.support(-transpose_times(X_MS_.R, normal)) - shape_.radius * normal;
+    const Vec low = lowest(normal);
     const double phi = dot(normal, low - face.corners[0]);
     if (phi > margin_) return {};
     return contact_manifold(face, shape_, X_MS_, {phi, low - phi * normal, low, normal}, margin_, true);
+  }
+
+  /// The contact of a shape below a triangle of solid ground. Deep down, no triangle may lie along its own normal from
+  /// the shape: then that counts which is straight above the shape's middle.
+  [[nodiscard]] Manifold<double> raised(const ConvexShape& face, const Vec& normal) const {
+    Manifold<double> m = upon(face, normal);
+    if (is_finite(m.phi[0]) || !is_below(face.corners, X_MS_ * shape_.centre())) return m;
+    const Vec low = lowest(normal);
+    const double phi = dot(normal, low - face.corners[0]);
+    m.normal = normal;
+    m.set(0, low - phi * normal, phi);
+    return m;
+  }
+
+  /// Whether the triangle covers the point, seen along z.
+  [[nodiscard]] static bool is_below(const std::array<Vec, 3>& corners, const Vec& p) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec a = corners[k], edge = corners[(k + 1) % 3] - a;
+      if (edge.x * (p.y - a.y) - edge.y * (p.x - a.x) < 0) return false;
+    }
+    return true;
+  }
+
+  /// The point of the shape that is farthest against the normal.
+  [[nodiscard]] Vec lowest(const Vec& normal) const {
+    return X_MS_ * shape_.support(-transpose_times(X_MS_.R, normal)) - shape_.radius * normal;
   }
 
   const ConvexShape& shape_;

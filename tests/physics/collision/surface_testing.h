@@ -47,10 +47,32 @@ inline ConvexPolyhedron cube_hull() {
   return convex_polyhedron(std::span<const Point>(corners));
 }
 
+/// Spacing and heights are such that vertices are exact in float.
 inline HeightField rough_ground(int columns, int rows, double roughness, ShapeSource& source) {
-  HeightField field{columns, rows, 0.1, 0.08, {}};
-  for (int i = 0; i < columns * rows; ++i) field.height.push_back(source.uniform(-roughness, roughness));
+  HeightField field{columns, rows, 0.125, 0.0625, {}};
+  for (int i = 0; i < columns * rows; ++i) {
+    field.height.push_back(static_cast<double>(static_cast<float>(source.uniform(-roughness, roughness))));
+  }
   return field;
+}
+
+/// The surface of a height field.
+inline Mesh surface_of(const HeightField& field) {
+  Mesh mesh{"field"};
+  for (int j = 0; j < field.rows; ++j) {
+    for (int i = 0; i < field.columns; ++i) {
+      mesh.vertices.push_back({static_cast<float>((i - 0.5 * (field.columns - 1)) * field.dx),
+                               static_cast<float>((j - 0.5 * (field.rows - 1)) * field.dy),
+                               static_cast<float>(field.height[static_cast<std::size_t>(j * field.columns + i)])});
+    }
+  }
+  for (int j = 0; j + 1 < field.rows; ++j) {
+    for (int i = 0; i + 1 < field.columns; ++i) {
+      const int a = j * field.columns + i, b = a + 1, d = a + field.columns, c = d + 1;
+      mesh.triangles.insert(mesh.triangles.end(), {{a, b, c}, {a, c, d}});
+    }
+  }
+  return mesh;
 }
 
 }  // namespace manyhands::testing

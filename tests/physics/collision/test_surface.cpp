@@ -69,7 +69,7 @@ TEST(CollideMesh, FlatGroundHasNoSeams) {
 
 TEST(CollideHeightField, FlatGroundHasNoSeamsAndIsSolid) {
   ShapeSource source(5);
-  const HeightField field = testing::rough_ground(30, 40, 0, source);
+  const HeightField field = testing::rough_ground(24, 48, 0, source);
   for (int i = 0; i < 300; ++i) {
     for (const Standing& s : kStanding) {
       SCOPED_TRACE(::testing::Message() << "i " << i << " half height " << s.half_height);
@@ -149,7 +149,7 @@ TEST(CollideHeightField, RoughGroundAgreesWithSampling) {
   ShapeSource source(2);
   const HeightField field = testing::rough_ground(12, 12, 0.04, source);
   for (int i = 0; i < 60; ++i) {
-    Transform<double> X = source.pose(0.3);
+    Transform<double> X = source.pose(0.2);
     const double r = 0.06;
     X.p.z = source.uniform(0.05, 0.12);
     double nearest = 1e9;
@@ -163,7 +163,7 @@ TEST(CollideHeightField, RoughGroundAgreesWithSampling) {
             const double u = k / 40.0, v = l / 40.0;
             const double z = u > v ? (1 - u) * h(0, 0) + (u - v) * h(1, 0) + v * h(1, 1)
                                    : (1 - v) * h(0, 0) + u * h(1, 1) + (v - u) * h(0, 1);
-            const Point p{(cell_x + u - 5.5) * 0.1, (cell_y + v - 5.5) * 0.08, z};
+            const Point p{(cell_x + u - 5.5) * field.dx, (cell_y + v - 5.5) * field.dy, z};
             nearest = std::min(nearest, norm(p - X.p));
           }
         }
@@ -174,6 +174,21 @@ TEST(CollideHeightField, RoughGroundAgreesWithSampling) {
     ASSERT_GT(count, 0);
     EXPECT_LE(deepest(out[0]), nearest - r + 1e-9) << i;
     EXPECT_NEAR(deepest(out[0]), nearest - r, 1e-4) << i;
+  }
+}
+
+// However deep and however rough: what is under the grid is found, and pushed up.
+TEST(CollideHeightField, NothingIsLostInTheGround) {
+  ShapeSource source(12);
+  const HeightField field = testing::rough_ground(12, 20, 0.1, source);
+  for (int i = 0; i < 500; ++i) {
+    const Standing& s = kStanding[static_cast<std::size_t>(i) % kStanding.size()];
+    Transform<double> X = source.pose(0.5);
+    X.p.z = -source.uniform(0.1, 2);
+    std::array<Manifold<double>, 4> out;
+    ASSERT_GT(collide_height_field<double>(s.shape, X, field, kHere, 0.005, out), 0) << i;
+    EXPECT_LT(deepest(out[0]), 0);
+    EXPECT_LT(out[0].normal.z, -0.1);
   }
 }
 
