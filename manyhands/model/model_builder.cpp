@@ -2,29 +2,14 @@
 
 #include <algorithm>
 
+#include "manyhands/model/part_checks.h"
+
 namespace manyhands {
 
 namespace {
 
 bool finite(double a) { return is_finite(a); }
 bool finite(const Vec3<double>& a) { return finite(a.x) && finite(a.y) && finite(a.z); }
-
-void check_inertial(const std::string& name, const Inertial& inertial) {
-  const SymMat3<double>& I = inertial.inertia;
-  const bool all_finite =
-      finite(inertial.mass) && finite(inertial.com) && finite(I.xx + I.yy + I.zz) && finite(I.xy + I.xz + I.yz);
-  if (!all_finite) throw ModelError("link '" + name + "': mass, com and inertia must be finite numbers");
-  if (inertial.mass < 0) {
-    throw ModelError("link '" + name + "': mass is " + std::to_string(inertial.mass) + " kg; expected 0 or more");
-  }
-  const double det =
-      I.xx * (I.yy * I.zz - I.yz * I.yz) - I.xy * (I.xy * I.zz - I.yz * I.xz) + I.xz * (I.xy * I.yz - I.yy * I.xz);
-  const double scale = I.xx + I.yy + I.zz;
-  const double minor = std::min({I.xx * I.yy - I.xy * I.xy, I.xx * I.zz - I.xz * I.xz, I.yy * I.zz - I.yz * I.yz});
-  const double slack = 1e-9 * scale;
-  const bool positive = std::min({I.xx, I.yy, I.zz}) >= 0 && minor >= -slack * scale && det >= -slack * scale * scale;
-  if (!positive) throw ModelError("link '" + name + "': the inertia matrix is not positive semi-definite");
-}
 
 /// The smallest rotation that takes z to the unit vector `axis`; the identity, exactly, if they are equal.
 Mat3<double> rotation_from_z_to(const Vec3<double>& axis) {
@@ -93,11 +78,21 @@ JointId ModelBuilder::add_joint(Joint joint) {
 
 GeomId ModelBuilder::add_geom(Geom geom) {
   require_link("a geom", geom.link);
+  check_geom(geom);
+  const bool needs_mesh = geom.shape.type == ShapeType::kMesh || geom.shape.type == ShapeType::kConvex;
+  if (needs_mesh && (!geom.shape.mesh.is_valid() || geom.shape.mesh.index() >= meshes_.size())) {
+    throw ModelError("geom '" + geom.name + "' needs a mesh added before");
+  }
+  const HeightFieldId field = geom.shape.height_field;
+  if (geom.shape.type == ShapeType::kHeightField && (!field.is_valid() || field.index() >= height_fields_.size())) {
+    throw ModelError("geom '" + geom.name + "' needs a height field added before");
+  }
   geoms_.push_back(std::move(geom));
   return GeomId(geoms_.size() - 1);
 }
 
 MeshId ModelBuilder::add_mesh(Mesh mesh) {
+  check_mesh(mesh);
   meshes_.push_back(std::move(mesh));
   return MeshId(meshes_.size() - 1);
 }
@@ -115,13 +110,7 @@ void ModelBuilder::require_single_dof(const std::string& what, JointId joint) co
 }
 
 HeightFieldId ModelBuilder::add_height_field(HeightField field) {
-  const bool whole =
-      field.columns >= 2 && field.rows >= 2 && field.dx > 0 && field.dy > 0 &&
-      field.height.size() == static_cast<std::size_t>(field.columns) * static_cast<std::size_t>(field.rows);
-  if (!whole) throw ModelError("a height field needs rows x columns heights, 2 x 2 or more, and spacings above 0");
-  for (const double height : field.height) {
-    if (!finite(height)) throw ModelError("the heights of a height field must be finite numbers");
-  }
+  check_height_field(field);
   height_fields_.push_back(std::move(field));
   return HeightFieldId(height_fields_.size() - 1);
 }

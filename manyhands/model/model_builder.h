@@ -30,7 +30,10 @@ class ModelBuilder {
   JointId add_joint(Joint joint);
   /// Puts a link that will have no joint to a parent at X_WL in the world.
   void place_root(LinkId link, const Transform<double>& X_WL) { links_[link.index()].X_BL = X_WL; }
+  /// Throws ModelError on a size that is not above 0, numbers that are not finite, a negative friction, or a mesh or
+  /// height field that was not added before.
   GeomId add_geom(Geom geom);
+  /// Throws ModelError on vertices that are not finite and triangles of vertices that do not exist.
   MeshId add_mesh(Mesh mesh);
   /// Throws ModelError unless the grid has 2 x 2 finite heights or more.
   HeightFieldId add_height_field(HeightField field);

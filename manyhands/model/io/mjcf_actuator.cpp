@@ -159,11 +159,7 @@ int add_actuator(MjcfScene& scene, const MjcfElement& e, const std::string& name
     return -1;
   }
   read_ranges(scene, e, gear, actuator);
-  try {
-    return scene.builder.add_actuator(actuator).value();
-  } catch (const ModelError& error) {
-    e.fail(error.what());
-  }
+  return checked(e, [&] { return scene.builder.add_actuator(actuator).value(); });
 }
 
 }  // namespace

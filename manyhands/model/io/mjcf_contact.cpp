@@ -98,13 +98,43 @@ void read_pair(MjcfScene& scene, const MjcfElement& element) {
     }
     pair.surface = surface_of(friction, read_condim(e, std::max(a.condim, b.condim)));
   }
+  if (!scene.pairs.insert({std::min(*a.id, *b.id), std::max(*a.id, *b.id)}).second) {
+    e.fail("there is a pair of these geoms already; expected it once");
+  }
   scene.builder.add_contact_pair(pair);
 }
 
 void read_exclude(MjcfScene& scene, const MjcfElement& element) {
   const MjcfElement e = element.named("exclude '" + element.text_or("name", "") + "'");
   e.expect({"name", "body1", "body2"});
-  scene.builder.exclude_contact(scene.body(e, "body1").link, scene.body(e, "body2").link);
+  const LinkId a = scene.body(e, "body1").link, b = scene.body(e, "body2").link;
+  scene.exclusions.insert({std::min(a, b), std::max(a, b)});
+  scene.builder.exclude_contact(a, b);
+}
+
+/// MuJoCo lets a moving body touch the fixed one that its joint is on; here neighbours of a joint do not touch unless a
+/// pair says so.
+void pair_with_bases(MjcfScene& scene) {
+  const auto base_of = [&](const MjcfGeom& geom) {
+    const MjcfBody& body = scene.bodies[static_cast<std::size_t>(geom.body)];
+    const MjcfBody& moving = scene.bodies[static_cast<std::size_t>(body.first_moving)];
+    const bool is_on_base = body.first_moving != 0 && moving.parent > 0 &&
+                            scene.bodies[static_cast<std::size_t>(moving.parent)].first_moving == 0;
+    return is_on_base && !moving.has_chain ? moving.parent : -1;
+  };
+  for (const MjcfGeom& moving : scene.geoms) {
+    const int base = base_of(moving);
+    if (base < 0 || !moving.id) continue;
+    for (const MjcfGeom& fixed : scene.geoms) {
+      const Kind a{moving.contype, moving.conaffinity}, b{fixed.contype, fixed.conaffinity};
+      if (fixed.body != base || !fixed.id || !may_touch(a, b)) continue;
+      const LinkId link_a = scene.bodies[static_cast<std::size_t>(moving.body)].link;
+      const LinkId link_b = scene.bodies[static_cast<std::size_t>(base)].link;
+      if (scene.exclusions.contains({std::min(link_a, link_b), std::max(link_a, link_b)})) continue;
+      const std::pair ids{std::min(*moving.id, *fixed.id), std::max(*moving.id, *fixed.id)};
+      if (!scene.pairs.contains(ids)) scene.builder.add_contact_pair({.a = ids.first, .b = ids.second});
+    }
+  }
 }
 
 /// Bodies that lie next to each other in MuJoCo, though links between their joints part them here.
@@ -151,6 +181,7 @@ void read_contacts(MjcfScene& scene) {
   set_filters(scene);
   set_roles(scene);
   exclude_across_chains(scene);
+  pair_with_bases(scene);
   note_mixed_condims(scene);
   scene.builder.set_contact_rules({.friction = CombineRule::kMaximum});
 }

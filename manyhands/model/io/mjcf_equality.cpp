@@ -96,11 +96,7 @@ void read_equality(MjcfScene& scene, const MjcfElement& element) {
   if (kind == "connect") read_connect(scene, e, loop);
   if (kind == "weld") read_weld(scene, e, loop);
   if (kind == "joint" && !read_joints(scene, e, loop)) return;
-  try {
-    scene.builder.add_loop(loop);
-  } catch (const ModelError& error) {
-    e.fail(error.what());
-  }
+  checked(e, [&] { scene.builder.add_loop(loop); });
 }
 
 }  // namespace

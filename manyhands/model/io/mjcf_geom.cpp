@@ -163,7 +163,8 @@ int read_condim(const MjcfElement& e, int fallback) {
   return condim;
 }
 
-MjcfGeomMass add_geom(MjcfScene& scene, const MjcfBody& body, const MjcfPlaced& placed) {
+MjcfGeomMass add_geom(MjcfScene& scene, int body_index, const MjcfPlaced& placed) {
+  const MjcfBody& body = scene.bodies[static_cast<std::size_t>(body_index)];
   const std::string name = claim_name(scene.geom_names, placed.element, "geom", scene.geoms.size(), scene.reserved);
   const MjcfElement e = placed.element.named("geom '" + name + "'").with_defaults(scene.classes, "geom");
   e.expect(
@@ -176,7 +177,7 @@ MjcfGeomMass add_geom(MjcfScene& scene, const MjcfBody& body, const MjcfPlaced& 
   if (e.number_or("priority", 0) != 0) {
     e.note(LoadAction::kIgnored, "priority is not used: the larger friction of two geoms counts");
   }
-  MjcfGeom entry{.name = name, .id = {}, .source = e};
+  MjcfGeom entry{.name = name, .id = {}, .source = e, .body = body_index};
   entry.contype = e.integer_or("contype", 1);
   entry.conaffinity = e.integer_or("conaffinity", 1);
   entry.condim = read_condim(e, 3);
@@ -201,7 +202,7 @@ MjcfGeomMass add_geom(MjcfScene& scene, const MjcfBody& body, const MjcfPlaced& 
     double factor = density;
     if (e.has("mass")) factor = part.volume.mass > 0 ? e.positive_or("mass", 0) / part.volume.mass : 0;
     mass.inertial = io::placed(geom.X_LG, scaled(part.volume, factor));
-    entry.id = scene.builder.add_geom(std::move(geom));
+    entry.id = checked(e, [&] { return scene.builder.add_geom(std::move(geom)); });
   }
   scene.geoms.push_back(std::move(entry));
   return mass;

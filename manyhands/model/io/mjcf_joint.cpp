@@ -157,8 +157,9 @@ LinkId add_joints(MjcfScene& scene, MjcfBody& body, LinkId parent, const Transfo
     read.joint.name = name;
     read.joint.parent = carrier;
     read.joint.child = link;
-    scene.joints.push_back({name, builder.add_joint(read.joint), read.reference, static_cast<int>(scene.bodies.size()),
-                            body.X_WB * read.anchor, body.X_WB.R * read.joint.axis});
+    const JointId id = checked(element, [&] { return builder.add_joint(read.joint); });
+    scene.joints.push_back({name, id, read.reference, static_cast<int>(scene.bodies.size()), body.X_WB * read.anchor,
+                            body.X_WB.R * read.joint.axis});
     carrier = link;
     X_CB = {Mat3<double>::identity(), -read.anchor};
     if (ends_in_body) return link;

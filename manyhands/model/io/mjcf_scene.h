@@ -36,6 +36,7 @@ struct MjcfGeom {
   std::string name;
   std::optional<GeomId> id;  ///< none for what was left out
   MjcfElement source;
+  int body = 0;  ///< index
   int contype = 1, conaffinity = 1, condim = 3;
   bool is_in_pair = false;
 };
@@ -65,6 +66,8 @@ struct MjcfScene {
   std::set<std::string, std::less<>> declared_bodies;  ///< the names of bodies among them
   std::size_t num_sites = 0, num_equalities = 0;
   std::map<std::array<double, 3>, MeshId> ellipsoids;  ///< hulls by half axes
+  std::set<std::pair<LinkId, LinkId>> exclusions;      ///< of <contact>, the lesser id first
+  std::set<std::pair<GeomId, GeomId>> pairs;           ///< the same
   std::vector<int> actuators;                          ///< by their place in the file, the index here or -1
 
   /// The part that an attribute names; fails if there is none.
@@ -76,6 +79,16 @@ struct MjcfScene {
 /// The name of an element, or kind_index, which is lengthened until nothing in the file bears it; fails if it is taken.
 [[nodiscard]] std::string claim_name(MjcfNames& names, const MjcfElement& element, const char* kind, std::size_t index,
                                      const std::set<std::string, std::less<>>& reserved);
+
+/// What `make` gives; a part that the builder refuses becomes an error at the element.
+template <class Make>
+auto checked(const MjcfElement& element, Make make) {
+  try {
+    return make();
+  } catch (const ModelError& error) {
+    element.fail(error.what());
+  }
+}
 
 // The readers, in the order in which they run.
 void read_world(MjcfScene& scene);     ///< bodies, joints, geoms, sites
@@ -104,6 +117,6 @@ struct MjcfPlaced {
 /// The frictions (sliding, spinning, rolling) of which contacts of so many dimensions know.
 [[nodiscard]] SurfaceMaterial surface_of(const std::array<double, 3>& friction, int condim);
 /// Adds a geom; its mass is that of its volume or what it is given.
-MjcfGeomMass add_geom(MjcfScene& scene, const MjcfBody& body, const MjcfPlaced& placed);
+MjcfGeomMass add_geom(MjcfScene& scene, int body, const MjcfPlaced& placed);
 
 }  // namespace manyhands::io

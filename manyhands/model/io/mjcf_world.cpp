@@ -4,6 +4,7 @@
 #include "manyhands/model/io/inertia_repair.h"
 #include "manyhands/model/io/mjcf_scene.h"
 #include "manyhands/model/io/text_numbers.h"
+#include "manyhands/model/part_checks.h"
 
 namespace manyhands::io {
 
@@ -102,7 +103,7 @@ class WorldReader {
     const MjcfSettings& settings = scene_.settings;
     Inertial from_geoms;
     for (const MjcfPlaced& geom : contents.geoms) {
-      const MjcfGeomMass mass = add_geom(scene_, scene_.bodies[index], geom);
+      const MjcfGeomMass mass = add_geom(scene_, static_cast<int>(index), geom);
       if (mass.group < settings.inertia_groups[0] || mass.group > settings.inertia_groups[1]) continue;
       from_geoms = sum(from_geoms, mass.inertial);
     }
@@ -130,6 +131,7 @@ class WorldReader {
       inertial.inertia = {mean, mean, mean, 0, 0, 0};
     }
     if (const auto repair = repair_inertial(inertial)) source.note(LoadAction::kRepaired, *repair);
+    checked(source, [&] { check_inertial(body.name, inertial); });
     scene_.builder.link(body.link).inertial = inertial;
   }
 

@@ -1,0 +1,93 @@
+#include "manyhands/model/part_checks.h"
+
+#include <algorithm>
+
+namespace manyhands {
+
+namespace {
+
+bool finite(double a) { return is_finite(a); }
+bool finite(const Vec3<double>& a) { return finite(a.x) && finite(a.y) && finite(a.z); }
+
+/// How many of the sizes a shape uses.
+std::size_t sizes_of(ShapeType type) {
+  switch (type) {
+    case ShapeType::kSphere:
+      return 1;
+    case ShapeType::kCapsule:
+    case ShapeType::kCylinder:
+      return 2;
+    case ShapeType::kBox:
+      return 3;
+    default:
+      return 0;
+  }
+}
+
+}  // namespace
+
+void check_inertial(const std::string& name, const Inertial& inertial) {
+  const SymMat3<double>& I = inertial.inertia;
+  const bool all_finite =
+      finite(inertial.mass) && finite(inertial.com) && finite(I.xx + I.yy + I.zz) && finite(I.xy + I.xz + I.yz);
+  if (!all_finite) throw ModelError("link '" + name + "': mass, com and inertia must be finite numbers");
+  if (inertial.mass < 0) {
+    throw ModelError("link '" + name + "': mass is " + std::to_string(inertial.mass) + " kg; expected 0 or more");
+  }
+  const double det =
+      I.xx * (I.yy * I.zz - I.yz * I.yz) - I.xy * (I.xy * I.zz - I.yz * I.xz) + I.xz * (I.xy * I.yz - I.yy * I.xz);
+  const double scale = I.xx + I.yy + I.zz;
+  const double minor = std::min({I.xx * I.yy - I.xy * I.xy, I.xx * I.zz - I.xz * I.xz, I.yy * I.zz - I.yz * I.yz});
+  const double slack = 1e-9 * scale;
+  const bool positive = std::min({I.xx, I.yy, I.zz}) >= 0 && minor >= -slack * scale && det >= -slack * scale * scale;
+  if (!positive) throw ModelError("link '" + name + "': the inertia matrix is not positive semi-definite");
+}
+
+void check_geom(const Geom& geom) {
+  const std::string what = "geom '" + geom.name + "'";
+  const std::array sizes{geom.shape.size.x, geom.shape.size.y, geom.shape.size.z};
+  for (std::size_t i = 0; i < sizes_of(geom.shape.type); ++i) {
+    const bool may_be_zero = geom.shape.type == ShapeType::kCapsule && i == 1;
+    if (!finite(sizes[i]) || sizes[i] < 0 || (sizes[i] == 0 && !may_be_zero)) {
+      throw ModelError(what + ": a size is " + std::to_string(sizes[i]) + " m; expected a finite number above 0");
+    }
+  }
+  const Transform<double>& X = geom.X_LG;
+  if (!finite(X.p) || !finite(X.R.x) || !finite(X.R.y) || !finite(X.R.z)) {
+    throw ModelError(what + ": its pose must be finite numbers");
+  }
+  const SurfaceMaterial& s = geom.surface;
+  for (const double value : {s.lateral_friction, s.friction_y.value_or(0), s.spinning_friction, s.rolling_friction,
+                             s.restitution, s.stiffness.value_or(0), s.damping.value_or(0), geom.margin}) {
+    if (!finite(value) || value < 0) {
+      throw ModelError(what + ": frictions, restitution, stiffness, damping and margin must be finite, 0 or more");
+    }
+  }
+}
+
+void check_mesh(const Mesh& mesh) {
+  const std::string what = "mesh '" + mesh.source + "'";
+  for (const Vec3<float>& v : mesh.vertices) {
+    if (!is_finite(v.x) || !is_finite(v.y) || !is_finite(v.z)) throw ModelError(what + ": a vertex is not finite");
+  }
+  for (const std::array<int, 3>& triangle : mesh.triangles) {
+    for (const int i : triangle) {
+      if (i < 0 || i >= std::ssize(mesh.vertices)) {
+        throw ModelError(what + ": a triangle names vertex " + std::to_string(i) + " of " +
+                         std::to_string(mesh.vertices.size()));
+      }
+    }
+  }
+}
+
+void check_height_field(const HeightField& field) {
+  const bool whole =
+      field.columns >= 2 && field.rows >= 2 && field.dx > 0 && field.dy > 0 &&
+      field.height.size() == static_cast<std::size_t>(field.columns) * static_cast<std::size_t>(field.rows);
+  if (!whole) throw ModelError("a height field needs rows x columns heights, 2 x 2 or more, and spacings above 0");
+  for (const double height : field.height) {
+    if (!finite(height)) throw ModelError("the heights of a height field must be finite numbers");
+  }
+}
+
+}  // namespace manyhands

@@ -1,0 +1,21 @@
+// What must hold of parts before they can belong to a model.
+#pragma once
+
+#include "manyhands/model/model.h"
+
+namespace manyhands {
+
+/// Throws ModelError, naming the part, on numbers that are not finite, a negative mass, or an inertia that is not
+/// positive semi-definite.
+void check_inertial(const std::string& link, const Inertial& inertial);
+
+/// Throws ModelError on a size that is not above 0, a pose or surface that is not finite, or a negative friction.
+void check_geom(const Geom& geom);
+
+/// Throws ModelError on vertices that are not finite and triangles of vertices that do not exist.
+void check_mesh(const Mesh& mesh);
+
+/// Throws ModelError unless the grid has 2 x 2 finite heights or more and spacings above 0.
+void check_height_field(const HeightField& field);
+
+}  // namespace manyhands
