@@ -78,6 +78,42 @@ MANYHANDS_INLINE FaceCandidates<T> face_candidates(const FacePair<T>& f) {
   return points;
 }
 
+/// Where one of the faces lies all over the other, the overlap is that one: its four corners.
+template <Number T>
+struct WholeFace {
+  mask_t<T> exists;
+  std::array<FacePoint<T>, 4> corners;
+};
+
+template <Number T>
+MANYHANDS_INLINE WholeFace<T> whole_face(const FacePair<T>& f) {
+  using R = real_t<T>;
+  const T one(R(1));
+  const Vec3<T>& c = f.centre;
+  const Vec3<T>&e = f.edge_1, &g = f.edge_2;
+  const mask_t<T> incident =
+      (abs(c.x) + abs(e.x) + abs(g.x) <= f.u + f.slack) & (abs(c.y) + abs(e.y) + abs(g.y) <= f.v + f.slack);
+  // The reference face's centre and half edges along the incident edges.
+  const T inverse = safe_inverse(fma(e.x, g.y, -(e.y * g.x)));
+  const T s_1 = fma(c.y, g.x, -(c.x * g.y)) * inverse, s_2 = fma(c.x, e.y, -(c.y * e.x)) * inverse;
+  const T u_1 = f.u * g.y * inverse, v_1 = -(f.v * g.x * inverse);
+  const T u_2 = -(f.u * e.y * inverse), v_2 = f.v * e.x * inverse;
+  const mask_t<T> reference = (abs(s_1) + abs(u_1) + abs(v_1) <= one) & (abs(s_2) + abs(u_2) + abs(v_2) <= one);
+
+  const T height = fma(s_1, e.z, fma(s_2, g.z, c.z));
+  const T rise_u = fma(u_1, e.z, u_2 * g.z), rise_v = fma(v_1, e.z, v_2 * g.z);
+  WholeFace<T> whole{mask_t<T>(incident | reference), {}};
+  std::size_t k = 0;
+  for (const R a : {R(-1), R(1)}) {
+    for (const R b : {R(-1), R(1)}) {
+      const Vec3<T> p = fma(T(a), e, fma(T(b), g, c));
+      const FacePoint<T> corner{T(a) * f.u, T(b) * f.v, fma(T(a), rise_u, fma(T(b), rise_v, height))};
+      whole.corners[k++] = choose(incident, FacePoint<T>{p.x, p.y, p.z}, corner);
+    }
+  }
+  return whole;
+}
+
 /// Of the points with phi <= limit the one farthest from `from`, and the square of how far; `from` if none is.
 template <Number T>
 struct Farthest {
@@ -178,7 +214,12 @@ MANYHANDS_INLINE Manifold<T> overlap_of_faces(const BoxPair<T>& boxes, const Fac
                           transpose_times(reference, incident_half.x * incident.x),
                           transpose_times(reference, incident_half.y * incident.y),
                           boxes.rounding};
-  const auto points = thin_out(face_candidates(faces), margin, boxes.rounding, coincident);
+  const auto whole = whole_face(faces);
+  auto points = whole.corners;
+  when(!whole.exists, [&] {
+    const auto thinned = thin_out(face_candidates(faces), margin, boxes.rounding, coincident);
+    for (std::size_t k = 0; k < points.size(); ++k) points[k] = choose(whole.exists, points[k], thinned[k]);
+  });
 
   Manifold<T> m;
   m.normal = select(face.of_B, -reference.z, reference.z);

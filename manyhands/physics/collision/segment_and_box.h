@@ -34,25 +34,24 @@ struct SegmentAndBox {
   /// The t nearest to the box: the root of the distance's slope, which rises in straight pieces between the faces.
   MANYHANDS_INLINE T nearest() const {
     const T zero(R(0));
-    T low = -half, high = half;
-    T slope_low(R(-1)), slope_high(R(1));
-    const auto narrow = [&](T t) {
-      const Vec3<T> w = way(t);
-      const T slope = -fma(d[0], w.x, fma(d[1], w.y, d[2] * w.z));
-      const mask_t<T> before = (slope <= zero) & (t >= low);
-      const mask_t<T> after = (slope >= zero) & (t <= high);
-      low = select(before, t, low);
-      slope_low = select(before, slope, slope_low);
-      high = select(after, t, high);
-      slope_high = select(after, slope, slope_high);
-    };
-    narrow(-half);
-    narrow(half);
+    std::array<T, 8> bends{-half, half};
     for (std::size_t i = 0; i < 3; ++i) {
       const T inverse_d = inverse_slope(i);
       const T middle = -p[i] * inverse_d, reach = half_extent[i] * inverse_d;
-      narrow(clamp(middle - reach, -half, half));
-      narrow(clamp(middle + reach, -half, half));
+      bends[2 * i + 2] = clamp(middle - reach, -half, half);
+      bends[2 * i + 3] = clamp(middle + reach, -half, half);
+    }
+    T low = -half, high = half;
+    T slope_low(-std::numeric_limits<R>::max() / 4), slope_high(std::numeric_limits<R>::max() / 4);
+    for (const T& t : bends) {
+      const Vec3<T> w = way(t);
+      const T slope = -fma(d[0], w.x, fma(d[1], w.y, d[2] * w.z));
+      const mask_t<T> before = slope <= zero;
+      const mask_t<T> after = slope >= zero;
+      low = select(before, max(t, low), low);
+      slope_low = select(before, max(slope, slope_low), slope_low);
+      high = select(after, min(t, high), high);
+      slope_high = select(after, min(slope, slope_high), slope_high);
     }
     const T rise = slope_high - slope_low;
     const mask_t<T> flat = rise <= zero;
