@@ -30,9 +30,9 @@ Vec any_across(const Vec& a) {
 
 /// Follows the slope of the support over the circle of directions across `axis`, or over the sphere of them if it is
 /// zero, to a smaller depth (step lengths after Barzilai and Borwein, 1988).
-Penetration descend(const CorePair& pair, Penetration best, const Vec& axis) {
+Penetration descend(const CorePair& pair, Penetration best, const Vec& start, const Vec& axis) {
   const auto across = [&](const Vec& x) { return x - dot(x, axis) * axis; };
-  Vec n = across(best.normal);
+  Vec n = across(start);
   n = (1 / norm(n)) * n;
   Vec last_n = n, last_slope = Vec::zero();
   for (int i = 0; i < 64 && is_finite(n.x + n.y + n.z); ++i) {
@@ -53,11 +53,16 @@ Penetration descend(const CorePair& pair, Penetration best, const Vec& axis) {
 }
 
 /// Where a round surface encloses the origin nearly alike from all sides, a polytope of any affordable size cannot
-/// tell its sides apart. What it found is near enough for a descent; about a cylinder, along the circle of its sides.
+/// tell its sides apart. What it found is near enough for a descent; about a cylinder, along the circle of its sides,
+/// from several of them.
 Penetration refined(const CorePair& pair, Penetration best) {
-  best = descend(pair, best, Vec::zero());
-  if (pair.a.core == ConvexShape::Core::kCylinder) best = descend(pair, best, {0, 0, 1});
-  if (pair.b.core == ConvexShape::Core::kCylinder) best = descend(pair, best, pair.X_AB.R.z);
+  best = descend(pair, best, best.normal, Vec::zero());
+  const auto around = [&](const Vec& axis) {
+    const Vec start = best.normal, side = cross(axis, start);
+    for (const Vec& n : {start, start + side, side, side - start}) best = descend(pair, best, n, axis);
+  };
+  if (pair.a.core == ConvexShape::Core::kCylinder) around({0, 0, 1});
+  if (pair.b.core == ConvexShape::Core::kCylinder) around(pair.X_AB.R.z);
   // Once parted along the normal, the cores have nearest points.
   CorePair parted = pair;
   parted.X_AB.p = fma(best.depth + 0.05 * pair.scale(), best.normal, parted.X_AB.p);

@@ -108,6 +108,24 @@ TEST(ConvexDistance, FloatLosesOnlyWhatItsPosesRound) {
   });
 }
 
+// Deep in a cylinder, all around its axis alike, is where an expanding polytope fares worst.
+TEST(ConvexDistance, ABallInACylinderByItsClosedForm) {
+  ShapeSource source(21);
+  for (int i = 0; i < 3000; ++i) {
+    const double r = source.length(), half = source.length(), ball = source.length();
+    const Transform<double> X_WA = source.pose(1);
+    const double spread = i % 3 == 0 ? 1e-6 : i % 3 == 1 ? 1e-2 : 1.5;
+    const Point p{spread * r * source.uniform(-1, 1), spread * r * source.uniform(-1, 1),
+                  spread * half * source.uniform(-1, 1)};
+    const double side = std::hypot(p.x, p.y) - r, cap = std::abs(p.z) - half;
+    const double truth =
+        (std::max(side, cap) < 0 ? std::max(side, cap) : std::hypot(std::max(side, 0.0), std::max(cap, 0.0))) - ball;
+    const Transform<double> X_WB{source.rotation(), X_WA * p};
+    const auto d = convex_distance(ConvexShape::cylinder(r, half), X_WA, ConvexShape::sphere(ball), X_WB);
+    EXPECT_NEAR(d.phi, truth, 1e-9) << r << " " << half << " " << ball << " at " << p.x << " " << p.y << " " << p.z;
+  }
+}
+
 // A ball against a slab 0.1 mm thick: the depth is that of the face, whatever the slab's breadth.
 TEST(ConvexDistance, ThinSlab) {
   const ConvexShape slab = ConvexShape::box({0.5, 0.5, 0.5e-4}), ball = ConvexShape::sphere(0.01);
