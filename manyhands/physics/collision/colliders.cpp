@@ -102,11 +102,16 @@ Colliders<R>::Colliders(const Model& model) : rules(model.contact_rules()) {
     collider.surface = geom.surface;
     collider.margin = static_cast<R>(geom.margin);
     add_surface(model, geom, collider);
-    has_torsion = has_torsion || resists_turning(geom.surface);
   }
   const auto add = [&](std::size_t a, std::size_t b, int surface) {
     if (rank(geoms[a].type) > rank(geoms[b].type)) std::swap(a, b);
-    pairs.push_back({.a = a, .b = b, .manifolds = manifolds_of(geoms[a].type, geoms[b].type), .surface = surface});
+    const bool torsion = surface >= 0 ? resists_turning(surfaces[static_cast<std::size_t>(surface)])
+                                      : resists_turning(geoms[a].surface) || resists_turning(geoms[b].surface);
+    pairs.push_back({.a = a,
+                     .b = b,
+                     .manifolds = manifolds_of(geoms[a].type, geoms[b].type),
+                     .torsion = torsion,
+                     .surface = surface});
   };
   const auto is_explicit = [&](std::size_t a, std::size_t b) {
     return std::ranges::any_of(model.contact_pairs(), [&](const ContactPair& pair) {
@@ -122,10 +127,7 @@ Colliders<R>::Colliders(const Model& model) : rules(model.contact_rules()) {
   for (const ContactPair& pair : model.contact_pairs()) {
     const int a = collider_of[pair.a.index()], b = collider_of[pair.b.index()];
     if (a < 0 || b < 0) continue;
-    if (pair.surface) {
-      surfaces.push_back(*pair.surface);
-      has_torsion = has_torsion || resists_turning(*pair.surface);
-    }
+    if (pair.surface) surfaces.push_back(*pair.surface);
     add(static_cast<std::size_t>(a), static_cast<std::size_t>(b),
         pair.surface ? static_cast<int>(surfaces.size()) - 1 : -1);
   }

@@ -33,6 +33,7 @@ struct ColliderPair {
   std::size_t a{}, b{};       ///< indices in Colliders::geoms
   std::size_t manifold{};     ///< the first of its manifolds in a list of all pairs'
   std::size_t manifolds = 1;  ///< how many it may have: more than one against meshes and height fields
+  bool torsion{};             ///< whether its surfaces resist spinning or rolling
   int surface = -1;           ///< index in Colliders::surfaces where the pair has its own, else -1
 };
 
@@ -48,7 +49,6 @@ struct Colliders {
   std::vector<SurfaceMaterial> surfaces;  ///< of explicit pairs
   std::size_t num_manifolds{};            ///< of all pairs together
   ContactRules rules;
-  bool has_torsion{};  ///< whether any surface resists spinning or rolling
 };
 
 /// Whether the rules let the geoms touch: filters, exclusions, one body, joint neighbours, self-collision.

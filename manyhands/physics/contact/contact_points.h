@@ -21,6 +21,7 @@ struct ContactPoint {
   T softness{};      ///< what a soft surface adds to G_nn [1/kg]
   Vec3<T> offset{};  ///< J v less the target: the velocity is offset + J dv
   ContactStiffness<T> stiffness{};
+  int torsion = -1;     ///< its row of torsional friction, if it has one
   Vec3<T> impulse{};    ///< [N s]
   Vec3<T> closed_at{};  ///< the impulse at which the loops were closed
 };

@@ -8,7 +8,7 @@ namespace manyhands {
 
 /// How long the solver works. In lanes the worlds of a block share the sweeps, and a world that is done stays as it is.
 struct SolverSettings {
-  int max_sweeps = 100;     ///< over all contacts
+  int max_sweeps = 100;     ///< over all contacts; a few more where a joint's motor or limit gives way
   double tolerance = 1e-9;  ///< stop when a sweep changes no contact's velocity by more [m/s]
 };
 
@@ -140,7 +140,8 @@ MANYHANDS_INLINE int sweep(const Tree<real_t<T>>& tree, T tolerance, int most, m
     for (std::size_t k = 0; k < n; ++k) {
       ContactPoint<T>& point = set.points[k];
       largest = max(largest, relax(tree, moving, point, set.store, dv));
-      if (!set.torsions.empty()) relax(tree, moving, point.impulse.x, set.torsions[k], set.store, dv);
+      if (point.torsion < 0) continue;
+      relax(tree, moving, point.impulse.x, set.torsions[static_cast<std::size_t>(point.torsion)], set.store, dv);
     }
     settled = settled | (largest <= tolerance);
     ++sweeps;
@@ -205,7 +206,7 @@ MANYHANDS_INLINE int solve_constraints(const Tree<real_t<T>>& tree, const Solver
   const T tolerance(static_cast<R>(settings.tolerance));
   T* stances = state.stance();
   mask_t<T> active(true);
-  int sweeps = 0;
+  int sweeps = 0, left = settings.max_sweeps;
   bool moved = true;
   for (int pivots = 0;;) {
     if (moved) {
@@ -213,17 +214,20 @@ MANYHANDS_INLINE int solve_constraints(const Tree<real_t<T>>& tree, const Solver
       internal::find_responses(tree, ws, active, loops, set);
       internal::close_loops(tree, active, loops, jc.dv.data());
     }
-    const int most = std::min(internal::kSweepsPerPivot, settings.max_sweeps - sweeps);
     mask_t<T> settled;
-    sweeps += internal::sweep(tree, tolerance, most, active, set, jc.dv.data(), settled);
+    const int done = internal::sweep(tree, tolerance, std::min(internal::kSweepsPerPivot, left), active, set,
+                                     jc.dv.data(), settled);
+    sweeps += done;
+    left -= done;
     internal::follow_contacts(set, loops);
     internal::find_joint_impulses(stances, jc);
     const auto wrong = internal::find_better_stances(tree, stances, jc) > T(R(0));
     active = active & (wrong | !settled);
     moved = any(active & wrong) && pivots < internal::kMostContactPivots;
-    if (none(active) || (!moved && sweeps >= settings.max_sweeps)) break;
+    if (none(active) || (!moved && left <= 0)) break;
     if (!moved) continue;
     ++pivots;
+    left = std::max(left, internal::kSweepsPerPivot);
     for (std::size_t i = 0; i < jc.dv.size(); ++i) stances[i] = select(active, jc.better[i], stances[i]);
     set.kept_dv = jc.dv;
     internal::gather_impulses(tree, set, loops, jc);

@@ -13,9 +13,11 @@ template <Number T>
 struct LoopRows {
   RowBlock rows{};
   std::size_t loop{};
-  Vec3<T> offset{};   ///< J v less the velocity that closes the loop by the step's end
-  Vec3<T> impulse{};  ///< [N s or N m s]
-  T most{};           ///< of each component
+  std::size_t row{};     ///< the first of the three in the state's memory
+  mask_t<T> acts{true};  ///< the worlds in which it does
+  Vec3<T> offset{};      ///< J v less the velocity that closes the loop by the step's end
+  Vec3<T> impulse{};     ///< [N s or N m s]
+  T most{};              ///< of each component
 };
 
 /// All loops of a model: K = J A J^T over all their rows, and its factors.
@@ -83,6 +85,7 @@ MANYHANDS_INLINE void add_frame_rows(const Tree<real_t<T>>& tree, const Workspac
   {
     LoopRows<T>& block = set.blocks.emplace_back();
     block.loop = index;
+    block.row = loop.row;
     block.most = most;
     block.rows = add_row_block(tree, a, b, set.store);
     fill_point_rows(tree, ws, block.rows, X_B.p, axes(linear), set.store);
@@ -96,6 +99,7 @@ MANYHANDS_INLINE void add_frame_rows(const Tree<real_t<T>>& tree, const Workspac
   if (!loop.turns) return;
   LoopRows<T>& block = set.blocks.emplace_back();
   block.loop = index;
+  block.row = loop.row + 3;
   block.most = most;
   block.rows = add_row_block(tree, a, b, set.store);
   fill_rotation_rows(tree, ws, block.rows, axes(angular), set.store);
@@ -106,27 +110,37 @@ MANYHANDS_INLINE void add_frame_rows(const Tree<real_t<T>>& tree, const Workspac
   block.offset = masked(closing_offset(transpose_times(X_A.R, w), turn, transpose_times(X_A.R, gamma), h), angular);
 }
 
-/// The row of a loop between two joints: q_b - ratio q_a - offset, or its rate alone.
+/// A loop between joints that motors hold anyway, where they agree with it to this [rad/s or m/s], has nothing to do.
+inline constexpr double kAgreement = 1e-6;
+
+/// The row of a loop between two joints: q_b - ratio q_a - offset, or its rate alone. None if it has nothing to do in
+/// any world.
 template <Number T>
 MANYHANDS_INLINE void add_joint_row(const Tree<real_t<T>>& tree, const State<T>& state, real_t<T> h, std::size_t index,
-                                    LoopSet<T>& set) {
+                                    const JointConstraints<T>& jc, LoopSet<T>& set) {
   using R = real_t<T>;
   const TreeLoop<R>& loop = tree.loops[index];
   const T zero(R(0)), ratio(loop.ratio);
+  T u = state.v()[loop.dof_b] - ratio * state.v()[loop.dof_a];
+  T error = zero;
+  if (loop.type == LoopType::kJoint) error = state.q()[loop.q_b] - fma(ratio, state.q()[loop.q_a], T(loop.offset));
+  const T offset = fma(T(R(1) / h), error, u);
+  const T held_apart = fma(ratio, -jc.target[loop.dof_a], jc.target[loop.dof_b]) + offset;
+  const auto held = (state.stance()[loop.dof_a] == zero) & (state.stance()[loop.dof_b] == zero);
+  const auto agrees = held & (abs(held_apart) < T(static_cast<R>(kAgreement)));
+  const auto acts = !agrees | (jc.touched[loop.dof_a] > zero) | (jc.touched[loop.dof_b] > zero);
+  if (none(acts)) return;
   LoopRows<T>& block = set.blocks.emplace_back();
   block.loop = index;
+  block.row = loop.row;
   block.most = T(h * loop.max_force);
   block.rows = add_row_block(tree, loop.body_a, loop.body_b, set.store);
   visit_rows<T>(tree, block.rows, [&](std::size_t entry, std::size_t i, R) {
     const T weight = i == loop.dof_a ? -ratio : i == loop.dof_b ? T(R(1)) : zero;
-    set.store.J[entry] = {weight, zero, zero};
+    set.store.J[entry] = {select(acts, weight, zero), zero, zero};
   });
-  T u = state.v()[loop.dof_b] - ratio * state.v()[loop.dof_a];
-  if (loop.type == LoopType::kJoint) {
-    const T error = state.q()[loop.q_b] - fma(ratio, state.q()[loop.q_a], T(loop.offset));
-    u = fma(T(R(1) / h), error, u);
-  }
-  block.offset = {u, zero, zero};
+  block.acts = acts;
+  block.offset = {select(acts, offset, zero), zero, zero};
 }
 
 /// The three numbers of block i in an array over all rows.
@@ -180,7 +194,7 @@ MANYHANDS_INLINE void solve_loops(const LoopSet<T>& set, X* x) {
 
 }  // namespace internal
 
-/// The rows of all loops, with the impulses of the last step added to `jc.rhs`. After `prepare_joint_constraints`.
+/// The rows of all loops, with the impulses of the last step added to `jc.rhs`. After `prepare_contacts`.
 template <Number T>
 MANYHANDS_INLINE void prepare_loops(const Tree<real_t<T>>& tree, real_t<T> h, State<T>& state, const Workspace<T>& ws,
                                     JointConstraints<T>& jc, LoopSet<T>& set) {
@@ -189,17 +203,19 @@ MANYHANDS_INLINE void prepare_loops(const Tree<real_t<T>>& tree, real_t<T> h, St
   set.store.W.clear();
   for (std::size_t i = 0; i < tree.loops.size(); ++i) {
     if (tree.loops[i].type == LoopType::kJoint || tree.loops[i].type == LoopType::kGear) {
-      internal::add_joint_row(tree, state, h, i, set);
+      internal::add_joint_row(tree, state, h, i, jc, set);
     } else {
       internal::add_frame_rows(tree, ws, h, i, set);
     }
   }
-  const std::span<const T> old = state.loops();
-  for (std::size_t i = 0; i < set.blocks.size(); ++i) {
-    LoopRows<T>& block = set.blocks[i];
-    block.impulse = {old[3 * i], old[3 * i + 1], old[3 * i + 2]};
-    internal::couple(tree, block.rows, mask_t<T>(true), block.impulse, set.store, jc);
+  set.x.resize(3 * set.blocks.size());
+  const std::span<T> memory = state.loops();
+  for (LoopRows<T>& block : set.blocks) {
+    const T* old = &memory[block.row];
+    block.impulse = select(block.acts, Vec3<T>{old[0], old[1], old[2]}, Vec3<T>::zero());
+    internal::couple(tree, block.rows, block.acts, block.impulse, set.store, jc);
   }
+  for (T& number : memory) number = T(real_t<T>(0));
 }
 
 namespace internal {
@@ -271,10 +287,10 @@ MANYHANDS_INLINE void eliminate_loops(const Tree<real_t<T>>& tree, const RowBloc
 /// Writes the loops' impulses down for the next step.
 template <Number T>
 MANYHANDS_INLINE void remember_loops(const LoopSet<T>& loops, std::span<T> memory) {
-  for (std::size_t i = 0; i < loops.blocks.size(); ++i) {
-    memory[3 * i] = loops.blocks[i].impulse.x;
-    memory[3 * i + 1] = loops.blocks[i].impulse.y;
-    memory[3 * i + 2] = loops.blocks[i].impulse.z;
+  for (const LoopRows<T>& block : loops.blocks) {
+    memory[block.row] = block.impulse.x;
+    memory[block.row + 1] = block.impulse.y;
+    memory[block.row + 2] = block.impulse.z;
   }
 }
 

@@ -81,7 +81,8 @@ MANYHANDS_INLINE void set_target(const CombinedSurface<T>& surface, T inverse_h,
 template <Number T>
 MANYHANDS_INLINE void add_torsion(const Tree<real_t<T>>& tree, const Workspace<T>& ws, std::size_t index,
                                   const CombinedSurface<T>& surface, const Vec3<T>& moment, ContactSet<T>& set) {
-  const ContactPoint<T>& point = set.points[index];
+  ContactPoint<T>& point = set.points[index];
+  point.torsion = static_cast<int>(set.torsions.size());
   ContactTorsion<T> torsion{.point = index,
                             .rows = add_row_block(tree, point.rows.body_a, point.rows.body_b, set.store)};
   torsion.spinning = surface.spinning;
@@ -194,7 +195,7 @@ MANYHANDS_INLINE void prepare_contacts(const Tree<real_t<T>>& tree, const Collid
       internal::add_point(tree, ws, inverse_h, surface, touch, k, bodies, impulse[k], set);
       const ContactPoint<T>& point = set.points.back();
       internal::couple(tree, point.rows, is_finite(point.phi), point.impulse, set.store, jc);
-      if (!colliders.has_torsion) continue;
+      if (!pair.torsion) continue;
       internal::add_torsion(tree, ws, set.points.size() - 1, surface, moment[k], set);
       const ContactTorsion<T>& torsion = set.torsions.back();
       internal::couple(tree, torsion.rows, is_finite(point.phi), torsion.impulse, set.store, jc);

@@ -120,8 +120,8 @@ MANYHANDS_INLINE void step(const System<real_t<T>>& system, const Params<P>& par
   bias_and_mass_matrix(tree, params, state.q(), state.v(), ws.dynamics);      // 1 kinematics, bias and inertia
   collide(colliders, pairs, params, h, ws.dynamics, ws.collision);            // 2 what touches
   prepare_joint_constraints(tree, params, h, state, ws.dynamics, ws.joints);  // 3 what motors and limits want,
-  prepare_loops(tree, h, state, ws.dynamics, ws.joints, ws.loops);            //   loops,
   prepare_contacts(tree, colliders, pairs, params, h, memory, ws.collision, ws.dynamics, ws.joints, ws.contacts);
+  prepare_loops(tree, h, state, ws.dynamics, ws.joints, ws.loops);
   ws.sweeps = solve_constraints(tree, system.solver, state, ws.dynamics, ws.joints, ws.loops, ws.contacts);  // 4
   remember(ws.contacts, memory);                              // 5 where the next step begins
   add_velocity_change(ws.joints.dv, state);                   // 6 velocities
