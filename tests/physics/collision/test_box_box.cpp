@@ -177,6 +177,90 @@ TEST(BoxBox, StackedCubesShareFourCorners) {
   }
 }
 
+// A cube tipped about one of its lower edges rests on both ends of that edge, at every tilt and in single precision.
+TEST(BoxBox, TippedCubeRestsOnBothEndsOfItsEdge) {
+  RandomBodies random(18);
+  for (double tilt = 1e-5; tilt < 0.7; tilt *= 1.05) {
+    const double yaw = random.uniform(-3, 3), c = std::cos(tilt), s = std::sin(tilt);
+    const Body table{ShapeType::kBox, {0.55, 0.35, 0.2}, standing(0, 0, {0, 0, -0.2})};
+    const Mat3<double> tipped = standing(yaw, 0, Vec::zero()).R * Mat3<double>{{1, 0, 0}, {0, c, s}, {0, -s, c}};
+    Body cube{ShapeType::kBox, {0.02, 0.02, 0.02}, {tipped, {0.1, 0.05, 0}}};
+    cube.X_WB.p.z = support({cube.type, cube.size, {tipped, Vec::zero()}}, {0, 0, -1}) + random.uniform(-1e-5, 1e-5);
+    const std::vector<Vec> ends{cube.X_WB * Vec{-0.02, -0.02, -0.02}, cube.X_WB * Vec{0.02, -0.02, -0.02}};
+    ASSERT_LT(worst_miss(collide_as<float>(table, cube), ends), 2e-5) << tilt;
+    ASSERT_LT(worst_miss(collide_as<float>(cube, table), ends), 2e-5) << tilt;
+  }
+}
+
+using Corners = std::vector<std::array<double, 2>>;
+
+double area(const Corners& p) {
+  double twice = 0;
+  for (std::size_t i = 0, j = p.size() - 1; i < p.size(); j = i++) twice += p[j][0] * p[i][1] - p[i][0] * p[j][1];
+  return 0.5 * std::abs(twice);
+}
+
+/// The part of a convex polygon with n . p <= d (Sutherland and Hodgman).
+Corners cut(const Corners& p, double n_x, double n_y, double d) {
+  Corners kept;
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    const auto &a = p[i], &b = p[(i + 1) % p.size()];
+    const double at_a = n_x * a[0] + n_y * a[1] - d, at_b = n_x * b[0] + n_y * b[1] - d;
+    if (at_a <= 0) kept.push_back(a);
+    if ((at_a < 0) != (at_b < 0)) {
+      const double t = at_a / (at_a - at_b);
+      kept.push_back({a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])});
+    }
+  }
+  return kept;
+}
+
+// Of faces that overlap anyhow, the four points span most of the overlap. Half is what the farthest pair of corners and
+// the farthest to either side of it are sure of.
+TEST(BoxBox, FourPointsSpanTheOverlapOfFaces) {
+  RandomBodies random(19);
+  double least = 1, sum = 0, count = 0;
+  for (int trial = 0; trial < 5000; ++trial) {
+    const Body low{ShapeType::kBox, {random.length(), random.length(), 0.02}, standing(0, 0, {0, 0, -0.02})};
+    const double yaw = random.uniform(-3, 3);
+    const Vec at{random.uniform(-1, 1) * low.size.x, random.uniform(-1, 1) * low.size.y, 0.01};
+    const Body high{ShapeType::kBox, {random.length(), random.length(), 0.01}, standing(yaw, 0, at)};
+    Corners overlapping;
+    for (const auto& [x, y] : Corners{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
+      const Vec p = high.X_WB * Vec{x * high.size.x, y * high.size.y, 0};
+      overlapping.push_back({p.x, p.y});
+    }
+    for (const double side : {-1, 1}) {
+      overlapping = cut(overlapping, side, 0, low.size.x);
+      overlapping = cut(overlapping, 0, side, low.size.y);
+    }
+    const double extent = std::max(low.size.x, low.size.y);
+    if (overlapping.size() < 3 || area(overlapping) < 1e-2 * extent * extent) continue;
+    const auto m = collide(low, high);
+    Corners chosen;
+    double x = 0, y = 0;
+    for (std::size_t k = 0; k < m.phi.size(); ++k) {
+      if (!std::isfinite(m.phi[k])) continue;
+      ASSERT_NEAR(m.phi[k], 0, 1e-9);
+      chosen.push_back({m.p[k].x, m.p[k].y});
+      x += m.p[k].x;
+      y += m.p[k].y;
+    }
+    x /= static_cast<double>(chosen.size());
+    y /= static_cast<double>(chosen.size());
+    std::sort(chosen.begin(), chosen.end(), [&](const auto& p, const auto& q) {
+      return std::atan2(p[1] - y, p[0] - x) < std::atan2(q[1] - y, q[0] - x);
+    });
+    ASSERT_GE(chosen.size(), 3u) << trial;
+    const double share = area(chosen) / area(overlapping);
+    least = std::min(least, share);
+    sum += share;
+    count += 1;
+  }
+  EXPECT_GT(least, 0.5);
+  EXPECT_GT(sum / count, 0.9);
+}
+
 TEST(BoxBox, CrossedEdgesTouchOnce) {
   const double c = std::numbers::sqrt2 / 2;
   const Body low{ShapeType::kBox, {0.02, 0.02, 0.02}, {{{1, 0, 0}, {0, c, c}, {0, -c, c}}, Vec::zero()}};

@@ -58,7 +58,7 @@ class PrimitivePairs : public ::testing::TestWithParam<PairOfShapes> {
 
 TEST_P(PrimitivePairs, DistanceIsTheTrueOne) {
   RandomBodies random(1);
-  for (int trial = 0; trial < 300; ++trial) {
+  for (int trial = 0; trial < 150; ++trial) {
     const auto [a, b] = random.pair(GetParam().a, GetParam().b);
     SCOPED_TRACE(where(trial, a, b));
     const auto m = collide(a, b);
@@ -74,7 +74,7 @@ TEST_P(PrimitivePairs, DistanceIsTheTrueOne) {
 
 TEST_P(PrimitivePairs, PointsLieOnBothSurfaces) {
   RandomBodies random(2);
-  for (int trial = 0; trial < 3000; ++trial) {
+  for (int trial = 0; trial < 1500; ++trial) {
     const auto [a, b] = random.pair(GetParam().a, GetParam().b);
     SCOPED_TRACE(where(trial, a, b));
     const auto m = collide(a, b);
@@ -108,7 +108,7 @@ TEST_P(PrimitivePairs, EveryLaneIsTheScalar) {
 TEST_P(PrimitivePairs, SinglePrecisionKeepsTheDistance) {
   RandomBodies random(4);
   const auto [name, type_A, type_B] = GetParam();
-  for (int trial = 0; trial < 3000; ++trial) {
+  for (int trial = 0; trial < 1500; ++trial) {
     const auto [a, b] = random.pair(type_A, type_B);
     SCOPED_TRACE(where(trial, a, b));
     const auto m = collide(a, b);
