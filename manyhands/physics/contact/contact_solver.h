@@ -186,7 +186,7 @@ MANYHANDS_INLINE void find_joint_impulses(const T* stances, JointConstraints<T>&
   const T zero(R(0)), one(R(1));
   for (std::size_t i = 0; i < jc.impulse.size(); ++i) {
     const auto pushed = abs(stances[i]) == one, held = jc.spring[i] > zero;
-    const T pulled = jc.spring[i] * (held_change(stances[i], i, jc) - jc.dv[i]);
+    const T pulled = fma(jc.spring[i], held_change(stances[i], i, jc) - jc.dv[i], jc.anchor[i]);
     const T impulse = select(pushed, stances[i] * jc.max_impulse[i], select(held, pulled, jc.impulse[i]));
     jc.impulse[i] = select(jc.touched[i] > zero, impulse, jc.impulse[i]);
   }
@@ -215,8 +215,8 @@ MANYHANDS_INLINE int solve_constraints(const Tree<real_t<T>>& tree, const Solver
       internal::close_loops(tree, active, loops, jc.dv.data());
     }
     mask_t<T> settled;
-    const int done = internal::sweep(tree, tolerance, std::min(internal::kSweepsPerPivot, left), active, set,
-                                     jc.dv.data(), settled);
+    const int done =
+        internal::sweep(tree, tolerance, std::min(internal::kSweepsPerPivot, left), active, set, jc.dv.data(), settled);
     sweeps += done;
     left -= done;
     internal::follow_contacts(set, loops);

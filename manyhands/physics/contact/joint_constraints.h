@@ -26,6 +26,8 @@ struct JointConstraints {
         max_impulse(rhs),
         slope(rhs.size(), T(real_t<T>(0))),
         touched(rhs),
+        hold(rhs),
+        anchor(rhs),
         spring(rhs),
         target(rhs),
         lower(rhs),
@@ -39,20 +41,22 @@ struct JointConstraints {
     forced_dofs.reserve(rhs.size());
   }
 
-  std::vector<T> smooth;                ///< h (tau - bias - damping v): the impulse that acts without constraints
-  std::vector<T> rhs;                   ///< smooth, and the impulses of contacts and loops
-  std::vector<T> dv;                    ///< the answer: M dv = rhs + impulse
-  std::vector<T> held;                  ///< dv where the stance prescribes it, else 0
-  std::vector<T> impulse;               ///< of motor and limit
-  std::vector<T> max_impulse;           ///< F = h max_force
-  std::vector<T> slope;                 ///< of a drive: impulse = slope (target - dv) while held; 0 where it is rigid
-  std::vector<T> touched;               ///< 1 where the dof's tree has contacts or loops, else 0
-  std::vector<T> spring;                ///< how the present stance gives way: impulse = spring (its dv - dv); 0: rigid
-  std::vector<T> target;                ///< dv that brings the dof to its motor's velocity, kept within the limits
-  std::vector<T> lower, upper;          ///< dv that brings the dof just to a position limit by the step's end
-  std::vector<T> least, most;           ///< the impulses that can hold the dof at `target`
-  std::vector<T> better;                ///< the stances to which the present answer points
-  std::vector<T> forced;                ///< 1 where the stance prescribes the impulse, 0 where it prescribes dv
+  std::vector<T> smooth;        ///< h (tau - bias - damping v): the impulse that acts without constraints
+  std::vector<T> rhs;           ///< smooth, and the impulses of contacts and loops
+  std::vector<T> dv;            ///< the answer: M dv = rhs + impulse
+  std::vector<T> held;          ///< dv where the stance prescribes it, else 0
+  std::vector<T> impulse;       ///< of motor and limit
+  std::vector<T> max_impulse;   ///< F = h max_force
+  std::vector<T> slope;         ///< of a drive: impulse = slope (target - dv) while held; 0 where it is rigid
+  std::vector<T> touched;       ///< 1 where the dof's tree has contacts or loops, else 0
+  std::vector<T> hold;          ///< impulses of the last step: what a dof that gives way pushes with at its goal
+  std::vector<T> anchor;        ///< that, for the present stance
+  std::vector<T> spring;        ///< how the present stance gives way: impulse = spring (its dv - dv); 0: rigid
+  std::vector<T> target;        ///< dv that brings the dof to its motor's velocity, kept within the limits
+  std::vector<T> lower, upper;  ///< dv that brings the dof just to a position limit by the step's end
+  std::vector<T> least, most;   ///< the impulses that can hold the dof at `target`
+  std::vector<T> better;        ///< the stances to which the present answer points
+  std::vector<T> forced;        ///< 1 where the stance prescribes the impulse, 0 where it prescribes dv
   std::vector<std::uint8_t> is_forced;  ///< whether the dof is forced in some lane
   std::vector<int> forced_parent;       ///< the next dof towards the root that is forced in some lane, or -1
   std::vector<int> forced_dofs;         ///< those dofs, leaves first
@@ -139,6 +143,7 @@ MANYHANDS_INLINE void prepare_joint_constraints(const Tree<real_t<T>>& tree, con
     needs_free_velocity = needs_free_velocity | ((broadcast<T>(params.motor_kd[i]) != one) & (max_force > zero));
     jc.dv[i] = zero;
     jc.touched[i] = zero;
+    jc.hold[i] = state.hold()[i];
   }
   internal::prepare_drives(tree, params, h, state, jc);
   when(needs_free_velocity, [&] {
@@ -226,7 +231,7 @@ MANYHANDS_INLINE void solve_forced(const Tree<real_t<T>>& tree, const T* stances
     const auto forced = jc.forced[i] == one;
     const auto soft = jc.spring[i] > zero;
     const T pushed = fma(stances[i], jc.max_impulse[i], jc.rhs[i]);
-    const T held = fma(jc.spring[i], held_change(stances[i], i, jc), jc.rhs[i]);
+    const T held = fma(jc.spring[i], held_change(stances[i], i, jc), jc.rhs[i] + jc.anchor[i]);
     const T push = select(soft, held, pushed) - jc.impulse[i], inertia = M[i] + jc.spring[i];
     jc.dv[i] = select(forced, push, zero);
     L[i] = select(forced, inertia, one);
@@ -251,6 +256,8 @@ MANYHANDS_INLINE void solve_stances(const Tree<real_t<T>>& tree, const T* stance
     const T grip = jc.touched[i] * (static_cast<R>(kGrip) * (ws.M.data() + tree.M_row[i])[i]);
     const T spring = tree.dof_drive[i] >= 0 ? select(s == zero, jc.slope[i], grip) : grip;
     jc.spring[i] = select(pushed, zero, spring);
+    jc.anchor[i] = jc.hold[i];
+    if (tree.dof_drive[i] >= 0) jc.anchor[i] = select(s == zero, zero, jc.hold[i]);
     const auto forced = pushed | (jc.spring[i] > zero);
     any_forced = any_forced | forced;
     jc.forced[i] = select(forced, one, zero);

@@ -17,7 +17,7 @@ class State {
         nv_(static_cast<std::size_t>(model.nv())),
         nu_(static_cast<std::size_t>(model.nu())),
         nl_(loop_rows(model)),
-        numbers_(nq_ + 6 * nv_ + nu_ + nl_ + contact_numbers, T(real_t<T>(0))) {
+        numbers_(nq_ + 7 * nv_ + nu_ + nl_ + contact_numbers, T(real_t<T>(0))) {
     const std::vector<double> initial = model.initial_configuration();
     for (std::size_t i = 0; i < nq_; ++i) numbers_[i] = T(static_cast<real_t<T>>(initial[i]));
   }
@@ -29,10 +29,11 @@ class State {
   [[nodiscard]] T* target_v() { return target_q() + nv_; }  ///< (nv) motor target [rad/s or m/s]
   [[nodiscard]] T* stance() { return target_v() + nv_; }    ///< (nv) warm start of the joint constraints
   [[nodiscard]] T* dv() { return stance() + nv_; }          ///< (nv) change of v in the last step: a hint to the next
-  [[nodiscard]] T* ctrl() { return dv() + nv_; }            ///< (nu) commands of the actuators
-  [[nodiscard]] std::span<T> loops() { return numbers().subspan(nq_ + 6 * nv_ + nu_, nl_); }  ///< warm start: impulses
+  [[nodiscard]] T* hold() { return dv() + nv_; }            ///< (nv) impulse of motor and limit in the last step
+  [[nodiscard]] T* ctrl() { return hold() + nv_; }          ///< (nu) commands of the actuators
+  [[nodiscard]] std::span<T> loops() { return numbers().subspan(nq_ + 7 * nv_ + nu_, nl_); }  ///< warm start: impulses
   [[nodiscard]] std::span<T> contacts() {
-    return numbers().subspan(nq_ + 6 * nv_ + nu_ + nl_);
+    return numbers().subspan(nq_ + 7 * nv_ + nu_ + nl_);
   }  ///< what they remember
   [[nodiscard]] const T* q() const { return numbers_.data(); }
   [[nodiscard]] const T* v() const { return q() + nq_; }
@@ -41,14 +42,15 @@ class State {
   [[nodiscard]] const T* target_v() const { return target_q() + nv_; }
   [[nodiscard]] const T* stance() const { return target_v() + nv_; }
   [[nodiscard]] const T* dv() const { return stance() + nv_; }
-  [[nodiscard]] const T* ctrl() const { return dv() + nv_; }
+  [[nodiscard]] const T* hold() const { return dv() + nv_; }
+  [[nodiscard]] const T* ctrl() const { return hold() + nv_; }
 
-  [[nodiscard]] std::span<const T> contacts() const { return numbers().subspan(nq_ + 6 * nv_ + nu_ + nl_); }
+  [[nodiscard]] std::span<const T> contacts() const { return numbers().subspan(nq_ + 7 * nv_ + nu_ + nl_); }
 
   /// Makes room for other contacts; the old ones are forgotten.
   void resize_contacts(std::size_t count) {
-    numbers_.resize(nq_ + 6 * nv_ + nu_ + nl_);
-    numbers_.resize(nq_ + 6 * nv_ + nu_ + nl_ + count, T(real_t<T>(0)));
+    numbers_.resize(nq_ + 7 * nv_ + nu_ + nl_);
+    numbers_.resize(nq_ + 7 * nv_ + nu_ + nl_ + count, T(real_t<T>(0)));
   }
 
   [[nodiscard]] std::span<T> numbers() { return numbers_; }
@@ -56,7 +58,7 @@ class State {
 
  private:
   std::size_t nq_, nv_, nu_, nl_;
-  std::vector<T> numbers_;  // q, v, tau, target_q, target_v, stance, dv, ctrl, loops, contacts
+  std::vector<T> numbers_;  // q, v, tau, target_q, target_v, stance, dv, hold, ctrl, loops, contacts
 };
 
 /// Copies lane `from_lane` of one state into lane `to_lane` of another of the same model.

@@ -70,12 +70,13 @@ MANYHANDS_INLINE void integrate_configuration(const Tree<real_t<T>>& tree, const
   }
 }
 
-/// v := v + dv, which the state keeps.
+/// v := v + dv, which the state keeps, as well as the impulses that held the joints.
 template <Number T>
-MANYHANDS_INLINE void add_velocity_change(const std::vector<T>& dv, State<T>& state) {
-  for (std::size_t i = 0; i < dv.size(); ++i) {
-    state.v()[i] += dv[i];
-    state.dv()[i] = dv[i];
+MANYHANDS_INLINE void add_velocity_change(const JointConstraints<T>& joints, State<T>& state) {
+  for (std::size_t i = 0; i < joints.dv.size(); ++i) {
+    state.v()[i] += joints.dv[i];
+    state.dv()[i] = joints.dv[i];
+    state.hold()[i] = joints.impulse[i];
   }
 }
 
@@ -124,7 +125,7 @@ MANYHANDS_INLINE void step(const System<real_t<T>>& system, const Params<P>& par
   prepare_loops(tree, h, state, ws.dynamics, ws.joints, ws.loops);
   ws.sweeps = solve_constraints(tree, system.solver, state, ws.dynamics, ws.joints, ws.loops, ws.contacts);  // 4
   remember(ws.contacts, memory);                              // 5 where the next step begins
-  add_velocity_change(ws.joints.dv, state);                   // 6 velocities
+  add_velocity_change(ws.joints, state);                      // 6 velocities
   integrate_configuration(tree, state.v(), T(h), state.q());  // 7 positions
   correct_free_fall(tree, params, h, ws.contacts, ws.resting, state);
 }
