@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
-.PHONY: help train test asan tsan bench lint format build clean
+.PHONY: help train test asan tsan bench accuracy lint format build clean
 
 TASK ?= PandaReach
 SEED ?= 0
@@ -38,6 +38,9 @@ bench: $(VENV)/.test $(VENV)/.installed $(VENV)/.cpp  ## Benchmarks: a table, an
 	cmake --preset release >build/configure.log || { cat build/configure.log; exit 1; }
 	cmake --build --preset release -j $(JOBS)
 	python -m benchmarks
+
+accuracy: $(VENV)/.test $(VENV)/.installed  ## How right the physics is: a table, curves, and build/accuracy.json
+	python -m benchmarks.accuracy
 
 lint: $(VENV)/.test $(VENV)/.installed $(VENV)/.cpp  ## All checks that run no program, with clang-tidy (slow)
 	tools/lint.sh --tidy

@@ -1,0 +1,1 @@
+"""How right the physics is: published and own cases, several engines, speed against accuracy."""
