@@ -9,7 +9,8 @@
 namespace manyhands {
 
 struct PythonModel {
-  explicit PythonModel(Model m) : model(std::make_shared<const Model>(std::move(m))), doubles(*model), floats(*model) {}
+  explicit PythonModel(Model m) : PythonModel(std::make_shared<const Model>(std::move(m))) {}
+  explicit PythonModel(std::shared_ptr<const Model> m) : model(std::move(m)), doubles(*model), floats(*model) {}
 
   template <Real R>
   [[nodiscard]] DynamicsPool<R>& pool() {

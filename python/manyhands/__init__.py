@@ -6,6 +6,9 @@ from pathlib import Path
 from manyhands import dynamics, envs
 from manyhands._core import (
     Actuator,
+    Contact,
+    ContactResiduals,
+    ContactWrench,
     Frame,
     Geom,
     HeightField,
@@ -19,6 +22,7 @@ from manyhands._core import (
     MjcfError,
     Model,
     ModelBuilder,
+    SimulationError,
     UrdfError,
     World,
     asset_path,
@@ -42,6 +46,9 @@ envs.register()
 
 __all__ = [
     "Actuator",
+    "Contact",
+    "ContactResiduals",
+    "ContactWrench",
     "Frame",
     "Geom",
     "HeightField",
@@ -56,6 +63,7 @@ __all__ = [
     "MjcfError",
     "Model",
     "ModelBuilder",
+    "SimulationError",
     "UrdfError",
     "World",
     "__version__",

@@ -3,95 +3,132 @@
 #include <algorithm>
 
 #include "manyhands/base/hash.h"
+#include "manyhands/physics/step/world_checks.h"
 
 namespace manyhands {
 
+using internal::require_finite;
+using internal::require_not_negative;
+using internal::require_numbers;
+using internal::require_size;
+
+World::World(double time_step, Integrator integrator)
+    : World(std::make_shared<const Model>(ModelBuilder("world").build()), time_step, integrator) {}
+
+World::World(std::shared_ptr<const Model> model, double time_step, Integrator integrator)
+    : time_step_(time_step), integrator_(integrator), core_(std::move(model)) {
+  internal::require_time_step(time_step);
+}
+
+void World::step(int n) {
+  if (n < 0) throw std::invalid_argument("the number of steps is " + std::to_string(n) + "; expected 0 or more");
+  WorldCore& now = core();
+  for (int i = 0; i < n; ++i) step_once(now);
+}
+
 namespace {
 
-std::shared_ptr<const Model> required(std::shared_ptr<const Model> model) {
-  if (model == nullptr) throw std::invalid_argument("a world needs a model; got none");
-  return model;
+/// The joint of the first coordinate that is not finite, or -1.
+int joint_without_numbers(const WorldCore& core) {
+  for (const Body& body : core.model->bodies()) {
+    const auto all_finite = [](const double* x, int count) { return std::all_of(x, x + count, &is_finite<double>); };
+    if (!all_finite(core.state.q() + body.iq, body.nq) || !all_finite(core.state.v() + body.iv, body.nv)) {
+      return body.joint.value();
+    }
+  }
+  return -1;
 }
 
-void require_numbers(const std::string& name, std::span<const double> values, std::size_t size) {
-  if (values.size() != size) {
-    throw std::invalid_argument(name + " has shape (" + std::to_string(values.size()) + ",); expected (" +
-                                std::to_string(size) + ",)");
-  }
-  for (std::size_t i = 0; i < size; ++i) {
-    if (!is_finite(values[i])) throw std::invalid_argument(name + "[" + std::to_string(i) + "] is not a finite number");
-  }
-}
-
-void require_not_negative(const std::string& name, std::span<const double> values) {
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (values[i] < 0)
-      throw std::invalid_argument(name + "[" + std::to_string(i) + "] is negative; expected 0 or more");
+/// J^T F of the forces applied to links, added to tau.
+void push(WorldCore& core) {
+  const Workspace<double>& ws = core.placed();
+  const Tree<double>& tree = core.system.tree;
+  for (std::size_t i = 0; i < core.external.size(); ++i) {
+    const std::size_t body = core.model->links()[i].body.index();
+    const Force<double>& F = core.external[i];
+    const Force<double> about_tree{F.n - cross(ws.p_WO[body], F.f), F.f};
+    for (int k = tree.last_dof[body]; k >= 0; k = tree.dof_parent[static_cast<std::size_t>(k)]) {
+      core.state.tau()[k] += dot(ws.S[static_cast<std::size_t>(k)], about_tree);
+    }
   }
 }
 
 }  // namespace
 
-World::World(std::shared_ptr<const Model> model, double time_step, Integrator integrator)
-    : model_(required(std::move(model))),
-      time_step_(time_step),
-      integrator_(integrator),
-      nq_(static_cast<std::size_t>(model_->nq())),
-      nv_(static_cast<std::size_t>(model_->nv())),
-      system_(*model_),
-      params_(*model_),
-      state_(*model_, system_.contact_numbers()),
-      before_(state_),
-      step_(system_),
-      runge_kutta_(system_.tree),
-      scratch_(system_.tree) {
-  if (!(time_step > 0) || !is_finite(time_step)) {
-    throw std::invalid_argument("time_step is " + std::to_string(time_step) + " s; expected a number above 0");
+void World::step_once(WorldCore& core) {
+  core.before = core.state;
+  core.external_before = core.external;
+  const bool pushed = core.pushed;
+  if (pushed) {
+    push(core);
+    std::ranges::fill(core.external, Force<double>::zero());
+    core.pushed = false;
   }
-}
-
-void World::step(int n) {
-  if (n < 0) throw std::invalid_argument("the number of steps is " + std::to_string(n) + "; expected 0 or more");
-  for (int i = 0; i < n; ++i) {
-    if (integrator_ == Integrator::kRungeKutta4) {
-      runge_kutta_step_or_throw();
-    } else {
-      manyhands::step(system_, params_, time_step_, state_, step_);
+  if (integrator_ == Integrator::kRungeKutta4) {
+    try {
+      runge_kutta_step_or_throw(core);
+    } catch (const std::runtime_error&) {
+      core.state = core.before;
+      core.moved();
+      throw;
     }
-    ++steps_;
+  } else {
+    core.system.solver = solver_;
+    manyhands::step(core.system, core.params, time_step_, core.state, core.step);
   }
+  core.moved();
+  if (const int joint = joint_without_numbers(core); joint >= 0) {
+    core.state = core.before;
+    core.forget_step();
+    throw SimulationError("the step at " + std::to_string(time()) + " s moves joint '" +
+                          core.model->joint(JointId(joint)).name +
+                          "' to numbers that are not finite: look for forces, speeds or mass ratios beyond reason, or "
+                          "take a smaller time_step. The world is as it was before this step");
+  }
+  if (pushed) std::copy_n(core.before.tau(), core.nv(), core.state.tau());
+  core.has_stepped = integrator_ == Integrator::kSemiImplicit;
+  ++steps_;
 }
 
-void World::require_within_limits(const char* when) const {
-  for (std::size_t i = 0; i < nv_; ++i) {
-    if (!system_.tree.dof_limited[i]) continue;
-    const double q = state_.q()[system_.tree.dof_q[i]];
-    if (q >= params_.lower[i] && q <= params_.upper[i]) continue;
-    const std::string& joint = model_->joint(JointId(model_->dof_joint()[i])).name;
+void World::require_within_limits(const WorldCore& core, const char* when) const {
+  const Tree<double>& tree = core.system.tree;
+  for (std::size_t i = 0; i < core.nv(); ++i) {
+    if (!tree.dof_limited[i]) continue;
+    const double q = core.state.q()[tree.dof_q[i]];
+    if (q >= core.params.lower[i] && q <= core.params.upper[i]) continue;
+    const std::string& joint = core.model->joint(JointId(core.model->dof_joint()[i])).name;
     throw std::runtime_error("the rk4 integrator knows no joint limits, but joint '" + joint + "' is outside its own " +
                              when + " the step at " + std::to_string(time()) + " s: use semi_implicit");
   }
 }
 
-void World::runge_kutta_step_or_throw() {
-  if (std::ranges::any_of(params_.motor_max_force, [](double force) { return force > 0; })) {
+void World::runge_kutta_step_or_throw(WorldCore& core) {
+  const auto acts = [](double force) { return force > 0; };
+  if (std::ranges::any_of(core.params.motor_max_force, acts)) {
     throw std::runtime_error("the rk4 integrator knows no motors: set their max_force to 0, or use semi_implicit");
   }
-  require_within_limits("before");
-  before_ = state_;
-  runge_kutta_step(system_.tree, params_, time_step_, state_, runge_kutta_);
-  try {
-    require_within_limits("after");
-  } catch (const std::runtime_error&) {
-    state_ = before_;
-    throw;
+  if (core.nu() > 0) throw std::runtime_error("the rk4 integrator knows no actuators: use semi_implicit");
+  require_within_limits(core, "before");
+  collide(core.system.colliders, std::span<const ColliderPair>(core.system.colliders.pairs), core.params, time_step_,
+          core.placed(), core.step.collision);
+  for (const Touch<double>& touch : core.step.collision.touches) {
+    if (std::ranges::none_of(touch.contact.phi, [](double phi) { return phi < 0; })) continue;
+    const Colliders<double>& colliders = core.system.colliders;
+    const ColliderPair& pair = colliders.pairs[touch.pair];
+    throw std::runtime_error("the rk4 integrator knows no contacts, but geoms '" +
+                             geom_label(*core.model, GeomId(colliders.geoms[pair.a].geom)) + "' and '" +
+                             geom_label(*core.model, GeomId(colliders.geoms[pair.b].geom)) + "' touch at " +
+                             std::to_string(time()) + " s: use semi_implicit");
   }
+  runge_kutta_step(core.system.tree, core.params, time_step_, core.state, core.runge_kutta);
+  require_within_limits(core, "after");
 }
 
 void World::set_q(std::span<const double> q) {
-  require_numbers("q", q, nq_);
+  WorldCore& now = core();
+  require_numbers("q", q, now.nq());
   std::vector<double> checked(q.begin(), q.end());
-  for (const TreeBody<double>& body : system_.tree.bodies) {
+  for (const TreeBody<double>& body : now.system.tree.bodies) {
     if (body.type != JointType::kSpherical && body.type != JointType::kFloating) continue;
     double* r = &checked[static_cast<std::size_t>(body.iq + (body.type == JointType::kFloating ? 3 : 0))];
     const double length = sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3]);
@@ -101,72 +138,143 @@ void World::set_q(std::span<const double> q) {
     }
     for (int k = 0; k < 4; ++k) r[k] /= length;
   }
-  std::ranges::copy(checked, state_.q());
+  std::ranges::copy(checked, now.state.q());
+  now.moved();
 }
 
 void World::set_v(std::span<const double> v) {
-  require_numbers("v", v, nv_);
-  std::ranges::copy(v, state_.v());
+  WorldCore& now = core();
+  require_numbers("v", v, now.nv());
+  std::ranges::copy(v, now.state.v());
+  now.moved();
 }
 
 void World::set_tau(std::span<const double> tau) {
-  require_numbers("tau", tau, nv_);
-  std::ranges::copy(tau, state_.tau());
+  WorldCore& now = core();
+  require_numbers("tau", tau, now.nv());
+  std::ranges::copy(tau, now.state.tau());
+}
+
+void World::set_ctrl(std::span<const double> ctrl) {
+  WorldCore& now = core();
+  require_numbers("ctrl", ctrl, now.nu());
+  for (std::size_t i = 0; i < ctrl.size(); ++i) {
+    const Actuator& actuator = now.model->actuators()[i];
+    now.state.ctrl()[i] = clamp(ctrl[i], actuator.min_ctrl, actuator.max_ctrl);
+  }
 }
 
 void World::set_motors(const MotorCommands& commands) {
-  require_numbers("target_q", commands.target_q, nv_);
-  require_numbers("target_v", commands.target_v, nv_);
-  require_numbers("kp", commands.kp, nv_);
-  require_numbers("kd", commands.kd, nv_);
-  require_numbers("max_force", commands.max_force, nv_);
+  WorldCore& now = core();
+  const std::size_t nv = now.nv();
+  require_numbers("target_q", commands.target_q, nv);
+  require_numbers("target_v", commands.target_v, nv);
+  require_numbers("kp", commands.kp, nv);
+  require_numbers("kd", commands.kd, nv);
+  require_numbers("max_force", commands.max_force, nv);
   require_not_negative("kp", commands.kp);
   require_not_negative("kd", commands.kd);
   require_not_negative("max_force", commands.max_force);
-  std::ranges::copy(commands.target_q, state_.target_q());
-  std::ranges::copy(commands.target_v, state_.target_v());
-  std::ranges::copy(commands.kp, params_.motor_kp.begin());
-  std::ranges::copy(commands.kd, params_.motor_kd.begin());
-  std::ranges::copy(commands.max_force, params_.motor_max_force.begin());
+  require_undriven(*now.model, commands.max_force);
+  std::ranges::copy(commands.target_q, now.state.target_q());
+  std::ranges::copy(commands.target_v, now.state.target_v());
+  std::ranges::copy(commands.kp, now.params.motor_kp.begin());
+  std::ranges::copy(commands.kd, now.params.motor_kd.begin());
+  std::ranges::copy(commands.max_force, now.params.motor_max_force.begin());
+}
+
+void World::set_solver(const SolverSettings& settings) {
+  if (settings.max_sweeps < 1) {
+    throw std::invalid_argument("max_iterations is " + std::to_string(settings.max_sweeps) + "; expected 1 or more");
+  }
+  require_at_least("tolerance", 0, settings.tolerance);
+  solver_ = settings;
 }
 
 Energy<double> World::energy() const {
-  return manyhands::energy(system_.tree, params_, state_.q(), state_.v(), scratch_);
+  const WorldCore& now = core();
+  now.is_placed = false;
+  return manyhands::energy(now.system.tree, now.params, now.state.q(), now.state.v(), now.scratch);
 }
 
 MassProperties<double> World::mass_properties() const {
-  return manyhands::mass_properties(system_.tree, params_, state_.q(), state_.v(), scratch_);
+  const WorldCore& now = core();
+  now.is_placed = false;
+  return manyhands::mass_properties(now.system.tree, now.params, now.state.q(), now.state.v(), now.scratch);
 }
 
-std::vector<double> World::snapshot() const {
-  std::vector<double> numbers{time_step_, static_cast<double>(steps_)};
-  numbers.insert(numbers.end(), state_.numbers().begin(), state_.numbers().end());
-  for (const auto* gains : {&params_.motor_kp, &params_.motor_kd, &params_.motor_max_force}) {
-    numbers.insert(numbers.end(), gains->begin(), gains->end());
+namespace {
+
+/// Tells models apart; a whole number that a double holds.
+double fingerprint(const Model& model) {
+  Hash hash;
+  const auto add_text = [&](const std::string& text) {
+    for (const char c : text) hash.add(c);
+    hash.add('\0');
+  };
+  for (const Link& link : model.links()) add_text(link.name);
+  for (const Joint& joint : model.joints()) {
+    add_text(joint.name);
+    hash.add(static_cast<int>(joint.type));
   }
+  for (const Geom& geom : model.geoms()) hash.add(static_cast<int>(geom.shape.type));
+  hash.add(model.nu());
+  return static_cast<double>(hash.value() >> 11);
+}
+
+/// Calls visit(first number, how many) for every piece of a snapshot after its head.
+template <class Core, class Visit>
+void visit_pieces(Core& core, Visit&& visit) {
+  visit(core.state.numbers().data(), core.state.numbers().size());
+  visit(core.link_mass.data(), core.link_mass.size());
+  if (!core.external.empty()) visit(&core.external.front().n.x, 6 * core.external.size());
+}
+
+constexpr std::size_t kSnapshotHead = 4;  // fingerprint, time step, steps, whether forces are applied
+
+}  // namespace
+
+std::vector<double> World::snapshot() const {
+  const WorldCore& now = core();
+  std::vector<double> numbers{fingerprint(*now.model), time_step_, static_cast<double>(steps_), now.pushed ? 1.0 : 0.0};
+  visit_pieces(now,
+               [&](const double* first, std::size_t count) { numbers.insert(numbers.end(), first, first + count); });
+  view(const_cast<Params<double>&>(now.params), 0).for_each([&](const Strided<double>& field) {
+    numbers.insert(numbers.end(), field.first, field.first + field.count);
+  });
   return numbers;
 }
 
 void World::restore(std::span<const double> snapshot) {
-  const std::size_t state_size = state_.numbers().size();
-  const std::size_t expected = 2 + state_size + 3 * nv_;
-  if (snapshot.size() != expected) {
+  WorldCore& now = core();
+  std::size_t expected = kSnapshotHead;
+  visit_pieces(now, [&](double*, std::size_t count) { expected += count; });
+  const ParamsView<double> params = view(now.params, 0);
+  params.for_each([&](const Strided<double>& field) { expected += field.count; });
+  if (snapshot.size() != expected || snapshot[0] != fingerprint(*now.model)) {
     throw std::invalid_argument("the snapshot holds " + std::to_string(snapshot.size()) +
                                 " numbers; this world's hold " + std::to_string(expected) +
-                                ": is it of another model?");
+                                ": it is of another model, or of a world with other parts");
   }
-  if (snapshot[0] != time_step_) {
-    throw std::invalid_argument("the snapshot is of a world with a time_step of " + std::to_string(snapshot[0]) +
+  if (snapshot[1] != time_step_) {
+    throw std::invalid_argument("the snapshot is of a world with a time_step of " + std::to_string(snapshot[1]) +
                                 " s; this world's is " + std::to_string(time_step_) + " s");
   }
-  require_numbers("the snapshot", snapshot, expected);
-  steps_ = static_cast<std::int64_t>(snapshot[1]);
-  std::ranges::copy(snapshot.subspan(2, state_size), state_.numbers().begin());
-  const double* gains = snapshot.data() + 2 + state_size;
-  for (auto* to : {&params_.motor_kp, &params_.motor_kd, &params_.motor_max_force}) {
-    std::copy_n(gains, nv_, to->begin());
-    gains += nv_;
+  require_finite("the snapshot", snapshot.first(kSnapshotHead + now.state.numbers().size()));
+  if (std::ranges::any_of(snapshot, [](double x) { return x != x; })) {
+    throw std::invalid_argument("the snapshot holds a NaN");
   }
+  steps_ = static_cast<std::int64_t>(snapshot[2]);
+  now.pushed = snapshot[3] != 0;
+  const double* next = snapshot.data() + kSnapshotHead;
+  const auto take = [&](double* first, std::size_t count) {
+    std::copy_n(next, count, first);
+    next += count;
+  };
+  visit_pieces(now, take);
+  params.for_each([&](const Strided<double>& field) { take(field.first, field.count); });
+  now.moved();
+  now.forget_step();
 }
 
 std::uint64_t World::state_hash() const {

@@ -1,0 +1,237 @@
+#include "manyhands/model/compose.h"
+
+#include <algorithm>
+
+#include "manyhands/math/quaternion.h"
+
+namespace manyhands {
+
+namespace {
+
+std::vector<int> chained(const std::vector<int>& first, const std::vector<int>& next) {
+  std::vector<int> result;
+  for (const int i : first) result.push_back(i < 0 ? -1 : next[static_cast<std::size_t>(i)]);
+  return result;
+}
+
+/// One call of `append`.
+class Appender {
+ public:
+  Appender(ModelBuilder& builder, const Model& model, const AppendOptions& options)
+      : builder_(builder), model_(model), options_(options) {
+    map_.links.assign(model.links().size(), -1);
+    map_.joints.assign(model.joints().size(), -1);
+    map_.geoms.assign(model.geoms().size(), -1);
+    map_.actuators.assign(model.actuators().size(), -1);
+    meshes_.resize(model.meshes().size());
+    fields_.resize(model.height_fields().size());
+  }
+
+  PartMap run() {
+    add_links();
+    add_joints();
+    add_geoms();
+    add_loops();
+    add_actuators();
+    add_contact_exceptions();
+    add_frames();
+    return std::move(map_);
+  }
+
+ private:
+  [[nodiscard]] std::string named(const std::string& name) const {
+    return name.empty() ? name : options_.prefix + name;
+  }
+  [[nodiscard]] LinkId link(LinkId id) const { return LinkId(map_.links[id.index()]); }
+  [[nodiscard]] bool has(LinkId id) const { return map_.links[id.index()] >= 0; }
+  [[nodiscard]] const Transform<double>& moved() const { return options_.X_WM; }
+
+  /// Whether the link or one that it hangs on is left out.
+  [[nodiscard]] bool is_left_out(LinkId id) const {
+    if (options_.left_out.empty()) return false;
+    for (; id.value() > 0; id = model_.link(id).parent) {
+      if (options_.left_out[id.index()] != 0) return true;
+    }
+    return false;
+  }
+
+  void add_links() {
+    map_.links[0] = 0;
+    for (std::size_t i = 1; i < model_.links().size(); ++i) {
+      if (is_left_out(LinkId(i))) continue;
+      const Link& from = model_.links()[i];
+      const LinkId id = builder_.add_link(named(from.name), from.inertial);
+      map_.links[i] = id.value();
+      if (!from.joint.is_valid()) builder_.place_root(id, moved() * from.X_BL);
+    }
+  }
+
+  void add_joints() {
+    for (std::size_t i = 0; i < model_.joints().size(); ++i) {
+      Joint joint = model_.joints()[i];
+      if (!has(joint.child)) continue;
+      if (joint.parent.value() == 0) move_base(joint);
+      joint.name = named(joint.name);
+      joint.parent = link(joint.parent);
+      joint.child = link(joint.child);
+      joint.iq = joint.iv = -1;
+      if (joint.mimic) {
+        const JointId driver = model_.joint_id(joint.mimic->joint);
+        if (has(model_.joint(driver).child)) {
+          joint.mimic->joint = named(joint.mimic->joint);
+        } else {
+          joint.mimic.reset();
+        }
+      }
+      map_.joints[i] = builder_.add_joint(std::move(joint)).value();
+    }
+  }
+
+  /// A floating joint's q is a pose in its frame F: where the body starts moves, not F.
+  void move_base(Joint& joint) const {
+    if (joint.type != JointType::kFloating) {
+      joint.X_PF = moved() * joint.X_PF;
+      return;
+    }
+    Transform<double> X_FB = Transform<double>::identity();
+    if (!joint.initial.empty()) {
+      const std::vector<double>& q = joint.initial;
+      X_FB = {to_matrix(normalized(Quat<double>{q[3], q[4], q[5], q[6]})), {q[0], q[1], q[2]}};
+    }
+    X_FB = inverse(joint.X_PF) * (moved() * (joint.X_PF * X_FB));
+    const Quat<double> r = to_quat(X_FB.R);
+    joint.initial = {X_FB.p.x, X_FB.p.y, X_FB.p.z, r.x, r.y, r.z, r.w};
+  }
+
+  void add_geoms() {
+    for (std::size_t i = 0; i < model_.geoms().size(); ++i) {
+      Geom geom = model_.geoms()[i];
+      if (!has(geom.link)) continue;
+      if (geom.link.value() == 0) geom.X_LG = moved() * geom.X_LG;
+      geom.name = named(geom.name);
+      geom.link = link(geom.link);
+      if (geom.shape.mesh.is_valid()) {
+        MeshId& mesh = meshes_[geom.shape.mesh.index()];
+        if (!mesh.is_valid()) mesh = builder_.add_mesh(model_.meshes()[geom.shape.mesh.index()]);
+        geom.shape.mesh = mesh;
+      }
+      if (geom.shape.height_field.is_valid()) {
+        HeightFieldId& field = fields_[geom.shape.height_field.index()];
+        if (!field.is_valid()) {
+          field = builder_.add_height_field(model_.height_fields()[geom.shape.height_field.index()]);
+        }
+        geom.shape.height_field = field;
+      }
+      map_.geoms[i] = builder_.add_geom(std::move(geom)).value();
+    }
+  }
+
+  /// Loops that the model was given; those of mimic joints come from the joints again.
+  void add_loops() {
+    const auto is_mimic = [&](const LoopConstraint& loop) {
+      return loop.type == LoopType::kJoint && model_.joint(loop.joint_b).mimic &&
+             loop.name == model_.joint(loop.joint_b).name + "_mimic";
+    };
+    for (LoopConstraint loop : model_.loops()) {
+      if (is_mimic(loop)) continue;
+      loop.name = named(loop.name);
+      if (loop.type == LoopType::kJoint || loop.type == LoopType::kGear) {
+        loop.joint_a = JointId(map_.joints[loop.joint_a.index()]);
+        loop.joint_b = JointId(map_.joints[loop.joint_b.index()]);
+        if (!loop.joint_a.is_valid() || !loop.joint_b.is_valid()) continue;
+      } else {
+        if (!has(loop.link_a) || !has(loop.link_b)) continue;
+        if (loop.link_a.value() == 0) loop.X_LA = moved() * loop.X_LA;
+        if (loop.link_b.value() == 0) loop.X_LB = moved() * loop.X_LB;
+        loop.link_a = link(loop.link_a);
+        loop.link_b = link(loop.link_b);
+      }
+      builder_.add_loop(std::move(loop));
+    }
+  }
+
+  void add_actuators() {
+    for (std::size_t i = 0; i < model_.actuators().size(); ++i) {
+      Actuator actuator = model_.actuators()[i];
+      actuator.joint = JointId(map_.joints[actuator.joint.index()]);
+      if (!actuator.joint.is_valid()) continue;
+      actuator.name = named(actuator.name);
+      map_.actuators[i] = builder_.add_actuator(std::move(actuator)).value();
+    }
+  }
+
+  void add_contact_exceptions() {
+    for (const ContactExclusion& exclusion : model_.exclusions()) {
+      if (has(exclusion.a) && has(exclusion.b)) builder_.exclude_contact(link(exclusion.a), link(exclusion.b));
+    }
+    for (ContactPair pair : model_.contact_pairs()) {
+      pair.a = GeomId(map_.geoms[pair.a.index()]);
+      pair.b = GeomId(map_.geoms[pair.b.index()]);
+      if (pair.a.is_valid() && pair.b.is_valid()) builder_.add_contact_pair(pair);
+    }
+  }
+
+  /// Frames follow the body that carries them; one whose link on that body is gone goes with it.
+  void add_frames() {
+    for (std::size_t i = model_.links().size(); i < model_.frames().size(); ++i) {
+      const Frame& frame = model_.frames()[i];
+      const auto carries = [&](const Link& candidate) { return candidate.body == frame.body; };
+      const auto carrier = std::ranges::find_if(model_.links(), carries);
+      const LinkId id(static_cast<std::size_t>(carrier - model_.links().begin()));
+      if (!has(id)) continue;
+      const Transform<double> X_LF = inverse(carrier->X_BL) * frame.X_BF;
+      builder_.add_frame(named(frame.name), link(id), id.value() == 0 ? moved() * X_LF : X_LF);
+    }
+  }
+
+  ModelBuilder& builder_;
+  const Model& model_;
+  const AppendOptions& options_;
+  PartMap map_;
+  std::vector<MeshId> meshes_;
+  std::vector<HeightFieldId> fields_;
+};
+
+}  // namespace
+
+PartMap PartMap::then(const PartMap& next) const {
+  return {chained(links, next.links), chained(joints, next.joints), chained(geoms, next.geoms),
+          chained(actuators, next.actuators)};
+}
+
+PartMap append(ModelBuilder& builder, const Model& model, const AppendOptions& options) {
+  return Appender(builder, model, options).run();
+}
+
+ModelBuilder builder_of(const Model& model) {
+  ModelBuilder builder(model.name());
+  builder.set_gravity(model.gravity());
+  if (model.time_step()) builder.set_time_step(*model.time_step());
+  builder.set_contact_rules(model.contact_rules());
+  append(builder, model);
+  return builder;
+}
+
+void exclude_self_collision(ModelBuilder& builder, const Model& model, const PartMap& map) {
+  std::vector<LinkId> solid;
+  for (const Geom& geom : model.geoms()) {
+    const bool known = std::ranges::find(solid, geom.link) != solid.end();
+    if (geom.role == GeomRole::kCollision && model.link(geom.link).body.value() != 0 && !known) {
+      solid.push_back(geom.link);
+    }
+  }
+  const auto root = [&](LinkId id) {
+    BodyId body = model.link(id).body;
+    while (model.body(body).parent.value() > 0) body = model.body(body).parent;
+    return body;
+  };
+  for (std::size_t i = 0; i < solid.size(); ++i) {
+    for (std::size_t j = i + 1; j < solid.size(); ++j) {
+      const LinkId a(map.links[solid[i].index()]), b(map.links[solid[j].index()]);
+      const bool one_body = model.link(solid[i]).body == model.link(solid[j]).body;
+      if (a.is_valid() && b.is_valid() && !one_body && root(solid[i]) == root(solid[j])) builder.exclude_contact(a, b);
+    }
+  }
+}
+
+}  // namespace manyhands
