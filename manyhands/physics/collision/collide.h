@@ -54,16 +54,21 @@ MANYHANDS_INLINE void place_collider(const Collider<real_t<T>>& geom, const Para
 
 }  // namespace internal
 
-/// Fills `cw` for the bodies as placed and moving in `ws`; `pairs` is the colliders' own list or a part of it.
+/// The geoms of `cw` for the bodies as placed and moving in `ws`.
 template <Number T, Number P>
-MANYHANDS_INLINE void collide(const Colliders<real_t<T>>& colliders, std::span<const ColliderPair> pairs,
-                              const Params<P>& params, real_t<T> h, const Workspace<T>& ws, CollisionWorkspace<T>& cw) {
-  using R = real_t<T>;
-  cw.touches.clear();
-  if (pairs.empty()) return;
+MANYHANDS_INLINE void place_colliders(const Colliders<real_t<T>>& colliders, const Params<P>& params, real_t<T> h,
+                                      const Workspace<T>& ws, CollisionWorkspace<T>& cw) {
   for (std::size_t g = 0; g < colliders.geoms.size(); ++g) {
     internal::place_collider(colliders.geoms[g], params, h, ws, g, cw);
   }
+}
+
+/// The touches of `cw`, whose geoms are placed, among the pairs.
+template <Number T, Number P>
+MANYHANDS_INLINE void collide(const Colliders<real_t<T>>& colliders, std::span<const ColliderPair> pairs,
+                              const Params<P>& params, CollisionWorkspace<T>& cw) {
+  using R = real_t<T>;
+  cw.touches.clear();
   const T far(std::numeric_limits<R>::infinity());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const ColliderPair& pair = pairs[i];

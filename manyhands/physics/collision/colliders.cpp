@@ -49,15 +49,22 @@ void add_surface(const Model& model, const Geom& geom, Collider<R>& collider) {
   }
 }
 
-bool is_excluded(const Model& model, LinkId a, LinkId b) {
-  return std::ranges::any_of(
-      model.exclusions(), [&](const ContactExclusion& e) { return (e.a == a && e.b == b) || (e.a == b && e.b == a); });
+/// The two in either order as one number.
+std::uint64_t unordered(std::size_t a, std::size_t b) {
+  return (static_cast<std::uint64_t>(std::min(a, b)) << 32) | static_cast<std::uint64_t>(std::max(a, b));
 }
 
-/// The body that hangs on the world and carries `body`.
-BodyId root_of(const Model& model, BodyId body) {
-  while (model.body(body).parent.value() > 0) body = model.body(body).parent;
-  return body;
+/// Where the geom's body stands in its tree: what the rules of self-collision ask.
+template <Real R>
+void add_place(const Model& model, Collider<R>& collider) {
+  const Body& body = model.bodies()[collider.body];
+  collider.root = collider.body;
+  while (collider.root > 0 && model.bodies()[collider.root].parent.value() > 0) {
+    collider.root = model.bodies()[collider.root].parent.index();
+  }
+  if (collider.body == 0) return;
+  collider.neighbour = body.parent.index();
+  if (body.type != JointType::kFloating) collider.base = model.joint(body.joint).parent.index();
 }
 
 bool resists_turning(const SurfaceMaterial& surface) {
@@ -66,24 +73,42 @@ bool resists_turning(const SurfaceMaterial& surface) {
 
 }  // namespace
 
-bool may_touch(const Model& model, const Geom& a, const Geom& b) {
-  const BodyId body_a = model.link(a.link).body, body_b = model.link(b.link).body;
-  if (body_a == body_b) return false;
+/// Filters, exclusions, one body, joint neighbours, self-collision.
+template <Real R>
+bool Colliders<R>::may_touch(std::size_t i, std::size_t j) const {
+  const Collider<R>&a = geoms[i], &b = geoms[j];
+  if (a.body == b.body) return false;
   if ((a.filter.group & b.filter.mask) == 0 || (b.filter.group & a.filter.mask) == 0) return false;
-  if (is_excluded(model, a.link, b.link)) return false;
-  if (body_a.value() == 0 || body_b.value() == 0) {
+  if (!excluded_.empty() && std::ranges::binary_search(excluded_, unordered(a.link, b.link))) return false;
+  if (a.body == 0 || b.body == 0) {
     // A robot's first moving link rests against the base that it is mounted on.
-    const LinkId moving = body_a.value() == 0 ? b.link : a.link, fixed = body_a.value() == 0 ? a.link : b.link;
-    const Body& body = model.body(model.link(moving).body);
-    return body.parent.value() != 0 || fixed.value() == 0 || body.type == JointType::kFloating ||
-           model.joint(body.joint).parent != fixed;
+    const Collider<R>&moving = a.body == 0 ? b : a, &fixed = a.body == 0 ? a : b;
+    return fixed.link == 0 || moving.neighbour != 0 || moving.base != fixed.link;
   }
-  if (model.body(body_a).parent == body_b || model.body(body_b).parent == body_a) return false;
-  return model.contact_rules().self_collision || root_of(model, body_a) != root_of(model, body_b);
+  if (a.neighbour == b.body || b.neighbour == a.body) return false;
+  return rules.self_collision || a.root != b.root;
 }
 
 template <Real R>
-Colliders<R>::Colliders(const Model& model) : rules(model.contact_rules()) {
+std::optional<ColliderPair> Colliders<R>::pair_of(std::size_t a, std::size_t b) const {
+  int surface = -1;
+  const std::uint64_t key = unordered(a, b);
+  const auto own = std::ranges::lower_bound(explicit_, key, {}, &std::pair<std::uint64_t, int>::first);
+  if (own != explicit_.end() && own->first == key) {
+    surface = own->second;
+  } else if (!may_touch(a, b)) {
+    return std::nullopt;
+  }
+  if (rank(geoms[a].type) > rank(geoms[b].type)) std::swap(a, b);
+  const bool torsion = surface >= 0 ? resists_turning(surfaces[static_cast<std::size_t>(surface)])
+                                    : resists_turning(geoms[a].surface) || resists_turning(geoms[b].surface);
+  return ColliderPair{
+      .a = a, .b = b, .manifolds = manifolds_of(geoms[a].type, geoms[b].type), .torsion = torsion, .surface = surface};
+}
+
+template <Real R>
+Colliders<R>::Colliders(const Model& model, PairSearch pair_search)
+    : search(pair_search), rules(model.contact_rules()) {
   std::vector<int> collider_of(model.geoms().size(), -1);
   for (std::size_t i = 0; i < model.geoms().size(); ++i) {
     const Geom& geom = model.geoms()[i];
@@ -91,49 +116,38 @@ Colliders<R>::Colliders(const Model& model) : rules(model.contact_rules()) {
     const Link& link = model.link(geom.link);
     const Transform<double> X_BG = link.X_BL * geom.X_LG;
     const Mat3<double>& m = X_BG.R;
-    const bool turned = geom.shape.type != ShapeType::kSphere && (m.x.x < 1 || m.y.y < 1 || m.z.z < 1);
     collider_of[i] = static_cast<int>(geoms.size());
     Collider<R>& collider = geoms.emplace_back();
     collider.type = geom.shape.type;
     collider.geom = i;
+    collider.link = geom.link.index();
     collider.body = link.body.index();
-    collider.turned = turned;
+    collider.filter = geom.filter;
+    collider.turned = geom.shape.type != ShapeType::kSphere && (m.x.x < 1 || m.y.y < 1 || m.z.z < 1);
     collider.X_BG = broadcast<R>(X_BG);
     collider.surface = geom.surface;
     collider.margin = static_cast<R>(geom.margin);
+    add_place(model, collider);
     add_surface(model, geom, collider);
   }
-  const auto add = [&](std::size_t a, std::size_t b, int surface) {
-    if (rank(geoms[a].type) > rank(geoms[b].type)) std::swap(a, b);
-    const bool torsion = surface >= 0 ? resists_turning(surfaces[static_cast<std::size_t>(surface)])
-                                      : resists_turning(geoms[a].surface) || resists_turning(geoms[b].surface);
-    pairs.push_back({.a = a,
-                     .b = b,
-                     .manifolds = manifolds_of(geoms[a].type, geoms[b].type),
-                     .torsion = torsion,
-                     .surface = surface});
-  };
-  const auto is_explicit = [&](std::size_t a, std::size_t b) {
-    return std::ranges::any_of(model.contact_pairs(), [&](const ContactPair& pair) {
-      return (pair.a.index() == a && pair.b.index() == b) || (pair.a.index() == b && pair.b.index() == a);
-    });
-  };
-  for (std::size_t a = 0; a < geoms.size(); ++a) {
-    for (std::size_t b = a + 1; b < geoms.size(); ++b) {
-      if (is_explicit(geoms[a].geom, geoms[b].geom)) continue;
-      if (may_touch(model, model.geoms()[geoms[a].geom], model.geoms()[geoms[b].geom])) add(a, b, -1);
-    }
-  }
+  for (const ContactExclusion& e : model.exclusions()) excluded_.push_back(unordered(e.a.index(), e.b.index()));
+  std::ranges::sort(excluded_);
   for (const ContactPair& pair : model.contact_pairs()) {
     const int a = collider_of[pair.a.index()], b = collider_of[pair.b.index()];
     if (a < 0 || b < 0) continue;
     if (pair.surface) surfaces.push_back(*pair.surface);
-    add(static_cast<std::size_t>(a), static_cast<std::size_t>(b),
-        pair.surface ? static_cast<int>(surfaces.size()) - 1 : -1);
+    explicit_.emplace_back(unordered(static_cast<std::size_t>(a), static_cast<std::size_t>(b)),
+                           pair.surface ? static_cast<int>(surfaces.size()) - 1 : -1);
   }
-  std::ranges::stable_sort(pairs, [&](const ColliderPair& x, const ColliderPair& y) {
-    return std::tuple(rank(geoms[x.a].type), rank(geoms[x.b].type)) <
-           std::tuple(rank(geoms[y.a].type), rank(geoms[y.b].type));
+  std::ranges::sort(explicit_);
+  if (search == PairSearch::kSwept) return;
+  for (std::size_t a = 0; a < geoms.size(); ++a) {
+    for (std::size_t b = a + 1; b < geoms.size(); ++b) {
+      if (const std::optional<ColliderPair> pair = pair_of(a, b)) pairs.push_back(*pair);
+    }
+  }
+  std::ranges::stable_sort(pairs, {}, [&](const ColliderPair& pair) {
+    return std::pair(rank(geoms[pair.a].type), rank(geoms[pair.b].type));
   });
   for (ColliderPair& pair : pairs) {
     pair.manifold = num_manifolds;

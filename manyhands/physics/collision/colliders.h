@@ -17,6 +17,11 @@ struct Collider {
   ShapeType type{};    ///< a mesh that moves is its convex hull
   std::size_t geom{};  ///< index in Model::geoms() and in the geom arrays of Params
   std::size_t body{};
+  std::size_t root{};       ///< the body that hangs on the world and carries this one
+  std::size_t neighbour{};  ///< the body that a joint joins to this one towards the world
+  std::size_t link{};
+  std::size_t base{};  ///< on a body that hangs on the world: the link it is mounted on, 0 where it floats
+  CollisionFilter filter{};
   bool turned{};  ///< whether the shape's axes differ from the body's
   Transform<R> X_BG = Transform<R>::identity();
   SurfaceMaterial surface{};
@@ -37,21 +42,33 @@ struct ColliderPair {
   int surface = -1;           ///< index in Colliders::surfaces where the pair has its own, else -1
 };
 
-/// Every colliding geom, and every pair that the model's rules let touch, sorted by shapes so that a batch treats
-/// pairs of one kind together.
+enum class PairSearch {
+  kListed,  ///< all pairs are known beforehand, and each is looked at in every step
+  kSwept,   ///< a broad phase finds the pairs of each step: for one world with many geoms
+};
+
+/// Every colliding geom and, where they are listed, every pair that the model's rules let touch, sorted by shapes so
+/// that a batch treats pairs of one kind together.
 template <Real R>
 struct Colliders {
   Colliders() = default;  ///< none
-  explicit Colliders(const Model& model);
+  explicit Colliders(const Model& model, PairSearch search = PairSearch::kListed);
+
+  /// The pair of two geoms, if they may touch.
+  [[nodiscard]] std::optional<ColliderPair> pair_of(std::size_t a, std::size_t b) const;
 
   std::vector<Collider<R>> geoms;
-  std::vector<ColliderPair> pairs;
+  PairSearch search = PairSearch::kListed;
+  std::vector<ColliderPair> pairs;        ///< where they are listed
   std::vector<SurfaceMaterial> surfaces;  ///< of explicit pairs
   std::size_t num_manifolds{};            ///< of all pairs together
   ContactRules rules;
-};
 
-/// Whether the rules let the geoms touch: filters, exclusions, one body, joint neighbours, self-collision.
-[[nodiscard]] bool may_touch(const Model& model, const Geom& a, const Geom& b);
+ private:
+  [[nodiscard]] bool may_touch(std::size_t a, std::size_t b) const;
+
+  std::vector<std::uint64_t> excluded_;                  // pairs of links, sorted
+  std::vector<std::pair<std::uint64_t, int>> explicit_;  // pairs of colliders and their surface or -1, sorted
+};
 
 }  // namespace manyhands

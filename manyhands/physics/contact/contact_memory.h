@@ -4,12 +4,14 @@
 #include <span>
 
 #include "manyhands/physics/contact/contact_points.h"
+#include "manyhands/physics/dynamics/state.h"
 
 namespace manyhands {
 
 /// One manifold in the memory of a State, as plain numbers: all zero where there is no contact.
 template <Number T>
 struct RememberedManifold {
+  T key;                                         ///< which one it is, where memory holds only what touches; else 0
   T used;                                        ///< 1 if any point carried an impulse
   std::array<Vec3<T>, kManifoldPoints> p;        ///< in the world [m]
   std::array<Vec3<T>, kManifoldPoints> impulse;  ///< on B, in world axes [N s]
@@ -19,7 +21,7 @@ struct RememberedManifold {
 template <Number T>
 inline constexpr std::size_t kManifoldNumbers = sizeof(RememberedManifold<T>) / sizeof(T);
 
-static_assert(kManifoldNumbers<double> == 1 + 9 * kManifoldPoints);
+static_assert(kManifoldNumbers<double> == 2 + 9 * kManifoldPoints);
 
 /// The contact memory of a state as its manifolds.
 template <Number T>
@@ -55,6 +57,24 @@ MANYHANDS_INLINE void match_points(const RememberedManifold<T>& old, const Manif
   }
 }
 
+/// Where pairs are found anew in every step: makes `state` remember just the manifolds that touch now, in their order,
+/// each with what it left behind; the touches then point there. `old` is scratch.
+template <Real R>
+void carry_memory(std::vector<Touch<R>>& touches, State<R>& state, std::vector<R>& old) {
+  old.assign(state.contacts().begin(), state.contacts().end());
+  const std::span<RememberedManifold<R>> before = remembered(std::span<R>(old));
+  state.resize_contacts(touches.size() * kManifoldNumbers<R>);
+  const std::span<RememberedManifold<R>> now = remembered(state.contacts());
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < touches.size(); ++i) {
+    const R key = static_cast<R>(touches[i].manifold);
+    while (next < before.size() && before[next].key < key) ++next;
+    now[i] = next < before.size() && before[next].key == key ? before[next] : RememberedManifold<R>{};
+    now[i].key = key;
+    touches[i].manifold = i;
+  }
+}
+
 /// Forgets every manifold, and writes down those that carry something.
 template <Number T>
 MANYHANDS_INLINE void remember(const ContactSet<T>& set, std::span<RememberedManifold<T>> memory) {
@@ -62,8 +82,9 @@ MANYHANDS_INLINE void remember(const ContactSet<T>& set, std::span<RememberedMan
   const T zero(R(0)), one(R(1));
   for (RememberedManifold<T>& manifold : memory) {
     when(manifold.used != zero, [&] {
-      T* numbers = &manifold.used;
-      for (std::size_t i = 0; i < kManifoldNumbers<T>; ++i) numbers[i] = zero;
+      const T key = manifold.key;
+      manifold = {};
+      manifold.key = key;
     });
   }
   for (const ContactPoint<T>& point : set.points) {

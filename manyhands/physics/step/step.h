@@ -1,6 +1,7 @@
 // One step of one world, or of one block of worlds.
 #pragma once
 
+#include "manyhands/physics/collision/pair_finder.h"
 #include "manyhands/physics/contact/contact_solver.h"
 #include "manyhands/physics/dynamics/aba.h"
 #include "manyhands/physics/dynamics/crba.h"
@@ -10,7 +11,8 @@ namespace manyhands {
 /// What steps share: the model as kernels read it, and how hard the solver works. Uniform.
 template <Real R>
 struct System {
-  explicit System(const Model& model) : tree(model), colliders(model) {}
+  explicit System(const Model& model, PairSearch search = PairSearch::kListed)
+      : tree(model), colliders(model, search) {}
   /// One in which nothing collides.
   explicit System(Tree<R> alone) : tree(std::move(alone)) {}
 
@@ -31,11 +33,17 @@ struct StepWorkspace {
         collision(system.colliders),
         loops(system.tree),
         contacts(system.colliders, system.tree.nv),
-        resting(static_cast<std::size_t>(system.tree.nb)) {}
+        resting(static_cast<std::size_t>(system.tree.nb)) {
+    if constexpr (Real<T>) {
+      if (system.colliders.search == PairSearch::kSwept) finder.emplace(system.colliders);
+    }
+  }
 
   Workspace<T> dynamics;
   JointConstraints<T> joints;
   CollisionWorkspace<T> collision;
+  std::optional<PairFinder<real_t<T>>> finder;  ///< of a large world
+  std::vector<real_t<T>> old_memory;            ///< scratch of a large world
   LoopSet<T> loops;
   ContactSet<T> contacts;
   std::vector<T> resting;  ///< (nb) 1 where something holds the body up
@@ -109,6 +117,25 @@ MANYHANDS_INLINE void correct_free_fall(const Tree<real_t<T>>& tree, const Param
   }
 }
 
+/// The pairs to look at in this step: all that are listed, or those that a broad phase finds. Sets what touches.
+template <Number T, Number P>
+MANYHANDS_INLINE std::span<const ColliderPair> find_touches(const Colliders<real_t<T>>& colliders,
+                                                            const Params<P>& params, real_t<T> h, State<T>& state,
+                                                            StepWorkspace<T>& ws) {
+  ws.collision.touches.clear();
+  std::span<const ColliderPair> pairs(colliders.pairs);
+  if (pairs.empty() && !ws.finder) return pairs;
+  place_colliders(colliders, params, h, ws.dynamics, ws.collision);
+  if constexpr (Real<T>) {
+    if (ws.finder) pairs = ws.finder->find(colliders, params, ws.collision);
+  }
+  collide(colliders, pairs, params, ws.collision);
+  if constexpr (Real<T>) {
+    if (ws.finder) carry_memory(ws.collision.touches, state, ws.old_memory);
+  }
+  return pairs;
+}
+
 /// Advances the state by h [s]: semi-implicit Euler at the velocity level; contacts, motors, limits and damping are
 /// implicit.
 template <Number T, Number P>
@@ -116,10 +143,9 @@ MANYHANDS_INLINE void step(const System<real_t<T>>& system, const Params<P>& par
                            StepWorkspace<T>& ws) {
   const Tree<real_t<T>>& tree = system.tree;
   const Colliders<real_t<T>>& colliders = system.colliders;
-  const std::span<const ColliderPair> pairs(colliders.pairs);
+  bias_and_mass_matrix(tree, params, state.q(), state.v(), ws.dynamics);                      // 1 dynamics
+  const std::span<const ColliderPair> pairs = find_touches(colliders, params, h, state, ws);  // 2 collision
   const std::span<RememberedManifold<T>> memory = remembered(state.contacts());
-  bias_and_mass_matrix(tree, params, state.q(), state.v(), ws.dynamics);      // 1 kinematics, bias and inertia
-  collide(colliders, pairs, params, h, ws.dynamics, ws.collision);            // 2 what touches
   prepare_joint_constraints(tree, params, h, state, ws.dynamics, ws.joints);  // 3 what motors and limits want,
   prepare_contacts(tree, colliders, pairs, params, h, memory, ws.collision, ws.dynamics, ws.joints, ws.contacts);
   prepare_loops(tree, h, state, ws.dynamics, ws.joints, ws.loops);
