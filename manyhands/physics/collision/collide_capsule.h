@@ -60,6 +60,8 @@ Manifold<T> collide_capsule_capsule(const Vec3<T>& size_A, const Transform<T>& X
   const Vec3<T> across = cross(a, b);
   const T ab = dot(a, b), ad = dot(a, d), bd = dot(b, d), sine_squared = squared_norm(across);
   const T rounding = T(R(8) * std::numeric_limits<R>::epsilon()) * (size_A.x + size_B.x + half_A + half_B);
+  // Below this length the way between the axes says little about its direction.
+  const T vague = T(R(0.1) * std::sqrt(std::numeric_limits<R>::epsilon())) * (half_A + half_B);
   const Vec3<T> apart =
       internal::direction_or(select(sine_squared > T(R(1e-12)), across, Vec3<T>::zero()), X_WA.R.x).unit;
 
@@ -72,8 +74,10 @@ Manifold<T> collide_capsule_capsule(const Vec3<T>& size_A, const Transform<T>& X
   for (std::size_t k = 0; k < points.size(); ++k) {
     const T along_B = clamp(fma(ab, along_A[k], -bd), -half_B, half_B);
     const Vec3<T> p = along_A[k] * a;
-    const auto way = internal::direction_or(fma(along_B, b, d) - p, apart);
-    points[k] = {X_WA.p + p, select(way.length > rounding, way.unit, apart), way.length};
+    const Vec3<T> between = fma(along_B, b, d) - p;
+    const auto way = internal::direction_or(between, apart);
+    const Vec3<T> aside = copysign(T(R(1)), dot(between, apart)) * apart;
+    points[k] = {X_WA.p + p, select(way.length > vague, way.unit, aside), way.length};
   }
   return internal::contact_along_segment(points, size_A.x, size_B.x, along_A[1] - along_A[0], rounding);
 }
