@@ -30,12 +30,12 @@ Vec any_across(const Vec& a) {
 
 /// Follows the slope of the support over the circle of directions across `axis`, or over the sphere of them if it is
 /// zero, to a smaller depth (step lengths after Barzilai and Borwein, 1988).
-Penetration descend(const CorePair& pair, Penetration best, const Vec& start, const Vec& axis) {
+Penetration descend(const CorePair& pair, Penetration best, const Vec& start, const Vec& axis, int steps) {
   const auto across = [&](const Vec& x) { return x - dot(x, axis) * axis; };
   Vec n = across(start);
   n = (1 / norm(n)) * n;
   Vec last_n = n, last_slope = Vec::zero();
-  for (int i = 0; i < 64 && is_finite(n.x + n.y + n.z); ++i) {
+  for (int i = 0; i < steps && is_finite(n.x + n.y + n.z); ++i) {
     const MinkowskiVertex v = minkowski_support(pair, n);
     const double depth = dot(n, v.w);
     if (depth < best.depth) best = {depth, n, v.a};
@@ -56,13 +56,21 @@ Penetration descend(const CorePair& pair, Penetration best, const Vec& start, co
 /// tell its sides apart. What it found is near enough for a descent; about a cylinder, along the circle of its sides,
 /// from several of them.
 Penetration refined(const CorePair& pair, Penetration best) {
-  best = descend(pair, best, best.normal, Vec::zero());
+  constexpr int kSteps = 64;
+  best = descend(pair, best, best.normal, Vec::zero(), kSteps);
+  const Mat3<double> I = Mat3<double>::identity(), &R = pair.X_AB.R;
   const auto around = [&](const Vec& axis) {
     const Vec start = best.normal, side = cross(axis, start);
-    for (const Vec& n : {start, start + side, side, side - start}) best = descend(pair, best, n, axis);
+    for (const Vec& n : {start, start + side, side, side - start}) best = descend(pair, best, n, axis, kSteps);
+    // Straight edges make kinks in the depth, where its slope says nothing.
+    for (const Vec& edge : {I.x, I.y, I.z, R.x, R.y, R.z}) {
+      const Vec n = cross(axis, edge);
+      best = descend(pair, best, n, axis, 1);
+      best = descend(pair, best, -n, axis, 1);
+    }
   };
-  if (pair.a.core == ConvexShape::Core::kCylinder) around({0, 0, 1});
-  if (pair.b.core == ConvexShape::Core::kCylinder) around(pair.X_AB.R.z);
+  if (pair.a.core == ConvexShape::Core::kCylinder) around(I.z);
+  if (pair.b.core == ConvexShape::Core::kCylinder) around(R.z);
   // Once parted along the normal, the cores have nearest points.
   CorePair parted = pair;
   parted.X_AB.p = fma(best.depth + 0.05 * pair.scale(), best.normal, parted.X_AB.p);

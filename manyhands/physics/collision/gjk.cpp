@@ -11,6 +11,8 @@ constexpr int kIterations = 128;
 constexpr double kGap = 1e-12;    // relative distance between the bounds at which they have met
 constexpr double kTouch = 1e-11;  // of the size: nearer than this, the direction of the distance is noise
 
+constexpr double kStuck = 1e-6;  // of the size: a gap between the bounds that no iteration on round shapes leaves
+
 struct Simplex {
   std::array<MinkowskiVertex, 4> v{};
   std::array<double, 4> weight{};
@@ -120,6 +122,7 @@ GjkResult gjk(const CorePair& pair, double far) {
   s.v[0] = minkowski_support(pair, squared_norm(v) > 0 ? -v : Vec{1, 0, 0});
   s = {{s.v[0]}, {1}, 1};
   v = s.v[0].w;
+  double bound = 0;  // by the last support
   for (int i = 0; i < kIterations; ++i) {
     const double distance = norm(v);
     if (distance <= touch) {
@@ -127,7 +130,8 @@ GjkResult gjk(const CorePair& pair, double far) {
       break;
     }
     const MinkowskiVertex w = minkowski_support(pair, -v);
-    result.lower_bound = max(result.lower_bound, dot(v, w.w) / distance);
+    bound = dot(v, w.w) / distance;
+    result.lower_bound = max(result.lower_bound, bound);
     if (result.lower_bound > far || distance - result.lower_bound <= kGap * distance || holds(s, w.w)) break;
     Simplex grown = s;
     grown.v[static_cast<std::size_t>(grown.size++)] = w;
@@ -142,6 +146,8 @@ GjkResult gjk(const CorePair& pair, double far) {
     s = grown;
     v = next;
   }
+  // Stuck in rounding, as between plates thinner than their breadth's digits: the bounds have not met, v means nothing.
+  if (result.lower_bound <= far && norm(v) - bound > kStuck * pair.scale()) result.overlap = true;
   result.simplex = s.v;
   result.size = s.size;
   result.a = s.on_a();

@@ -24,7 +24,8 @@ struct MinkowskiVertex {
 /// The vertex of A - B farthest along d, in A's frame.
 [[nodiscard]] MinkowskiVertex minkowski_support(const CorePair& pair, const Vec3<double>& d);
 
-/// What GJK found. With `overlap`, the simplex holds the origin, or comes so near that its side is not known.
+/// What GJK found. With `overlap`, the simplex holds the origin, or comes so near that its side is not known, to
+/// rounding.
 struct GjkResult {
   bool overlap = false;
   double distance{};      ///< between the cores [m]

@@ -217,6 +217,46 @@ TEST(CollideConvex, CylindersStandOnSpreadPointsAndLieOnTwo) {
   EXPECT_NEAR(lying.phi[1], -1e-5, 1e-9);
 }
 
+// Sizes from 1e-8 m to 10 km, together and apart: what comes out is finite and no deeper than the direction it names.
+TEST(CollideConvex, AbsurdSizesGiveFiniteContacts) {
+  ShapeSource source(31);
+  std::vector<ConvexPolyhedron> hulls;
+  const auto any = [&] { return std::exp(source.uniform(std::log(1e-8), std::log(1e4))); };
+  for (int i = 0; i < 20; ++i) {
+    std::vector<Point> cloud = source.cloud(20);
+    const Point s{any(), any(), any()};
+    for (Point& p : cloud) p = {s.x * p.x, s.y * p.y, s.z * p.z};
+    hulls.push_back(convex_polyhedron(std::span<const Point>(cloud)));
+  }
+  const auto shape = [&](ConvexShape::Core core) {
+    ConvexShape s = source.shape(core, hulls);
+    s.radius = s.radius > 0 ? any() : 0;
+    s.size = {any(), any(), any()};
+    for (Point& p : s.corners) p = any() * source.direction();
+    return s;
+  };
+  for (int i = 0; i < 20000; ++i) {
+    Pair p{shape(kCores[static_cast<std::size_t>(i) % 6]), shape(kCores[static_cast<std::size_t>(i) / 6 % 6]),
+           source.pose(1), source.pose(1)};
+    const double reach = p.a.bound() + p.b.bound();
+    p.X_WB.p =
+        p.X_WA.p + source.uniform(0, 1) * (i % 2 ? reach : std::min(p.a.bound(), p.b.bound())) * source.direction();
+    SCOPED_TRACE(i);
+    const auto d = convex_distance(p.a, p.X_WA, p.b, p.X_WB);
+    ASSERT_TRUE(is_finite(d.phi));
+    ASSERT_NEAR(norm(d.normal_AB), 1, 1e-9);
+    ASSERT_LT(norm(d.p_A + d.phi * d.normal_AB - d.p_B), 1e-9 * (1 + reach));
+    const auto m = collide_convex(p.a, p.X_WA, p.b, p.X_WB, 1e-3);
+    for (std::size_t k = 0; k < kManifoldPoints; ++k) {
+      ASSERT_FALSE(std::isnan(m.phi[k]));
+      if (is_finite(m.phi[k])) {
+        ASSERT_GE(m.phi[k], d.phi - 1e-6 * reach);
+        ASSERT_TRUE(is_finite(norm(m.p[k])));
+      }
+    }
+  }
+}
+
 // Poses that are no rotations or not finite come from users' mistakes; they must end, whatever they give.
 TEST(CollideConvex, EndsOnAnyInput) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
