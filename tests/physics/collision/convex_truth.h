@@ -113,7 +113,7 @@ inline double searched_distance(const Body& a, const Body& b) {
         const double angle = i * std::numbers::pi / 4;
         const Vec candidate = unit(n + step * std::cos(angle) * u + step * std::sin(angle) * v);
         const double s = separation(a, b, candidate);
-        if (s > value) {
+        if (s > value + 1e-10) {
           value = s;
           n = candidate;
           improved = true;

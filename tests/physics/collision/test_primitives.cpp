@@ -64,11 +64,12 @@ TEST_P(PrimitivePairs, DistanceIsTheTrueOne) {
     const auto m = collide(a, b);
     const double phi = m.phi[deepest(m)];
     ASSERT_NEAR(norm(m.normal), 1, 1e-12);
-    // The plane across the normal keeps the shapes as far apart as said, and no direction does so by more. A capsule
-    // deep in a box prefers its faces by 2 %.
+    // The plane across the normal keeps the shapes as far apart as said, so they are no nearer; the points on both
+    // surfaces (below) say that they are no farther. Of shapes that overlap, no direction found leads out sooner.
     ASSERT_NEAR(separation(a, b, m.normal), phi, 1e-9);
-    const double bias = GetParam().a == kCapsule && GetParam().b == kBox ? 0.03 * std::abs(phi - a.size.x) : 0;
-    ASSERT_GT(phi, searched_distance(a, b) - (phi < 0 ? bias : 0) - 1e-9);
+    if (phi < 0) {
+      ASSERT_GT(phi, searched_distance(a, b) - 1e-9);
+    }
   }
 }
 
