@@ -65,6 +65,15 @@ void require_at_least(const std::string& what, double least, double value) {
                               (least == 0 ? std::string("0") : std::to_string(least)) + " or more");
 }
 
+void require_gains(const Actuator& actuator, double kp) {
+  if (actuator.type == ActuatorType::kMotor) {
+    throw std::invalid_argument("actuator '" + actuator.name + "' is a motor: it has no gains");
+  }
+  if (actuator.type == ActuatorType::kVelocity && kp != 0) {
+    throw std::invalid_argument("actuator '" + actuator.name + "' is a velocity drive: its kp must be 0");
+  }
+}
+
 void require_link_mass(const Model& model, LinkId link, double mass) {
   const Link& part = model.link(link);
   const std::string what = "the mass of link '" + part.name + "'";

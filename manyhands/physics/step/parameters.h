@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "manyhands/physics/collision/colliders.h"
 #include "manyhands/physics/dynamics/tree.h"
 
 namespace manyhands {
@@ -89,6 +90,18 @@ template <Number T>
 /// The actuator of that name. Throws std::out_of_range that lists those there are.
 [[nodiscard]] ActuatorId actuator_id(const Model& model, std::string_view name);
 
+/// Makes room for spinning and rolling friction at pairs whose geoms have any.
+template <Real R>
+void let_resist_turning(const ParamsView<R>& params, Colliders<R>& colliders) {
+  const auto resists = [&](std::size_t collider) {
+    const std::size_t geom = colliders.geoms[collider].geom;
+    return params.geom_spinning[geom] > 0 || params.geom_rolling[geom] > 0;
+  };
+  for (ColliderPair& pair : colliders.pairs) {
+    pair.torsion = pair.torsion || (pair.surface < 0 && (resists(pair.a) || resists(pair.b)));
+  }
+}
+
 /// Throws std::invalid_argument if a motor of `max_force` (nv) above 0 meets a position or velocity actuator on its
 /// dof.
 template <Real R>
@@ -106,6 +119,9 @@ void require_undriven(const Model& model, std::span<const R> max_force) {
 
 /// Throws std::invalid_argument unless the value is finite and at least `least`; `what` begins the message.
 void require_at_least(const std::string& what, double least, double value);
+
+/// Throws std::invalid_argument if the actuator has no gains, or none for positions and kp is not 0.
+void require_gains(const Actuator& actuator, double kp);
 
 /// Gives the link another mass, its inertia in proportion. `link_mass` (links) holds every link's present mass.
 /// Throws std::invalid_argument if the model's link has no mass, or the mass is not above 0.

@@ -102,6 +102,22 @@ void World::require_within_limits(const WorldCore& core, const char* when) const
   }
 }
 
+void World::require_apart(WorldCore& core) const {
+  const Colliders<double>& colliders = core.system.colliders;
+  CollisionWorkspace<double>& cw = core.step.collision;
+  place_colliders(colliders, core.params, time_step_, core.placed(), cw);
+  std::span<const ColliderPair> pairs(colliders.pairs);
+  if (core.step.finder) pairs = core.step.finder->find(colliders, core.params, cw);
+  collide(colliders, pairs, core.params, cw);
+  for (const Touch<double>& touch : cw.touches) {
+    if (std::ranges::none_of(touch.contact.phi, [](double phi) { return phi < 0; })) continue;
+    const auto label = [&](std::size_t geom) { return geom_label(*core.model, GeomId(colliders.geoms[geom].geom)); };
+    throw std::runtime_error("the rk4 integrator knows no contacts, but geoms '" + label(pairs[touch.pair].a) +
+                             "' and '" + label(pairs[touch.pair].b) + "' touch at " + std::to_string(time()) +
+                             " s: use semi_implicit");
+  }
+}
+
 void World::runge_kutta_step_or_throw(WorldCore& core) {
   const auto acts = [](double force) { return force > 0; };
   if (std::ranges::any_of(core.params.motor_max_force, acts)) {
@@ -109,17 +125,7 @@ void World::runge_kutta_step_or_throw(WorldCore& core) {
   }
   if (core.nu() > 0) throw std::runtime_error("the rk4 integrator knows no actuators: use semi_implicit");
   require_within_limits(core, "before");
-  collide(core.system.colliders, std::span<const ColliderPair>(core.system.colliders.pairs), core.params, time_step_,
-          core.placed(), core.step.collision);
-  for (const Touch<double>& touch : core.step.collision.touches) {
-    if (std::ranges::none_of(touch.contact.phi, [](double phi) { return phi < 0; })) continue;
-    const Colliders<double>& colliders = core.system.colliders;
-    const ColliderPair& pair = colliders.pairs[touch.pair];
-    throw std::runtime_error("the rk4 integrator knows no contacts, but geoms '" +
-                             geom_label(*core.model, GeomId(colliders.geoms[pair.a].geom)) + "' and '" +
-                             geom_label(*core.model, GeomId(colliders.geoms[pair.b].geom)) + "' touch at " +
-                             std::to_string(time()) + " s: use semi_implicit");
-  }
+  require_apart(core);
   runge_kutta_step(core.system.tree, core.params, time_step_, core.state, core.runge_kutta);
   require_within_limits(core, "after");
 }
@@ -184,10 +190,7 @@ void World::set_motors(const MotorCommands& commands) {
 }
 
 void World::set_solver(const SolverSettings& settings) {
-  if (settings.max_sweeps < 1) {
-    throw std::invalid_argument("max_iterations is " + std::to_string(settings.max_sweeps) + "; expected 1 or more");
-  }
-  require_at_least("tolerance", 0, settings.tolerance);
+  internal::require_solver(settings);
   solver_ = settings;
 }
 
@@ -230,13 +233,17 @@ void visit_pieces(Core& core, Visit&& visit) {
   if (!core.external.empty()) visit(&core.external.front().n.x, 6 * core.external.size());
 }
 
-constexpr std::size_t kSnapshotHead = 4;  // fingerprint, time step, steps, whether forces are applied
+constexpr std::size_t kSnapshotHead = 5;  // fingerprint, time step, steps, whether forces are applied, contact numbers
+
+/// The count that a number of a snapshot means; 0 if it means none.
+std::size_t whole(double x) { return x >= 0 && x < 1e12 ? static_cast<std::size_t>(x) : 0; }
 
 }  // namespace
 
 std::vector<double> World::snapshot() const {
   const WorldCore& now = core();
-  std::vector<double> numbers{fingerprint(*now.model), time_step_, static_cast<double>(steps_), now.pushed ? 1.0 : 0.0};
+  std::vector<double> numbers{fingerprint(*now.model), time_step_, static_cast<double>(steps_), now.pushed ? 1.0 : 0.0,
+                              static_cast<double>(now.state.contacts().size())};
   visit_pieces(now,
                [&](const double* first, std::size_t count) { numbers.insert(numbers.end(), first, first + count); });
   view(const_cast<Params<double>&>(now.params), 0).for_each([&](const Strided<double>& field) {
@@ -247,7 +254,10 @@ std::vector<double> World::snapshot() const {
 
 void World::restore(std::span<const double> snapshot) {
   WorldCore& now = core();
-  std::size_t expected = kSnapshotHead;
+  // A large world remembers as many contacts as it has.
+  const bool grows = now.system.colliders.search == PairSearch::kSwept && snapshot.size() >= kSnapshotHead;
+  const std::size_t contacts = grows ? whole(snapshot[4]) : now.state.contacts().size();
+  std::size_t expected = kSnapshotHead + contacts - now.state.contacts().size();
   visit_pieces(now, [&](double*, std::size_t count) { expected += count; });
   const ParamsView<double> params = view(now.params, 0);
   params.for_each([&](const Strided<double>& field) { expected += field.count; });
@@ -260,12 +270,13 @@ void World::restore(std::span<const double> snapshot) {
     throw std::invalid_argument("the snapshot is of a world with a time_step of " + std::to_string(snapshot[1]) +
                                 " s; this world's is " + std::to_string(time_step_) + " s");
   }
-  require_finite("the snapshot", snapshot.first(kSnapshotHead + now.state.numbers().size()));
+  require_finite("the snapshot", snapshot.first(kSnapshotHead + now.nq() + now.nv()));
   if (std::ranges::any_of(snapshot, [](double x) { return x != x; })) {
     throw std::invalid_argument("the snapshot holds a NaN");
   }
   steps_ = static_cast<std::int64_t>(snapshot[2]);
   now.pushed = snapshot[3] != 0;
+  now.state.resize_contacts(contacts);
   const double* next = snapshot.data() + kSnapshotHead;
   const auto take = [&](double* first, std::size_t count) {
     std::copy_n(next, count, first);
@@ -273,6 +284,7 @@ void World::restore(std::span<const double> snapshot) {
   };
   visit_pieces(now, take);
   params.for_each([&](const Strided<double>& field) { take(field.first, field.count); });
+  let_resist_turning(params, now.system.colliders);
   now.moved();
   now.forget_step();
 }

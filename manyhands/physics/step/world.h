@@ -182,6 +182,7 @@ class World {
   void drop_left_out();
   void step_once(WorldCore& core);
   void runge_kutta_step_or_throw(WorldCore& core);
+  void require_apart(WorldCore& core) const;
   void require_within_limits(const WorldCore& core, const char* when) const;
   [[nodiscard]] const Body& free_body(const WorldCore& core, const Link& link, const char* what) const;
 

@@ -7,6 +7,7 @@
 
 #include "manyhands/math/number.h"
 #include "manyhands/math/vec3.h"
+#include "manyhands/physics/contact/contact_solver.h"
 
 namespace manyhands::internal {
 
@@ -50,6 +51,16 @@ inline void require_pose(const std::string& name, const Transform<double>& X) {
 inline void require_time_step(double time_step) {
   if (time_step > 0 && is_finite(time_step)) return;
   throw std::invalid_argument("time_step is " + std::to_string(time_step) + " s; expected a finite number above 0");
+}
+
+/// Throws std::invalid_argument unless max_sweeps is 1 or more and the tolerance 0 or more.
+inline void require_solver(const SolverSettings& settings) {
+  if (settings.max_sweeps < 1) {
+    throw std::invalid_argument("max_iterations is " + std::to_string(settings.max_sweeps) + "; expected 1 or more");
+  }
+  if (!(settings.tolerance >= 0) || !is_finite(settings.tolerance)) {
+    throw std::invalid_argument("tolerance is " + std::to_string(settings.tolerance) + "; expected 0 or more");
+  }
 }
 
 }  // namespace manyhands::internal

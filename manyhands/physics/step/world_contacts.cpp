@@ -9,9 +9,9 @@ namespace {
 
 Contact report_of(const WorldCore& core, const ContactPoint<double>& point, double inverse_h) {
   const Colliders<double>& colliders = core.system.colliders;
-  const ColliderPair& pair = colliders.pairs[point.pair];
-  Contact contact{.geom_a = GeomId(colliders.geoms[pair.a].geom),
-                  .geom_b = GeomId(colliders.geoms[pair.b].geom),
+  const auto [a, b] = core.colliders_of(point);
+  Contact contact{.geom_a = GeomId(colliders.geoms[a].geom),
+                  .geom_b = GeomId(colliders.geoms[b].geom),
                   .position = point.p,
                   .normal = point.normal,
                   .distance = point.phi,

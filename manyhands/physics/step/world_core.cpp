@@ -1,7 +1,7 @@
 #include "manyhands/physics/step/world_core.h"
 
 #include <algorithm>
-#include <unordered_map>
+#include <map>
 
 namespace manyhands {
 
@@ -12,11 +12,34 @@ std::shared_ptr<const Model> required(std::shared_ptr<const Model> model) {
   return model;
 }
 
+/// Beyond so many colliding geoms a broad phase is faster than a list of all pairs.
+constexpr std::ptrdiff_t kMostListed = 60;
+
+PairSearch search_of(const Model& model) {
+  const auto count = std::ranges::count(model.geoms(), GeomRole::kCollision, &Geom::role);
+  return count > kMostListed ? PairSearch::kSwept : PairSearch::kListed;
+}
+
+/// The two colliders, lower index first, and the number of the manifold between them that a large world's key tells.
+struct ManifoldOf {
+  std::size_t low, high, number;
+};
+
+ManifoldOf manifold_of(const Colliders<double>& colliders, double key) {
+  const auto whole = static_cast<std::size_t>(key);
+  const std::size_t pair = whole / kManifoldPoints;
+  return {pair / colliders.geoms.size(), pair % colliders.geoms.size(), whole % kManifoldPoints};
+}
+
+double key_of(const Colliders<double>& colliders, const ManifoldOf& m) {
+  return static_cast<double>(kManifoldPoints * (m.low * colliders.geoms.size() + m.high) + m.number);
+}
+
 }  // namespace
 
 WorldCore::WorldCore(std::shared_ptr<const Model> shared_model)
     : model(required(std::move(shared_model))),
-      system(*model),
+      system(*model, search_of(*model)),
       params(*model),
       state(*model, system.contact_numbers()),
       before(state),
@@ -37,6 +60,18 @@ const Workspace<double>& WorldCore::placed() const {
   }
   is_placed = true;
   return scratch;
+}
+
+std::pair<std::size_t, std::size_t> WorldCore::colliders_of(const ContactPoint<double>& point) const {
+  const Colliders<double>& colliders = system.colliders;
+  if (colliders.search == PairSearch::kListed) {
+    const ColliderPair& pair = colliders.pairs[point.pair];
+    return {pair.a, pair.b};
+  }
+  const std::size_t first = point.manifold * kManifoldNumbers<double>;
+  const ManifoldOf m = manifold_of(colliders, state.contacts()[first]);
+  const std::optional<ColliderPair> pair = colliders.pair_of(m.low, m.high);
+  return {pair->a, pair->b};
 }
 
 void WorldCore::forget_step() {
@@ -61,6 +96,7 @@ void carry_joint(const WorldCore& from, const Joint& a, const Joint& b, WorldCor
   copy_dofs(old.target_v(), a.iv, state.target_v(), b.iv, nv);
   copy_dofs(old.stance(), a.iv, state.stance(), b.iv, nv);
   copy_dofs(old.dv(), a.iv, state.dv(), b.iv, nv);
+  copy_dofs(old.hold(), a.iv, state.hold(), b.iv, nv);
   for (const auto field : {&Params<double>::damping, &Params<double>::armature, &Params<double>::lower,
                            &Params<double>::upper, &Params<double>::motor_kp, &Params<double>::motor_kd,
                            &Params<double>::motor_max_force, &Params<double>::friction}) {
@@ -105,23 +141,61 @@ void carry_actuators(const WorldCore& from, const std::vector<int>& actuators, W
   }
 }
 
+/// Calls visit(which, its numbers) for every manifold in a core's memory.
+template <class Visit>
+void visit_memory(const WorldCore& core, Visit&& visit) {
+  const Colliders<double>& colliders = core.system.colliders;
+  const std::span<const double> memory = core.state.contacts();
+  const auto numbers = [&](std::size_t i) {
+    return memory.subspan(i * kManifoldNumbers<double>, kManifoldNumbers<double>);
+  };
+  if (colliders.search == PairSearch::kSwept) {
+    for (std::size_t i = 0; i < memory.size() / kManifoldNumbers<double>; ++i) {
+      visit(manifold_of(colliders, numbers(i)[0]), numbers(i));
+    }
+    return;
+  }
+  for (const ColliderPair& pair : colliders.pairs) {
+    for (std::size_t k = 0; k < pair.manifolds; ++k) {
+      visit(ManifoldOf{std::min(pair.a, pair.b), std::max(pair.a, pair.b), k}, numbers(pair.manifold + k));
+    }
+  }
+}
+
 /// Impulses of pairs whose geoms are both still there.
 void carry_contacts(const WorldCore& from, const std::vector<int>& geoms, WorldCore& to) {
-  const auto key = [](std::size_t a, std::size_t b) { return (static_cast<std::uint64_t>(a) << 32) | b; };
-  std::unordered_map<std::uint64_t, const ColliderPair*> old_pairs;
-  for (const ColliderPair& pair : from.system.colliders.pairs) {
-    const int a = geoms[from.system.colliders.geoms[pair.a].geom], b = geoms[from.system.colliders.geoms[pair.b].geom];
-    if (a >= 0 && b >= 0) old_pairs.emplace(key(static_cast<std::size_t>(a), static_cast<std::size_t>(b)), &pair);
+  const Colliders<double>&before = from.system.colliders, &now = to.system.colliders;
+  std::vector<std::size_t> collider_of(to.model->geoms().size(), now.geoms.size());
+  for (std::size_t i = 0; i < now.geoms.size(); ++i) collider_of[now.geoms[i].geom] = i;
+  const auto carried = [&](std::size_t old) {
+    const int geom = geoms[before.geoms[old].geom];
+    return geom < 0 ? now.geoms.size() : collider_of[static_cast<std::size_t>(geom)];
+  };
+  std::map<double, std::vector<double>> kept;  // by key: the order in which a large world remembers
+  visit_memory(from, [&](const ManifoldOf& m, std::span<const double> numbers) {
+    const std::size_t a = carried(m.low), b = carried(m.high);
+    const bool used = numbers[1] != 0;
+    if (!used || std::max(a, b) >= now.geoms.size()) return;
+    const double key = key_of(now, {std::min(a, b), std::max(a, b), m.number});
+    kept[key].assign(numbers.begin(), numbers.end());
+  });
+  if (now.search == PairSearch::kSwept) {
+    to.state.resize_contacts(kept.size() * kManifoldNumbers<double>);
+    auto next = to.state.contacts().begin();
+    for (auto& [key, numbers] : kept) {
+      numbers[0] = key;
+      next = std::ranges::copy(numbers, next).out;
+    }
+    return;
   }
-  const std::span<const double> memory = from.state.contacts();
-  for (const ColliderPair& pair : to.system.colliders.pairs) {
-    const Colliders<double>& colliders = to.system.colliders;
-    const auto found = old_pairs.find(key(colliders.geoms[pair.a].geom, colliders.geoms[pair.b].geom));
-    if (found == old_pairs.end() || found->second->manifolds != pair.manifolds) continue;
-    const auto numbers =
-        memory.subspan(found->second->manifold * kManifoldNumbers<double>, pair.manifolds * kManifoldNumbers<double>);
-    const std::size_t start = pair.manifold * kManifoldNumbers<double>;
-    std::ranges::copy(numbers, to.state.contacts().begin() + static_cast<std::ptrdiff_t>(start));
+  for (const ColliderPair& pair : now.pairs) {
+    for (std::size_t k = 0; k < pair.manifolds; ++k) {
+      const auto found = kept.find(key_of(now, {std::min(pair.a, pair.b), std::max(pair.a, pair.b), k}));
+      if (found == kept.end()) continue;
+      found->second[0] = 0;
+      const auto first = static_cast<std::ptrdiff_t>((pair.manifold + k) * kManifoldNumbers<double>);
+      std::ranges::copy(found->second, to.state.contacts().begin() + first);
+    }
   }
 }
 
@@ -137,6 +211,7 @@ void carry(const WorldCore& from, const PartMap& map, WorldCore& to) {
   carry_geoms(from, map.geoms, to);
   carry_actuators(from, map.actuators, to);
   carry_contacts(from, map.geoms, to);
+  let_resist_turning(view(to.params, 0), to.system.colliders);
 }
 
 }  // namespace manyhands

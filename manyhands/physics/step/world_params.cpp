@@ -58,12 +58,12 @@ void World::set_friction(std::string_view name, double friction) {
 
 void World::set_spinning_friction(std::string_view name, double spinning) {
   set_surface(core(), name, "spinning friction", &Params<double>::geom_spinning, spinning);
-  core().system.colliders.has_torsion = core().system.colliders.has_torsion || spinning > 0;
+  let_resist_turning(view(core().params, 0), core().system.colliders);
 }
 
 void World::set_rolling_friction(std::string_view name, double rolling) {
   set_surface(core(), name, "rolling friction", &Params<double>::geom_rolling, rolling);
-  core().system.colliders.has_torsion = core().system.colliders.has_torsion || rolling > 0;
+  let_resist_turning(view(core().params, 0), core().system.colliders);
 }
 
 double World::restitution(std::string_view name) const {
@@ -114,11 +114,7 @@ void World::set_gains(std::string_view actuator, double kp, double kd) {
   const Actuator& drive = now.model->actuators()[k];
   require_at_least("kp of actuator '" + drive.name + "'", 0, kp);
   require_at_least("kd of actuator '" + drive.name + "'", 0, kd);
-  if (drive.type == ActuatorType::kMotor || (drive.type == ActuatorType::kVelocity && kp != 0)) {
-    throw std::invalid_argument(
-        "actuator '" + drive.name + "' is a " +
-        (drive.type == ActuatorType::kMotor ? "motor: it has no gains" : "velocity drive: its kp must be 0"));
-  }
+  require_gains(drive, kp);
   now.params.drive_kp[k] = kp;
   now.params.drive_kd[k] = kd;
 }
