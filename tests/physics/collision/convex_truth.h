@@ -185,6 +185,18 @@ void expect_lanes_collide_as_scalars(int trials, Bodies bodies, Collide collide)
   }
 }
 
+/// Whether the normal is of unit length and every point that is one is finite.
+template <Real R>
+bool is_sound(const Manifold<R>& m) {
+  bool sound = std::abs(norm(broadcast<double>(m.normal)) - 1) < 1e-5;
+  for (std::size_t k = 0; k < m.phi.size(); ++k) {
+    const Vec p = broadcast<double>(m.p[k]);
+    sound = sound && !std::isnan(m.phi[k]) && m.phi[k] > -std::numeric_limits<R>::infinity();
+    if (std::isfinite(m.phi[k])) sound = sound && std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+  }
+  return sound;
+}
+
 /// Seeded random bodies: every size from needles to slabs, every turn, now and then one square to the axes.
 class RandomBodies {
  public:
@@ -225,6 +237,19 @@ class RandomBodies {
     a.X_WB.p = b.X_WB.p + uniform(-0.5, 0.5) * b.size.x * b.X_WB.R.x + uniform(-0.5, 0.5) * b.size.z * b.X_WB.R.z;
     if (chance(0.05)) return {a, b};  // centres coincide, or nearly
     a.X_WB.p += (separation(a, b, n) + (chance(0.6) ? uniform(-0.003, 0.003) : uniform(-0.1, 0.02))) * n;
+    return {a, b};
+  }
+
+  /// Two bodies that make trouble: sizes of zero, one place, one turn, sizes and distances of all magnitudes.
+  std::pair<Body, Body> hard_pair(ShapeType type_A, ShapeType type_B) {
+    const auto size = [&] { return chance(0.3) ? 0.0 : std::pow(10.0, uniform(-4, 3)); };
+    Body a = body(type_A), b = body(type_B);
+    a.size = {size(), size(), size()};
+    b.size = {size(), size(), size()};
+    if (chance(0.5)) a.X_WB.R = Mat3<double>::identity();
+    if (chance(0.5)) b.X_WB.R = a.X_WB.R;
+    const double apart = chance(0.5) ? 0.0 : std::pow(10.0, uniform(-9, 6));
+    b.X_WB.p = apart * (chance(0.5) ? a.X_WB.R.y : Vec{uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)});
     return {a, b};
   }
 
