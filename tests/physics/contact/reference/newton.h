@@ -13,11 +13,11 @@ namespace manyhands::testing {
 
 struct NewtonOptions {
   int max_factorisations = 300;
-  int max_inner = 8;
+  int max_inner = 3;             ///< factorisations of an outer step; doubled after one that helps little
   double tolerance = 1e-12;      ///< of the law's residual, relative to the problem's scale
   double softness = 1e-3;        ///< of the first outer step; falls tenfold with each that helps
   double least_softness = 1e-7;  ///< far above rounding, far below what the outer steps must gain
-  int sweeps = 5;                ///< of Gauss-Seidel before each outer step: they find who touches and who slides
+  int sweeps = 3;                ///< of Gauss-Seidel before each outer step: they find who touches and who slides
 };
 
 class Newton {
@@ -26,21 +26,23 @@ class Newton {
       : problem_(problem), gauss_seidel_(problem), Jt_(problem.J.transpose()) {}
 
   /// From `start` until `observe`, called after every sweep and outer step, says no. An outer step that does not help
-  /// is taken back, and more sweeps and a softer step follow.
+  /// is taken back, and more sweeps and a softer, longer step follow.
   ReferenceSolution solve(const Eigen::VectorXd& start, const NewtonOptions& options, const Observer& observe) {
     ReferenceSolution x = problem_.solution_of(start);
     softness_ = options.softness;
-    int sweeps = options.sweeps;
+    int sweeps = options.sweeps, inner = options.max_inner;
     for (factorisations_ = sweeps_ = 0; factorisations_ < options.max_factorisations;) {
       for (int k = 0; k < sweeps; ++k, ++sweeps_) {
         gauss_seidel_.sweep(x, false, 1);
         if (!observe(x)) return x;
       }
       const double law = residuals(problem_, x).law;
-      ReferenceSolution trial = outer(x, options);
+      ReferenceSolution trial = outer(x, inner);
       gauss_seidel_.sweep(trial, false, 1);
       ++sweeps_;
-      if (residuals(problem_, trial).law < law) {
+      const double reached = residuals(problem_, trial).law;
+      inner = reached < 0.3 * law ? options.max_inner : std::min(2 * inner, 24);
+      if (reached < law) {
         x = problem_.solution_of(trial.lambda);
         sweeps = options.sweeps;
         softness_ = std::max(0.1 * softness_, options.least_softness);
@@ -89,13 +91,13 @@ class Newton {
   }
 
   /// Newton about the impulses of `from`.
-  ReferenceSolution outer(const ReferenceSolution& from, const NewtonOptions& options) {
+  ReferenceSolution outer(const ReferenceSolution& from, int max_inner) {
     const auto defect = [&](const Eigen::VectorXd& v, const Eigen::VectorXd& lambda) {
       return Eigen::VectorXd(problem_.M * (problem_.free_velocity - v) + Jt_ * lambda);
     };
     Eigen::VectorXd v = from.v;
     SparseMatrix A;
-    for (int inner = 0; inner < options.max_inner; ++inner) {
+    for (int inner = 0; inner < max_inner; ++inner) {
       const Eigen::VectorXd rhs = defect(v, impulses(v, from.lambda, &A));
       const SparseMatrix JtA = Jt_ * A, JtAJ = JtA * SparseMatrix(problem_.J);
       const Eigen::SparseLU<SparseMatrix> lu(problem_.M + JtAJ);
