@@ -234,6 +234,7 @@ int collide_mesh(const ConvexShape& a, const Transform<R>& X_WA, const TriangleM
   ManifoldSet set(a.bound());
   mesh.visit([&](const Bounds& b) { return b.meets(box); },
              [&](std::size_t i) {
+               if (!mesh.triangle(i).bounds().meets(box)) return;
                set.add(swapped(
                    contact(mesh.triangle(i), [&](std::size_t k, const Vec& m) { return mesh.is_summit(i, k, m); })));
              });

@@ -51,9 +51,9 @@ inline constexpr std::size_t kFeatureCorners = 32;
 
 /// The face, edge or vertex of a core that lies farthest along a direction.
 struct SupportingFeature {
-  std::array<Vec3<double>, kFeatureCorners> corner{};
-  std::size_t size = 0;   ///< corners: 1 a point, 2 a segment, more a convex polygon
-  Vec3<double> normal{};  ///< outward and unit, of a polygon
+  std::array<Vec3<double>, kFeatureCorners> corner;  ///< the first `size` of them
+  std::size_t size = 0;                              ///< corners: 1 a point, 2 a segment, more a convex polygon
+  Vec3<double> normal{};                             ///< outward and unit, of a polygon
 
   void add(const Vec3<double>& p) { corner[size++] = p; }
 };

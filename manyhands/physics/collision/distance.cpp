@@ -28,8 +28,13 @@ void try_triangle(const SurfaceTriangle& t, const ConvexShape& shape, const Pose
 
 void try_mesh(const TriangleMesh& mesh, const ConvexShape& shape, const Pose& X_MS, Distance& best) {
   const Bounds box = shape_bounds(shape, X_MS);
-  mesh.visit([&](const Bounds& b) { return b.distance(box) <= max(best.phi, 0.0); },
-             [&](std::size_t i) { try_triangle(mesh.triangle(i), shape, X_MS, best); });
+  const auto try_one = [&](std::size_t i) {
+    const SurfaceTriangle& t = mesh.triangle(i);
+    if (t.bounds().distance(box) <= max(best.phi, 0.0)) try_triangle(t, shape, X_MS, best);
+  };
+  // What is found near by bounds the search.
+  mesh.visit_best_leaf([&](const Bounds& b) { return norm(0.5 * (b.low + b.high) - X_MS.p); }, try_one);
+  mesh.visit([&](const Bounds& b) { return b.distance(box) <= max(best.phi, 0.0); }, try_one);
 }
 
 void try_field(const HeightField& field, const ConvexShape& shape, const Pose& X_MS, Distance& best) {

@@ -13,12 +13,12 @@ constexpr int kMaxFaces = 2 * kMaxVertices;
 constexpr double kGap = 1e-12;  // of the size: how much farther a face may move at the end
 
 struct Face {
-  std::array<int, 3> v{};          // counter-clockwise from outside
-  std::array<int, 3> neighbour{};  // across the edge v[i], v[i + 1]
-  std::array<int, 3> twin{};       // that edge's index there
-  Vec normal{};
-  double distance = 0;  // of the plane from the origin; infinite for a face without area
-  bool alive = true;
+  std::array<int, 3> v;          // counter-clockwise from outside
+  std::array<int, 3> neighbour;  // across the edge v[i], v[i + 1]
+  std::array<int, 3> twin;       // that edge's index there
+  Vec normal;
+  double distance;  // of the plane from the origin; infinite for a face without area
+  bool alive;
 };
 
 Vec any_across(const Vec& a) {
@@ -78,7 +78,7 @@ Penetration refined(const CorePair& pair, Penetration best) {
   return best;
 }
 
-/// A closed surface of triangles about the origin, in fixed memory.
+/// A closed surface of triangles about the origin, in fixed memory, which costs too much to clear for every contact.
 class Polytope {
  public:
   Polytope(const CorePair& pair, double scale) : pair_(pair), scale_(scale) {}
@@ -103,10 +103,10 @@ class Polytope {
 
   const CorePair& pair_;
   double scale_;
-  std::array<MinkowskiVertex, kMaxVertices> vertices_{};
-  std::array<Face, kMaxFaces> faces_{};
-  std::array<int, kMaxFaces> free_{};
-  std::array<std::array<int, 2>, kMaxFaces> horizon_{};  // face beyond, and its edge
+  std::array<MinkowskiVertex, kMaxVertices> vertices_;
+  std::array<Face, kMaxFaces> faces_;
+  std::array<int, kMaxFaces> free_;
+  std::array<std::array<int, 2>, kMaxFaces> horizon_;  // face beyond, and its edge
   int vertex_count_ = 0, face_count_ = 0, free_count_ = 0, horizon_count_ = 0;
 };
 
@@ -155,7 +155,8 @@ bool Polytope::inflate(const GjkResult& start, Vec& flat_normal, Vec& a) {
 int Polytope::add_face(int a, int b, int c) {
   const int i = free_count_ > 0 ? free_[static_cast<std::size_t>(--free_count_)] : face_count_++;
   Face& f = face(i);
-  f = {.v = {a, b, c}};
+  f.v = {a, b, c};
+  f.alive = true;
   // From the corner with the largest angle the product loses the fewest digits.
   const Vec ab = w(b) - w(a), bc = w(c) - w(b), ca = w(a) - w(c);
   const double lab = squared_norm(ab), lbc = squared_norm(bc), lca = squared_norm(ca);

@@ -17,8 +17,8 @@ struct CorePair {
 
 /// A vertex of the Minkowski difference A - B.
 struct MinkowskiVertex {
-  Vec3<double> w{};  ///< a - b
-  Vec3<double> a{};  ///< on A's core
+  Vec3<double> w;  ///< a - b
+  Vec3<double> a;  ///< on A's core
 };
 
 /// The vertex of A - B farthest along d, in A's frame.

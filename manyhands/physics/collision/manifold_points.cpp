@@ -17,7 +17,7 @@ double cross(Flat a, Flat b) { return a.x * b.y - a.y * b.x; }
 double dot(Flat a, Flat b) { return a.x * b.x + a.y * b.y; }
 
 struct Polygon {
-  std::array<Flat, 2 * kFeatureCorners + 4> p{};
+  std::array<Flat, 2 * kFeatureCorners + 4> p;  // the first `size` of them
   std::size_t size = 0;
 
   void add(Flat q) {

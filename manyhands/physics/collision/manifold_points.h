@@ -10,13 +10,13 @@
 namespace manyhands {
 
 struct ManifoldPoint {
-  Vec3<double> p{};  ///< midway between the surfaces [m]
-  double phi{};      ///< [m]
+  Vec3<double> p;  ///< midway between the surfaces [m]
+  double phi;      ///< [m]
 };
 
 /// Room for the corners that two features share.
 struct ManifoldPoints {
-  std::array<ManifoldPoint, 2 * kFeatureCorners + 4> point{};
+  std::array<ManifoldPoint, 2 * kFeatureCorners + 4> point;  ///< the first `size` of them
   std::size_t size = 0;
 
   void add(const ManifoldPoint& c) {

@@ -47,6 +47,12 @@ struct SurfaceTriangle {
   std::array<Vec3<double>, 3> corner{};  ///< counter-clockwise from the front [m]
   Vec3<double> normal{};                 ///< unit, to the front
   std::array<Vec3<double>, 3> beside{};  ///< normal of the triangle across the edge from corner k to k + 1, or zero
+
+  [[nodiscard]] Bounds bounds() const {
+    Bounds b;
+    for (const auto& p : corner) b.include(p);
+    return b;
+  }
 };
 
 /// Immutable once built. Triangles without area are left out; corners at one place are one vertex.
@@ -64,6 +70,18 @@ class TriangleMesh {
 
   /// Whether m is in the normal cone of corner k of triangle i: no edge from it leads up along m.
   [[nodiscard]] bool is_summit(std::size_t i, std::size_t k, const Vec3<double>& m) const;
+
+  /// Calls f(i) for the triangles of the leaf that is reached by going from each box to the one within it that costs
+  /// less.
+  template <class Cost, class Visit>
+  void visit_best_leaf(Cost&& cost, Visit&& f) const {
+    std::size_t n = 0;
+    while (nodes_[n].count == 0) {
+      const auto second = static_cast<std::size_t>(nodes_[n].first);
+      n = cost(nodes_[n + 1].bounds) <= cost(nodes_[second].bounds) ? n + 1 : second;
+    }
+    for (int i = nodes_[n].first; i < nodes_[n].first + nodes_[n].count; ++i) f(static_cast<std::size_t>(i));
+  }
 
   /// Calls f(i) for each triangle i in the leaves that `wanted(bounds)` reaches; `wanted` may tighten as f finds
   /// things.
