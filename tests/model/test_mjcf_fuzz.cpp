@@ -20,7 +20,8 @@ constexpr std::string_view kScene = R"(<mujoco model="seed">
     <body name="a" pos="0 0 1" quat="1 0 0 0" childclass="c"><freejoint/><geom name="ga"/><geom type="mesh" mesh="m"/>
       <body name="b" euler="0.1 0.2 0.3"><joint name="j" axis="0 1 0" range="-1 1" pos="0 0 0.1" ref="0.1"/>
         <joint name="k" type="slide"/><geom type="ellipsoid" size="1 2 3" material="g"/><site name="s" zaxis="1 0 0"/>
-        <frame pos="1 0 0"><geom type="box" fromto="0 0 0 0 0 1" size="0.1"/></frame></body></body>
+        <frame pos="1 0 0"><geom type="box" fromto="0 0 0 0 0 1" size="0.1"/></frame>
+        <replicate count="2" offset="0 1 0" euler="0 0 1"><geom name="r" size="0.1"/></replicate></body></body>
     <body name="d" xyaxes="1 0 0 0 1 0"><joint type="ball" pos="0 0 1"/><geom name="gd" size="0.1" contype="2"/>
       <inertial pos="0 0 0" mass="1" fullinertia="1 1 1 0 0 0.1"/><geom type="mesh" mesh="t"/></body>
   </worldbody>

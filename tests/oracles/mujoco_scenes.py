@@ -71,7 +71,7 @@ SCENES = {
   <worldbody>
     <body name="p" childclass="a"><joint name="j1"/><geom name="g1"/>
       <body name="q" pos="0 0 0.5"><joint name="j2" class="b"/><geom name="g2" class="b"/>
-        <geom name="g3" density="900"/>
+        <geom name="g3" density="900" size="0.07" friction="0.4"/>
         <body name="r" childclass="b" pos="0 0 0.5"><joint name="j3"/><geom name="g4" pos="0 0.1 0"/>{INERTIAL}</body>
       </body></body>
   </worldbody>
@@ -144,6 +144,20 @@ SCENES = {
     "height field": """
 <mujoco><asset><hfield name="h" nrow="3" ncol="2" size="1 2 0.5 0.1" elevation="0 1 2 3 4 8"/></asset>
   <worldbody><geom type="hfield" hfield="h" pos="1 2 3"/><body pos="0 0 3"><freejoint/><geom size="0.1"/></body>
+  </worldbody></mujoco>""",
+    "replicas": f"""
+<mujoco><option><flag gravity="disable"/></option><worldbody>
+    <replicate count="12" offset="0.2 0 0.1" euler="0 20 10" sep="-"><body name="a" pos="0 0 1">
+      <joint name="j" axis="0 1 0"/><geom name="g" size="0.1"/><geom type="box" size="0.1 0.2 0.3"/></body></replicate>
+    <body name="ring"><freejoint/>{INERTIAL}<frame pos="1 0 0"><replicate count="3" euler="0 0 60">
+      <replicate count="2" offset="0 0 0.5"><geom name="r" type="capsule" size="0.1 0.2" pos="1 0 0"/>
+      <site name="s" pos="1 0 0"/></replicate></replicate></frame></body>
+  </worldbody></mujoco>""",
+    "bounds": """
+<mujoco><compiler boundinertia="0.03"/><worldbody>
+    <body name="full" pos="0 0 1"><freejoint/>
+      <inertial pos="0.1 0.2 0.3" mass="2" fullinertia="0.02 0.05 0.06 0.01 0.002 -0.003"/></body>
+    <body name="forces" pos="0 0 2"><joint actuatorfrcrange="-3 3"/><geom size="0.1"/></body>
   </worldbody></mujoco>""",
     "names": f"""
 <mujoco><worldbody><site/><site name="arm"/>

@@ -111,11 +111,14 @@ def test_joints(source: str | Path) -> None:
         if joint.nq == 1:
             expected = model.jnt_range[i] if model.jnt_limited[i] else [-np.inf, np.inf]
             assert np.allclose([joint.lower, joint.upper], expected, rtol=0, atol=1e-12), name
+        effort = model.jnt_actfrcrange[i, 1] if model.jnt_actfrclimited[i] else np.inf
+        assert joint.effort == effort
         assert joint.damping == model.dof_damping[joint.iv]
         assert joint.armature == model.dof_armature[joint.iv]
         assert joint.friction == model.dof_frictionloss[joint.iv]
     assert_close(scene.ours.initial_configuration(), scene.configuration(model.qpos0), "qpos0")
-    assert_close(scene.ours.gravity, model.opt.gravity, "gravity")
+    off = model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY
+    assert_close(scene.ours.gravity, np.zeros(3) if off else model.opt.gravity, "gravity")
     assert scene.ours.time_step == model.opt.timestep
 
 

@@ -17,6 +17,20 @@ double violation(const Vec3<double>& m) { return std::max({m.x - m.y - m.z, m.y 
 
 double largest(const Vec3<double>& m) { return std::max({std::abs(m.x), std::abs(m.y), std::abs(m.z)}); }
 
+Eigen::Matrix3d to_eigen(const SymMat3<double>& I) {
+  Eigen::Matrix3d matrix;
+  matrix << I.xx, I.xy, I.xz, I.xy, I.yy, I.yz, I.xz, I.yz, I.zz;
+  return matrix;
+}
+
+/// The inertia of these principal moments, 0 or more, about the columns of `axes`.
+SymMat3<double> with_moments(const Eigen::Matrix3d& axes, const Vec3<double>& moments) {
+  const Eigen::Vector3d roots(std::sqrt(moments.x), std::sqrt(moments.y), std::sqrt(moments.z));
+  const Eigen::Matrix3d half = axes * roots.asDiagonal();
+  const Eigen::Matrix3d whole = half * half.transpose();
+  return {whole(0, 0), whole(1, 1), whole(2, 2), whole(0, 1), whole(0, 2), whole(1, 2)};
+}
+
 std::string format(const Vec3<double>& m) {
   return format_number(m.x) + " " + format_number(m.y) + " " + format_number(m.z);
 }
@@ -39,6 +53,13 @@ Vec3<double> nearest_principal_moments(const Vec3<double>& moments) {
   return {std::max(best.x, 0.0), std::max(best.y, 0.0), std::max(best.z, 0.0)};
 }
 
+void bound_principal_moments(SymMat3<double>& inertia, double least) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(to_eigen(inertia));
+  const Eigen::Vector3d& m = solver.eigenvalues();  // ascending
+  if (m[0] >= least) return;
+  inertia = with_moments(solver.eigenvectors(), {least, std::max(m[1], least), std::max(m[2], least)});
+}
+
 std::optional<std::string> repair_inertial(Inertial& inertial) {
   std::string done;
   if (inertial.mass < 0) {
@@ -46,19 +67,14 @@ std::optional<std::string> repair_inertial(Inertial& inertial) {
     inertial.mass = 0;
   }
   SymMat3<double>& I = inertial.inertia;
-  Eigen::Matrix3d matrix;
-  matrix << I.xx, I.xy, I.xz, I.xy, I.yy, I.yz, I.xz, I.yz, I.zz;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(matrix);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(to_eigen(I));
   const Eigen::Vector3d& values = solver.eigenvalues();
   const Vec3<double> moments{values[0], values[1], values[2]};
   const bool positive =
       std::min({I.xx, I.yy, I.zz, moments.x}) >= -1e-12 * largest(moments) && std::min({I.xx, I.yy, I.zz}) >= 0;
   if (!positive || violation(moments) > kTolerance * largest(moments)) {
     const Vec3<double> nearest = nearest_principal_moments(moments);
-    const Eigen::Vector3d roots(std::sqrt(nearest.x), std::sqrt(nearest.y), std::sqrt(nearest.z));
-    const Eigen::Matrix3d half = solver.eigenvectors() * roots.asDiagonal();
-    const Eigen::Matrix3d repaired = half * half.transpose();
-    I = {repaired(0, 0), repaired(1, 1), repaired(2, 2), repaired(0, 1), repaired(0, 2), repaired(1, 2)};
+    I = with_moments(solver.eigenvectors(), nearest);
     if (!done.empty()) done += "; ";
     done += "no rigid body has the principal moments of inertia " + format(moments) +
             " kg m^2; the nearest possible, " + format(nearest) + ", taken";

@@ -13,6 +13,9 @@ namespace manyhands::io {
 /// (in the Frobenius norm) that repairs it and returns what was wrong and what was done; else returns nothing.
 [[nodiscard]] std::optional<std::string> repair_inertial(Inertial& inertial);
 
+/// Raises principal moments below `least` to it.
+void bound_principal_moments(SymMat3<double>& inertia, double least);
+
 /// The point nearest to `moments` with 0 <= each <= the sum of the other two.
 [[nodiscard]] Vec3<double> nearest_principal_moments(const Vec3<double>& moments);
 

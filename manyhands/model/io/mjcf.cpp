@@ -82,7 +82,7 @@ Model read_scene(MjcfSource& source, const MjcfOptions& options) {
   read_actuators(scene);
   read_keyframes(scene);
   note_unused_sections(root);
-  scene.builder.set_gravity(scene.settings.gravity);
+  scene.builder.set_gravity(scene.settings.has_gravity ? scene.settings.gravity : Vec3<double>::zero());
   scene.builder.set_time_step(scene.settings.time_step);
   for (const JointId id : scene.builder.joints_without_inertia()) {
     for (const MjcfJoint& joint : scene.joints) {

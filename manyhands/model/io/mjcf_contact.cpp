@@ -1,5 +1,6 @@
 // Which geoms may touch: contype and conaffinity, <contact>'s pairs and exclusions, and MuJoCo's rules for neighbours.
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include "manyhands/model/io/mjcf_scene.h"
@@ -17,26 +18,21 @@ bool may_touch(const Kind& a, const Kind& b) { return (a.first & b.second) != 0 
 // the two rules are one. The default kind keeps bit 0, and bits that no kind has go with it, so that geoms added in
 // code, of group 1 and every mask, meet those of the file as geoms by default would.
 std::vector<Kind> kinds_of(const MjcfScene& scene) {
-  std::vector<Kind> kinds{{1, 1}};
-  const auto behaves_as = [&](const Kind& a, const Kind& b) {
-    return std::ranges::all_of(scene.geoms,
-                               [&](const MjcfGeom& geom) {
-                                 const Kind other{geom.contype, geom.conaffinity};
-                                 return may_touch(a, other) == may_touch(b, other);
-                               }) &&
-           may_touch(a, {1, 1}) == may_touch(b, {1, 1});
+  std::set<Kind> found{{1, 1}};
+  for (const MjcfGeom& geom : scene.geoms) found.emplace(geom.contype, geom.conaffinity);
+  const auto behave_alike = [&](const Kind& a, const Kind& b) {
+    return std::ranges::all_of(found, [&](const Kind& other) { return may_touch(a, other) == may_touch(b, other); });
   };
-  for (const MjcfGeom& geom : scene.geoms) {
-    const Kind kind{geom.contype, geom.conaffinity};
-    if (std::ranges::any_of(kinds, [&](const Kind& other) { return behaves_as(kind, other); })) continue;
+  std::vector<Kind> kinds{{1, 1}};
+  for (const Kind& kind : found) {
+    if (std::ranges::any_of(kinds, [&](const Kind& other) { return behave_alike(kind, other); })) continue;
     kinds.push_back(kind);
-    if (kinds.size() > 32) geom.source.fail("contype and conaffinity make more than 32 kinds of geoms; expected fewer");
+    if (kinds.size() > 32) scene.root.fail("contype and conaffinity make more than 32 kinds of geoms; expected fewer");
   }
   return kinds;
 }
 
 void set_filters(MjcfScene& scene) {
-  // Geoms are compared with one of each kind in the file only: there are few, of thousands of geoms.
   const std::vector<Kind> kinds = kinds_of(scene);
   const std::uint32_t used = kinds.size() < 32 ? (1u << kinds.size()) - 1 : 0xffffffffu;
   const auto mask_of = [&](const Kind& kind) {

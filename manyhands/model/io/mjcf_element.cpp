@@ -25,6 +25,12 @@ MjcfElement MjcfElement::named(std::string what) const {
   return result;
 }
 
+MjcfElement MjcfElement::with_suffix(const std::string& suffix) const {
+  MjcfElement result = *this;
+  result.suffix_ = suffix + suffix_;
+  return result;
+}
+
 MjcfElement MjcfElement::with_defaults(const MjcfClasses& classes, std::string_view kind) const {
   const bool has_class = has_own("class");
   const std::string name = has_class             ? node_.attribute("class").value()
@@ -58,6 +64,7 @@ void MjcfElement::add_children(const MjcfFile& file, const pugi::xml_node& node,
       continue;
     }
     MjcfElement& added = found.emplace_back(*source_, file, child, what_);
+    added.suffix_ = suffix_;
     added.childclass_ = *childclass != '\0' ? std::string(childclass) : childclass_;
   }
 }
@@ -89,7 +96,9 @@ std::string MjcfElement::holds(const char* attribute) const {
 
 std::string MjcfElement::text_or(const char* attribute, const std::string& fallback) const {
   const auto found = find(attribute);
-  return found ? std::string(*found) : fallback;
+  if (!found) return fallback;
+  const bool is_name = std::string_view(attribute) == "name" && !found->empty();
+  return is_name ? std::string(*found) + suffix_ : std::string(*found);
 }
 
 std::string MjcfElement::text(const char* attribute) const {
@@ -108,7 +117,13 @@ std::vector<double> MjcfElement::numbers(const char* attribute, std::size_t fewe
     return most == 1 ? std::string("; expected one finite number")
                      : "; expected " + count + " finite numbers between blanks";
   };
-  const std::vector<std::string_view> parts = split_blanks(*found);
+  std::vector<std::string_view> parts = split_blanks(*found);
+  if (has_own(attribute) && defaults_ != nullptr && defaults_->contains(attribute)) {
+    const std::vector<std::string_view> of_class = split_blanks(defaults_->find(attribute)->second);
+    if (of_class.size() > parts.size()) {
+      parts.insert(parts.end(), of_class.begin() + std::ssize(parts), of_class.end());
+    }
+  }
   if (parts.size() < fewest || parts.size() > most) fail(holds(attribute) + expected());
   std::vector<double> result;
   for (const std::string_view part : parts) {

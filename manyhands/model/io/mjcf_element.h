@@ -37,6 +37,9 @@ class MjcfElement {
   [[nodiscard]] MjcfSource& source() const { return *source_; }
   /// The same element under another name for messages.
   [[nodiscard]] MjcfElement named(std::string what) const;
+  /// The same element, the names of it and all in it lengthened by `suffix`, before what lengthens them
+  /// already.
+  [[nodiscard]] MjcfElement with_suffix(const std::string& suffix) const;
   /// The same element, its missing attributes taken from its class, else the class that `childclass` of an element
   /// around it names, else the main class.
   [[nodiscard]] MjcfElement with_defaults(const MjcfClasses& classes, std::string_view kind) const;
@@ -55,7 +58,8 @@ class MjcfElement {
   [[nodiscard]] double positive_or(const char* attribute, double fallback) const;  ///< 0 or more
   [[nodiscard]] int integer_or(const char* attribute, int fallback) const;
   [[nodiscard]] bool boolean_or(const char* attribute, bool fallback) const;
-  /// Numbers between blanks, none if the attribute is missing; fails unless there are `fewest` to `most`.
+  /// Numbers between blanks, none if the attribute is missing; fails unless there are `fewest` to `most`. Where the
+  /// element gives fewer than its class, the class's last ones stay.
   [[nodiscard]] std::vector<double> numbers(const char* attribute, std::size_t fewest, std::size_t most) const;
   [[nodiscard]] Vec3<double> vec3_or(const char* attribute, const Vec3<double>& fallback) const;
   /// One of the words, or `fallback` if the attribute is missing.
@@ -85,7 +89,7 @@ class MjcfElement {
   const MjcfFile* file_;
   pugi::xml_node node_;
   std::string what_;
-  std::string childclass_{};
+  std::string childclass_{}, suffix_{};
   const std::map<std::string, std::string, std::less<>>* defaults_ = nullptr;
 };
 

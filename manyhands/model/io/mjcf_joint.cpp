@@ -73,12 +73,12 @@ Read read_joint(const MjcfScene& scene, const MjcfElement& e, const Transform<do
   Read result;
   Joint& joint = result.joint;
   if (e.tag() == "freejoint") {
-    e.expect({"name", "group"});
+    e.expect({"name"});
     joint.type = JointType::kFloating;
     return result;
   }
   e.expect({"name", "class", "type", "pos", "axis", "range", "limited", "ref", "damping", "armature", "frictionloss",
-            "actuatorfrcrange", "actuatorfrclimited", "stiffness", "springref", "springdamper", "group"});
+            "actuatorfrcrange", "actuatorfrclimited", "stiffness", "springref", "springdamper"});
   e.ignore({"solreflimit", "solimplimit", "solreffriction", "solimpfriction", "margin", "springdamper",
             "actuatorgravcomp", "user"});
   joint.type = type_of(e);

@@ -54,10 +54,16 @@ void read_compiler(const MjcfElement& e, MjcfSettings& settings) {
 }
 
 void read_option(const MjcfElement& e, MjcfSettings& settings) {
-  e.expect({"timestep", "gravity"});
+  e.expect({"timestep", "gravity"}, {"flag"});
   settings.time_step = e.number_or("timestep", settings.time_step);
   if (!(settings.time_step > 0)) e.fail("the time step must be above 0");
   settings.gravity = e.vec3_or("gravity", settings.gravity);
+  for (const MjcfElement& child : e.children("flag")) {
+    const MjcfElement flag = child.named("option flag");
+    flag.expect({"gravity"});
+    settings.has_gravity =
+        flag.word_or("gravity", {"enable", "disable"}, settings.has_gravity ? "enable" : "disable") == "enable";
+  }
 }
 
 constexpr std::string_view kActuators[] = {"general",  "motor",  "position", "velocity", "intvelocity", "damper",
@@ -119,23 +125,23 @@ Mat3<double> rotation_from_z(const Vec3<double>& direction) {
   return to_matrix(quat_from_rotation_vector(atan2(sine, d.z) * axis));
 }
 
-namespace {
-
-constexpr std::array<const char*, 5> kRotations{"quat", "axisangle", "euler", "xyaxes", "zaxis"};
-
-Mat3<double> read_euler(const MjcfElement& element, const MjcfSettings& settings) {
-  const std::vector<double> angles = element.numbers("euler", 3, 3);
+Mat3<double> rotation_from_euler(const Vec3<double>& angles, const MjcfSettings& settings) {
+  const std::array<double, 3> in_turn{angles.x, angles.y, angles.z};
   Mat3<double> R = Mat3<double>::identity();
   for (std::size_t i = 0; i < 3; ++i) {
     const char letter = settings.euler_sequence[i];
     const char axis = static_cast<char>(letter | 0x20);
-    const double angle = settings.radians(angles[i]);
+    const double angle = settings.radians(in_turn[i]);
     const Vec3<double> turn{axis == 'x' ? angle : 0, axis == 'y' ? angle : 0, axis == 'z' ? angle : 0};
     const Mat3<double> step = to_matrix(quat_from_rotation_vector(turn));
     R = axis == letter ? R * step : step * R;  // lower case: about moving axes
   }
   return R;
 }
+
+namespace {
+
+constexpr std::array<const char*, 5> kRotations{"quat", "axisangle", "euler", "xyaxes", "zaxis"};
 
 Mat3<double> read_xyaxes(const MjcfElement& element) {
   const std::vector<double> v = element.numbers("xyaxes", 6, 6);
@@ -150,7 +156,7 @@ Mat3<double> read_xyaxes(const MjcfElement& element) {
 
 Mat3<double> read_rotation_as(const MjcfElement& element, std::string_view kind, const MjcfSettings& settings) {
   if (kind == "quat") return to_matrix(quat_from_wxyz(element, element.numbers("quat", 4, 4).data()));
-  if (kind == "euler") return read_euler(element, settings);
+  if (kind == "euler") return rotation_from_euler(element.vec3_or("euler", {}), settings);
   if (kind == "xyaxes") return read_xyaxes(element);
   if (kind == "zaxis") {
     const Vec3<double> z = element.vec3_or("zaxis", {0, 0, 1});

@@ -22,6 +22,7 @@ struct MjcfSettings {
   double total_mass = -1;  ///< negative: as it comes
   double time_step = 0.002;
   Vec3<double> gravity{0, 0, -9.81};
+  bool has_gravity = true;
 
   [[nodiscard]] double radians(double angle) const;
 };
@@ -36,6 +37,8 @@ struct MjcfSettings {
 [[nodiscard]] bool has_rotation(const MjcfElement& element);
 /// quat (wxyz), axisangle, euler, xyaxes or zaxis; the identity without any. Fails on two of them.
 [[nodiscard]] Mat3<double> read_rotation(const MjcfElement& element, const MjcfSettings& settings);
+/// The rotation of three Euler angles, in the file's unit and sequence.
+[[nodiscard]] Mat3<double> rotation_from_euler(const Vec3<double>& angles, const MjcfSettings& settings);
 /// pos and rotation.
 [[nodiscard]] Transform<double> read_pose(const MjcfElement& element, const MjcfSettings& settings);
 /// The rotation of four numbers wxyz, which must not all be 0: the only place where MJCF's order is undone.

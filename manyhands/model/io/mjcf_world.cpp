@@ -48,8 +48,9 @@ class WorldReader {
   }
 
  private:
-  static constexpr std::array<std::string_view, 7> kContents{"body",  "geom",      "site",    "frame",
-                                                             "joint", "freejoint", "inertial"};
+  static constexpr std::array<std::string_view, 8> kContents{"body",  "geom",      "site",     "frame",
+                                                             "joint", "freejoint", "inertial", "replicate"};
+  static constexpr int kMostReplicas = 100'000;
 
   void collect(const MjcfElement& around, const Transform<double>& X_BF, Contents& contents) {
     for (const MjcfElement& element : around.children()) {
@@ -58,6 +59,8 @@ class WorldReader {
         const MjcfElement frame = element.named("frame in " + around.what());
         frame.expect({"name", "childclass", "pos", "quat", "axisangle", "euler", "xyaxes", "zaxis"}, kContents);
         collect(frame, X_BF * read_pose(frame, scene_.settings), contents);
+      } else if (tag == "replicate") {
+        replicate(element.named("replicate in " + around.what()), X_BF, contents);
       } else if (tag == "joint" || tag == "freejoint") {
         contents.joints.push_back({element, X_BF});
       } else if (tag == "geom") {
@@ -69,6 +72,26 @@ class WorldReader {
       } else if (tag == "inertial") {
         contents.inertials.push_back(element);
       }
+    }
+  }
+
+  /// Copies of what is in the element, numbers behind their names. Copy i is turned by i times the Euler angles; the
+  /// offset to the next is in its axes.
+  void replicate(const MjcfElement& element, const Transform<double>& X_BF, Contents& contents) {
+    element.expect({"count", "offset", "euler", "sep", "childclass"}, kContents);
+    const int count = element.integer_or("count", 0);
+    if (count < 1 || count > kMostReplicas)
+      element.fail("count is " + std::to_string(count) + "; expected 1 to 100000");
+    const Vec3<double> offset = element.vec3_or("offset", Vec3<double>::zero());
+    const Vec3<double> euler = element.vec3_or("euler", Vec3<double>::zero());
+    Vec3<double> place = Vec3<double>::zero();
+    for (int i = 0; i < count; ++i) {
+      if (++num_replicas_ > kMostReplicas) element.fail("more than 100000 replicas in all; expected fewer");
+      std::string number = std::to_string(i);
+      const Mat3<double> R = rotation_from_euler(static_cast<double>(i) * euler, scene_.settings);
+      number.insert(0, std::to_string(count).size() - number.size(), '0');
+      collect(element.with_suffix(element.text_or("sep", "") + number), X_BF * Transform<double>{R, place}, contents);
+      place = place + R * offset;
     }
   }
 
@@ -124,7 +147,7 @@ class WorldReader {
       contents.inertials[i].fail("a second <inertial>; expected one");
     }
     inertial.mass = std::max(inertial.mass, settings.bound_mass);
-    if (settings.bound_inertia > 0) bound_inertia(inertial, settings.bound_inertia);
+    bound_principal_moments(inertial.inertia, settings.bound_inertia);
     const MjcfElement& source = is_given ? contents.inertials[0] : *body.source;
     if (settings.balance_inertia && !repairs_to_itself(inertial)) {
       const double mean = (inertial.inertia.xx + inertial.inertia.yy + inertial.inertia.zz) / 3;
@@ -136,14 +159,6 @@ class WorldReader {
   }
 
   static bool repairs_to_itself(Inertial inertial) { return !repair_inertial(inertial).has_value(); }
-
-  /// MuJoCo bounds the principal moments; so does adding what the smallest lacks where the axes are the body's own.
-  static void bound_inertia(Inertial& inertial, double bound) {
-    SymMat3<double>& I = inertial.inertia;
-    I.xx = std::max(I.xx, bound);
-    I.yy = std::max(I.yy, bound);
-    I.zz = std::max(I.zz, bound);
-  }
 
   Inertial read_inertial(const MjcfElement& e) const {
     e.expect({"pos", "quat", "axisangle", "euler", "xyaxes", "zaxis", "mass", "diaginertia", "fullinertia"});
@@ -164,8 +179,7 @@ class WorldReader {
   void add_site(std::size_t index, const MjcfPlaced& placed) {
     const std::string given = placed.element.text_or("name", "");
     const MjcfElement site = placed.element.named("site '" + given + "'").with_defaults(scene_.classes, "site");
-    site.expect({"name", "class", "pos", "quat", "axisangle", "euler", "xyaxes", "zaxis", "fromto", "type", "size",
-                 "rgba", "group", "material"});
+    site.expect({"name", "class", "pos", "quat", "axisangle", "euler", "xyaxes", "zaxis", "fromto"});
     Transform<double> X_LS = placed.X_BF * read_pose(site, scene_.settings);
     if (site.has("fromto")) {
       const std::vector<double> v = site.numbers("fromto", 6, 6);
@@ -193,6 +207,7 @@ class WorldReader {
 
   MjcfScene& scene_;
   std::size_t depth_ = 0;
+  int num_replicas_ = 0;
 };
 
 /// Settles what <compiler> asks of all masses together.
