@@ -9,6 +9,7 @@ NB_MODULE(_core, m) {
   manyhands::bind_dynamics(m);
   manyhands::bind_kinematics(m);
   manyhands::bind_world(m);
+  manyhands::bind_batch_worlds(m);
   manyhands::bind_envs(m);
   manyhands::bind_learn(m);
 }

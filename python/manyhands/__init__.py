@@ -6,6 +6,7 @@ from pathlib import Path
 from manyhands import dynamics, envs
 from manyhands._core import (
     Actuator,
+    Batch,
     Contact,
     ContactResiduals,
     ContactWrench,
@@ -46,6 +47,7 @@ envs.register()
 
 __all__ = [
     "Actuator",
+    "Batch",
     "Contact",
     "ContactResiduals",
     "ContactWrench",
