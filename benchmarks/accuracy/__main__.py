@@ -38,7 +38,7 @@ core, reading and looking not counted). Rows are written as they finish: a run t
 and rows whose engine and case have not changed are kept. Ends with status 1 if a case of manyhands fails.
 docs/accuracy.md explains every case.
 """
-FULL_BUDGET, QUICK_BUDGET = 20.0, 5.0  # processor seconds of a run
+FULL_BUDGET, QUICK_BUDGET = 20.0, 4.0  # processor seconds of a run
 
 
 def parse(arguments: Sequence[str] | None) -> argparse.Namespace:

@@ -13,7 +13,7 @@ FINGERS = ("panda_leftfinger", "panda_rightfinger")
 HAND, GRASP = "panda_hand", "panda_grasptarget"
 BASE: Triple = (-0.6, 0.0, 0.0)
 FORCES = (87.0, 87.0, 87.0, 87.0, 12.0, 120.0, 120.0)  # [N m], panda-gym's
-GRIP = 20.0  # [N] of each finger
+GRIP = 40.0  # [N] of each finger; the real hand holds 70
 OPEN = 0.04  # [m] of each finger
 # Springs and dampers as MuJoCo's own model of this arm has.
 SERVOS = ((4500, 150), (4500, 150), (3500, 110), (3500, 110), (2000, 60), (2000, 60), (2000, 60))

@@ -116,9 +116,9 @@ class Simulation(ABC):
     def contacts(self) -> list[Contact]:
         """Of the last step."""
 
-    def own_residuals(self) -> dict[str, float] | None:
+    def own_residuals(self) -> dict[str, float]:
         """What the engine says of its own solution, if it does."""
-        return None
+        return {}
 
 
 def build(scene: Scene, settings: Settings) -> Simulation:
