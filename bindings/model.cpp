@@ -86,6 +86,7 @@ void bind_model_class(nb::module_& m) {
       .def_prop_ro("height_fields", [](const PythonModel& self) { return copy_of(self.model->height_fields()); })
       .def_prop_ro("loops", [](const PythonModel& self) { return copy_of(self.model->loops()); })
       .def_prop_ro("actuators", [](const PythonModel& self) { return copy_of(self.model->actuators()); })
+      .def_prop_ro("contact_pairs", [](const PythonModel& self) { return copy_of(self.model->contact_pairs()); })
       .def_prop_ro("keyframes", [](const PythonModel& self) { return copy_of(self.model->keyframes()); })
       .def_prop_ro(
           "nu", [](const PythonModel& self) { return self.model->nu(); }, "Length of ctrl: one for each actuator.")

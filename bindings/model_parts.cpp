@@ -1,7 +1,9 @@
 // manyhands._core: the parts of a model, as Python reads them.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include "bindings/bindings.h"
@@ -217,6 +219,20 @@ void bind_couplings(nb::module_& m) {
       .def_ro("ratio", &LoopConstraint::ratio, "'joint': q_b = ratio q_a + offset; 'gear': v_b = ratio v_a.")
       .def_ro("offset", &LoopConstraint::offset, "[rad or m]")
       .def_ro("max_force", &LoopConstraint::max_force, "Of each row [N or N m]; inf without a limit.");
+
+  nb::class_<ContactPair>(m, "ContactPair", "Two geoms that may touch whatever their groups, masks and links say.")
+      .def_prop_ro(
+          "geom_a", [](const ContactPair& pair) { return pair.a.value(); }, "Index in `Model.geoms`.")
+      .def_prop_ro(
+          "geom_b", [](const ContactPair& pair) { return pair.b.value(); }, "Index in `Model.geoms`.")
+      .def_prop_ro(
+          "friction",
+          [](const ContactPair& pair) -> std::optional<std::tuple<double, double, double>> {
+            if (!pair.surface) return std::nullopt;
+            const SurfaceMaterial& s = *pair.surface;
+            return std::tuple(s.lateral_friction, s.spinning_friction, s.rolling_friction);
+          },
+          "(sliding, spinning [m], rolling [m]); None: what the geoms' own combine to.");
 
   nb::class_<Keyframe>(m, "Keyframe", "A state that a scene was given a name for.")
       .def_ro("name", &Keyframe::name)

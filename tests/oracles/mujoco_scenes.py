@@ -127,6 +127,9 @@ SCENES = {
     <body name="d" pos="0 0 4"><freejoint/><geom name="g3" size="0.1" contype="8" conaffinity="8" condim="1"/></body>
     <body name="e" pos="0 0 5"><freejoint/><geom name="g4" size="0.1" contype="0" conaffinity="0"/></body>
     <body name="f" pos="0 0 6"><freejoint/><geom name="g5" size="0.1" friction="0.3 0.02 0.003" condim="6"/></body>
+    <body name="g" pos="0 0 7"><freejoint/><geom name="g6" size="0.1" friction="0.1 0.2 0.3" priority="1"/></body>
+    <body name="h" pos="0 0 8"><geom name="g7" size="0.1"/><body name="i" pos="0 0 9"><joint/><geom name="g8" size="0.1"
+      condim="1" friction="5"/></body></body>
   </worldbody><contact><pair geom1="g0" geom2="g3" friction="0.8 0.8 0.01 0.002 0.002" condim="6"/>
     <exclude body1="a" body2="b"/></contact></mujoco>""",
     "equalities": f"""

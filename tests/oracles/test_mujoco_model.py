@@ -212,6 +212,26 @@ def test_filters(source: str | Path) -> None:
         assert ours[name].is_visual == (not paired and not model.geom_contype[i] and not model.geom_conaffinity[i])
 
 
+@every_scene
+def test_frictions(source: str | Path) -> None:
+    """Every pair that MuJoCo finds in contact has MuJoCo's friction, and moves of no base are lost."""
+    scene = scene_of(source)
+    model, data = scene.mujoco, scene.data
+    if model.nmesh or model.nhfield:
+        pytest.skip("its geoms are numbered alike, but their surfaces are not ours")
+    model.geom_margin[:] = 100  # all in contact
+    mujoco.mj_forward(model, data)
+    ours = {geom.name: (i, geom) for i, geom in enumerate(scene.ours.geoms)}
+    names = scene.names("geom", model.ngeom)
+    pairs = {frozenset((pair.geom_a, pair.geom_b)): pair.friction for pair in scene.ours.contact_pairs}
+    for contact in data.contact:
+        (i, a), (k, b) = (ours[names[geom]] for geom in contact.geom)
+        surfaces = [(geom.friction, geom.spinning_friction, geom.rolling_friction) for geom in (a, b)]
+        found = pairs.get(frozenset((i, k))) or tuple(np.max(surfaces, axis=0))
+        known = np.array([3, 4, 6]) <= contact.dim
+        assert_close(np.array(found), contact.friction[[0, 2, 3]] * known, f"{a.name} and {b.name}: friction")
+
+
 def test_equalities_hold_at_the_start() -> None:
     scene = Scene.of_string(SCENES["equalities"])
     model, data = scene.mujoco, scene.data

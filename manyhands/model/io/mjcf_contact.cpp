@@ -108,31 +108,6 @@ void read_exclude(MjcfScene& scene, const MjcfElement& element) {
   scene.builder.exclude_contact(a, b);
 }
 
-/// MuJoCo lets a moving body touch the fixed one that its joint is on; here neighbours of a joint do not touch unless a
-/// pair says so.
-void pair_with_bases(MjcfScene& scene) {
-  const auto base_of = [&](const MjcfGeom& geom) {
-    const MjcfBody& body = scene.bodies[static_cast<std::size_t>(geom.body)];
-    const MjcfBody& moving = scene.bodies[static_cast<std::size_t>(body.first_moving)];
-    const bool is_on_base = body.first_moving != 0 && moving.parent > 0 &&
-                            scene.bodies[static_cast<std::size_t>(moving.parent)].first_moving == 0;
-    return is_on_base && !moving.has_chain ? moving.parent : -1;
-  };
-  for (const MjcfGeom& moving : scene.geoms) {
-    const int base = base_of(moving);
-    if (base < 0 || !moving.id) continue;
-    for (const MjcfGeom& fixed : scene.geoms) {
-      const Kind a{moving.contype, moving.conaffinity}, b{fixed.contype, fixed.conaffinity};
-      if (fixed.body != base || !fixed.id || !may_touch(a, b)) continue;
-      const LinkId link_a = scene.bodies[static_cast<std::size_t>(moving.body)].link;
-      const LinkId link_b = scene.bodies[static_cast<std::size_t>(base)].link;
-      if (scene.exclusions.contains({std::min(link_a, link_b), std::max(link_a, link_b)})) continue;
-      const std::pair ids{std::min(*moving.id, *fixed.id), std::max(*moving.id, *fixed.id)};
-      if (!scene.pairs.contains(ids)) scene.builder.add_contact_pair({.a = ids.first, .b = ids.second});
-    }
-  }
-}
-
 /// Bodies that lie next to each other in MuJoCo, though links between their joints part them here.
 void exclude_across_chains(MjcfScene& scene) {
   for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
@@ -149,19 +124,57 @@ void exclude_across_chains(MjcfScene& scene) {
   }
 }
 
-/// Where the larger friction of two geoms is not what MuJoCo takes.
-void note_mixed_condims(const MjcfScene& scene) {
-  const MjcfGeom* least = nullptr;
-  const MjcfGeom* most = nullptr;
-  for (const MjcfGeom& geom : scene.geoms) {
-    if (!geom.id || (geom.contype == 0 && geom.conaffinity == 0 && !geom.is_in_pair)) continue;
-    if (least == nullptr || geom.condim < least->condim) least = &geom;
-    if (most == nullptr || geom.condim > most->condim) most = &geom;
+/// MuJoCo's whole rule: kinds, bodies that move as one, parents and children, exclusions.
+bool may_touch(const MjcfScene& scene, const MjcfGeom& a, const MjcfGeom& b) {
+  if (!may_touch(Kind{a.contype, a.conaffinity}, Kind{b.contype, b.conaffinity})) return false;
+  const auto body = [&](int i) -> const MjcfBody& { return scene.bodies[static_cast<std::size_t>(i)]; };
+  const int moving_a = body(a.body).first_moving, moving_b = body(b.body).first_moving;
+  if (moving_a == moving_b) return false;
+  const auto is_parent_of = [&](int parent, int child) { return body(body(child).parent).first_moving == parent; };
+  if (moving_a != 0 && moving_b != 0 && (is_parent_of(moving_a, moving_b) || is_parent_of(moving_b, moving_a))) {
+    return false;
   }
-  if (least == nullptr || least->condim == most->condim) return;
-  least->source.note(LoadAction::kIgnored,
-                     "condim " + std::to_string(least->condim) + " beside condim " + std::to_string(most->condim) +
-                         ": frictions that a geom's own condim leaves out count as 0 when it touches one of more");
+  const LinkId link_a = body(a.body).link, link_b = body(b.body).link;
+  return !scene.exclusions.contains({std::min(link_a, link_b), std::max(link_a, link_b)});
+}
+
+/// Whether one moves by a single joint on the other, which is fixed: neighbours that do not touch here, but in MuJoCo.
+bool is_on_base(const MjcfScene& scene, const MjcfGeom& geom, const MjcfGeom& base) {
+  const int moving = scene.bodies[static_cast<std::size_t>(geom.body)].first_moving;
+  const MjcfBody& body = scene.bodies[static_cast<std::size_t>(moving)];
+  return moving != 0 && base.body != 0 && body.parent == base.body && !body.has_chain &&
+         scene.bodies[static_cast<std::size_t>(base.body)].first_moving == 0;
+}
+
+/// MuJoCo's surface of two geoms: the larger condim and frictions, or those of the geom of higher priority.
+SurfaceMaterial surface_between(const MjcfGeom& a, const MjcfGeom& b) {
+  if (a.priority != b.priority) {
+    const MjcfGeom& higher = a.priority > b.priority ? a : b;
+    return surface_of(higher.friction, higher.condim);
+  }
+  std::array<double, 3> friction{};
+  for (std::size_t i = 0; i < 3; ++i) friction[i] = std::max(a.friction[i], b.friction[i]);
+  return surface_of(friction, std::max(a.condim, b.condim));
+}
+
+/// Pairs that say what filters and the larger friction of two surfaces cannot.
+void add_needed_pairs(MjcfScene& scene) {
+  for (std::size_t i = 0; i < scene.geoms.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      const MjcfGeom &a = scene.geoms[k], &b = scene.geoms[i];
+      if (!a.id || !b.id) continue;
+      const SurfaceMaterial theirs = surface_between(a, b);
+      const SurfaceMaterial own_a = surface_of(a.friction, a.condim), own_b = surface_of(b.friction, b.condim);
+      const bool is_largest = theirs.lateral_friction == std::max(own_a.lateral_friction, own_b.lateral_friction) &&
+                              theirs.spinning_friction == std::max(own_a.spinning_friction, own_b.spinning_friction) &&
+                              theirs.rolling_friction == std::max(own_a.rolling_friction, own_b.rolling_friction);
+      if (is_largest && !is_on_base(scene, a, b) && !is_on_base(scene, b, a)) continue;
+      if (scene.pairs.contains({*a.id, *b.id}) || !may_touch(scene, a, b)) continue;
+      ContactPair pair{.a = *a.id, .b = *b.id};
+      if (!is_largest) pair.surface = theirs;
+      scene.builder.add_contact_pair(pair);
+    }
+  }
 }
 
 }  // namespace
@@ -177,8 +190,7 @@ void read_contacts(MjcfScene& scene) {
   set_filters(scene);
   set_roles(scene);
   exclude_across_chains(scene);
-  pair_with_bases(scene);
-  note_mixed_condims(scene);
+  add_needed_pairs(scene);
   scene.builder.set_contact_rules({.friction = CombineRule::kMaximum});
 }
 

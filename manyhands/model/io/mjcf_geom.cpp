@@ -138,11 +138,11 @@ bool read_shape(MjcfScene& scene, const MjcfBody& body, Part& part, const MjcfPl
   return true;
 }
 
-SurfaceMaterial read_surface(const MjcfElement& e, int condim) {
+std::array<double, 3> read_friction(const MjcfElement& e) {
   std::array<double, 3> friction{1, 0.005, 0.0001};
   if (e.has("friction")) std::ranges::copy(e.numbers("friction", 1, 3), friction.begin());
   if (*std::ranges::min_element(friction) < 0) e.fail("a coefficient of friction is negative; expected 0 or more");
-  return surface_of(friction, condim);
+  return friction;
 }
 
 }  // namespace
@@ -174,13 +174,12 @@ MjcfGeomMass add_geom(MjcfScene& scene, int body_index, const MjcfPlaced& placed
        "priority",    "user",  "fitscale", "fluidshape", "fluidcoef", "shellinertia"},
       {});
   e.ignore({"solref", "solimp", "solmix", "gap", "user", "fluidshape", "fluidcoef", "shellinertia"});
-  if (e.number_or("priority", 0) != 0) {
-    e.note(LoadAction::kIgnored, "priority is not used: the larger friction of two geoms counts");
-  }
   MjcfGeom entry{.name = name, .id = {}, .source = e, .body = body_index};
   entry.contype = e.integer_or("contype", 1);
   entry.conaffinity = e.integer_or("conaffinity", 1);
   entry.condim = read_condim(e, 3);
+  entry.priority = e.integer_or("priority", 0);
+  entry.friction = read_friction(e);
 
   Part part{
       .element = e,
@@ -193,7 +192,7 @@ MjcfGeomMass add_geom(MjcfScene& scene, int body_index, const MjcfPlaced& placed
     Geom& geom = part.geom;
     geom.name = name;
     geom.link = body.link;
-    geom.surface = read_surface(e, entry.condim);
+    geom.surface = surface_of(entry.friction, entry.condim);
     geom.margin = e.positive_or("margin", 0);
     geom.rgba = {0.5f, 0.5f, 0.5f, 1};
     if (e.has("material")) geom.rgba = scene.assets.material(e.text("material"), e);

@@ -37,7 +37,8 @@ struct MjcfGeom {
   std::optional<GeomId> id;  ///< none for what was left out
   MjcfElement source;
   int body = 0;  ///< index
-  int contype = 1, conaffinity = 1, condim = 3;
+  int contype = 1, conaffinity = 1, condim = 3, priority = 0;
+  std::array<double, 3> friction{};  ///< sliding, spinning, rolling, whatever condim says
   bool is_in_pair = false;
 };
 
