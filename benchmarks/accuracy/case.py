@@ -79,11 +79,17 @@ def steps(
     ]
 
 
-def cross(engine: str, options: dict[str, dict[str, Any]] | None = None, **more: Any) -> list[Settings]:
-    """Every time step at default iterations, and every number of iterations at the published step."""
-    plan = steps(engine, TIME_STEPS, None, options, **more)
-    first = steps(engine, [PUBLISHED_STEP], VARIANTS[engine][:1], options, **more)[0]
-    return plan + [replace(first, iterations=n) for n in ITERATIONS]
+def cross(
+    engine: str, options: dict[str, dict[str, Any]] | None = None, variants: Sequence[str] | None = None
+) -> list[Settings]:
+    """Every time step at default iterations, and every number of iterations at the published step.
+
+    PyBullet's variants differ in their iterations alone, which are swept anyway.
+    """
+    if variants is None:
+        variants = VARIANTS[engine] if engine == MUJOCO else VARIANTS[engine][:1]
+    (first,) = steps(engine, [PUBLISHED_STEP], variants[:1], options)
+    return steps(engine, TIME_STEPS, variants, options) + [replace(first, iterations=n) for n in ITERATIONS]
 
 
 def once(engine: str, time_step: float = 0.002, **more: Any) -> list[Settings]:

@@ -2,7 +2,19 @@
 
 import numpy as np
 
-from benchmarks.accuracy.case import BULLET, MUJOCO, Best, Case, Figure, Measurement, Settings, cross, measured, once
+from benchmarks.accuracy.case import (
+    BULLET,
+    MUJOCO,
+    VARIANTS,
+    Best,
+    Case,
+    Figure,
+    Measurement,
+    Settings,
+    cross,
+    measured,
+    once,
+)
 from benchmarks.accuracy.engines import build
 from benchmarks.accuracy.measures import Mass, finite, residuals
 from benchmarks.accuracy.scene import Array, Body, Geom, Scene, ground
@@ -92,8 +104,8 @@ def pile(settings: Settings) -> Measurement:
 
 
 def plan(engine: str) -> list[Settings]:
-    """Without erp, which would feed energy in."""
-    return cross(engine, ELASTIC)
+    """Without erp, which would feed energy in. The springs of MuJoCo's elastic contacts leave its variants nothing."""
+    return cross(engine, ELASTIC, VARIANTS[engine][:1])
 
 
 CASES = [

@@ -99,12 +99,17 @@ def run_all(
 
 
 def start(context: Any, task: Task) -> Running:
-    """One child. It may take four times its budget, for reading and looking take time too."""
+    """One child. It may take ten times its budget: reading and looking take time too, and the machine may be busy."""
     receive, send = context.Pipe(duplex=False)
     process = context.Process(target=work, args=(send, task.case, task.settings), daemon=True)
     process.start()
     send.close()
-    return Running(task, process, receive, time.monotonic() + 60 + 4 * task.settings.budget)
+    return Running(task, process, receive, time.monotonic() + patience(task))
+
+
+def patience(task: Task) -> float:
+    """Seconds on the clock until a child is given up."""
+    return 60 + 10 * task.settings.budget
 
 
 def collect(one: Running) -> tuple[str, Any] | None:
@@ -119,5 +124,5 @@ def collect(one: Running) -> tuple[str, Any] | None:
         return answer
     if time.monotonic() > one.deadline:
         one.process.kill()
-        return INCOMPLETE, f"{INCOMPLETE} after {60 + 4 * one.task.settings.budget:.0f} s on the clock"
+        return INCOMPLETE, f"{INCOMPLETE} after {patience(one.task):.0f} s on the clock"
     return None
