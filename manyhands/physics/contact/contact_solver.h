@@ -46,53 +46,65 @@ MANYHANDS_INLINE ContactStiffness<T> diagonalise(const Mat3<T>& G, T softness, T
   return k;
 }
 
-/// W, G and the basis of every contact, for the stances whose factors are in ws.L. `active` worlds change their basis.
+/// Where the stiffness is that of the mask's worlds, else the one before.
 template <Number T>
-MANYHANDS_INLINE void find_responses(const Tree<real_t<T>>& tree, const Workspace<T>& ws, mask_t<T> active,
+MANYHANDS_INLINE ContactStiffness<T> chosen(mask_t<T> m, const ContactStiffness<T>& a, const ContactStiffness<T>& b) {
+  return {select(m, a.normal, b.normal),   select(m, a.normal_inverse, b.normal_inverse),
+          select(m, a.slope_1, b.slope_1), select(m, a.slope_2, b.slope_2),
+          select(m, a.sigma_1, b.sigma_1), select(m, a.sigma_2, b.sigma_2)};
+}
+
+/// What a row of a contact's block does to it: W and G for the stances whose factors are in ws.L, and the turn that
+/// makes its basis diagonal.
+template <Number T>
+MANYHANDS_INLINE Mat3<T> answer(const Tree<real_t<T>>& tree, const Workspace<T>& ws, const LoopSet<T>& loops,
+                                const RowBlock& rows, Vec3<T>* Z, RowStore<T>& store) {
+  respond(tree, rows, ws, store);
+  if (!loops.x.empty()) eliminate_loops(tree, rows, loops, Z, store);
+  return multiply_response(tree, rows, store);
+}
+
+/// Turns a block's rows 2 and 3 and keeps its W in the worlds of the mask.
+template <Number T, class Block>
+MANYHANDS_INLINE void turn_block(const Tree<real_t<T>>& tree, mask_t<T> where, T c, T s, std::size_t nl, Vec3<T>* Z,
+                                 Block& block, Vec3<T>& e_1, Vec3<T>& e_2, RowStore<T>& store) {
+  c = select(where, c, T(real_t<T>(1)));
+  s = select(where, s, T(real_t<T>(0)));
+  keep_response(block.rows, where, c, s, store);
+  turn_rows(tree, block.rows, c, s, store);
+  const Vec3<T> turned_1 = fma(c, e_1, s * e_2), turned_2 = fma(c, e_2, -s * e_1);
+  e_1 = turned_1;
+  e_2 = turned_2;
+  block.offset = turned_rows(block.offset, c, s);
+  block.impulse = turned_rows(block.impulse, c, s);
+  block.closed_at = block.impulse;
+  for (std::size_t i = 0; i < nl; ++i) Z[i] = turned_rows(Z[i], c, s);
+}
+
+/// W, G and the basis of every contact in the worlds of the mask; the others keep theirs to the bit.
+template <Number T>
+MANYHANDS_INLINE void find_responses(const Tree<real_t<T>>& tree, const Workspace<T>& ws, mask_t<T> where,
                                      LoopSet<T>& loops, ContactSet<T>& set) {
   using R = real_t<T>;
-  const T zero(R(0)), one(R(1));
+  const T zero(R(0)), one(R(1)), tiny(std::numeric_limits<R>::min() * R(1e6));
   const std::size_t nl = loops.x.size();
   loops.Z.resize(nl * (set.points.size() + set.torsions.size()));
   Vec3<T>* Z = loops.Z.data();
-  const auto turn_answer = [&](T c, T s) {
-    for (std::size_t i = 0; i < nl; ++i) Z[i] = turned_rows(Z[i], c, s);
-    Z += nl;
-  };
+  T c, s;
   for (ContactPoint<T>& point : set.points) {
-    Mat3<T> G = respond(tree, point.rows, ws, set.store);
-    if (nl > 0) eliminate_loops(tree, point.rows, loops, Z, set.store, G);
-    T c, s;
-    const ContactStiffness<T> stiffness = diagonalise(G, point.softness, c, s);
-    c = select(active, c, one);
-    s = select(active, s, zero);
-    point.stiffness = stiffness;
-    turn_rows(tree, point.rows, c, s, set.store);
-    const Vec3<T> e_1 = fma(c, point.e_1, s * point.e_2), e_2 = fma(c, point.e_2, -s * point.e_1);
-    point.e_1 = e_1;
-    point.e_2 = e_2;
-    point.offset = turned_rows(point.offset, c, s);
-    point.impulse = turned_rows(point.impulse, c, s);
-    point.closed_at = point.impulse;
-    turn_answer(c, s);
+    const Mat3<T> G = answer(tree, ws, loops, point.rows, Z, set.store);
+    point.stiffness = chosen(where, diagonalise(G, point.softness, c, s), point.stiffness);
+    turn_block(tree, where, c, s, nl, Z, point, point.e_1, point.e_2, set.store);
+    Z += nl;
   }
   for (ContactTorsion<T>& torsion : set.torsions) {
-    Mat3<T> G = respond(tree, torsion.rows, ws, set.store);
-    if (nl > 0) eliminate_loops(tree, torsion.rows, loops, Z, set.store, G);
+    const Mat3<T> G = answer(tree, ws, loops, torsion.rows, Z, set.store);
     // Spinning and rolling are solved apart: turn the rolling rows by their own block of G alone.
-    T c, s;
-    torsion.stiffness = diagonalise(Mat3<T>{{one, zero, zero}, {zero, G.y.y, G.y.z}, {zero, G.z.y, G.z.z}}, zero, c, s);
-    torsion.spin_inverse = one / max(G.x.x, T(std::numeric_limits<R>::min() * R(1e6)));
-    c = select(active, c, one);
-    s = select(active, s, zero);
-    turn_rows(tree, torsion.rows, c, s, set.store);
-    const Vec3<T> t_1 = fma(c, torsion.t_1, s * torsion.t_2), t_2 = fma(c, torsion.t_2, -s * torsion.t_1);
-    torsion.t_1 = t_1;
-    torsion.t_2 = t_2;
-    torsion.offset = turned_rows(torsion.offset, c, s);
-    torsion.impulse = turned_rows(torsion.impulse, c, s);
-    torsion.closed_at = torsion.impulse;
-    turn_answer(c, s);
+    const Mat3<T> rolling{{one, zero, zero}, {zero, G.y.y, G.y.z}, {zero, G.z.y, G.z.z}};
+    torsion.stiffness = chosen(where, diagonalise(rolling, zero, c, s), torsion.stiffness);
+    torsion.spin_inverse = select(where, one / max(G.x.x, tiny), torsion.spin_inverse);
+    turn_block(tree, where, c, s, nl, Z, torsion, torsion.t_1, torsion.t_2, set.store);
+    Z += nl;
   }
 }
 
@@ -126,24 +138,25 @@ MANYHANDS_INLINE T relax(const Tree<real_t<T>>& tree, mask_t<T> active, T normal
   return T(real_t<T>(0));
 }
 
-/// Up to `most` sweeps over all contacts, always in the same order, in worlds that are not yet `settled`. Orders that
-/// go back and forth converge more slowly (docs/contact_solver.md).
+/// Sweeps over all contacts, always in the same order (orders that go back and forth converge more slowly, see
+/// docs/contact_solver.md), until every world has settled or used up its `budget` of sweeps, which counts down. How
+/// many sweeps there were.
 template <Number T>
-MANYHANDS_INLINE int sweep(const Tree<real_t<T>>& tree, T tolerance, int most, mask_t<T> active, ContactSet<T>& set,
-                           T* dv, mask_t<T>& settled) {
+MANYHANDS_INLINE int sweep(const Tree<real_t<T>>& tree, T tolerance, T& budget, ContactSet<T>& set, T* dv,
+                           mask_t<T>& settled) {
+  using R = real_t<T>;
+  const T zero(R(0)), one(R(1));
   int sweeps = 0;
-  const std::size_t n = set.points.size();
-  settled = !active;
-  while (sweeps < most && !all(settled)) {
-    T largest(real_t<T>(0));
-    const auto moving = !settled;
-    for (std::size_t k = 0; k < n; ++k) {
-      ContactPoint<T>& point = set.points[k];
+  settled = set.points.empty();
+  for (auto moving = budget > zero; any(moving); moving = (!settled) & (budget > zero)) {
+    T largest = zero;
+    for (ContactPoint<T>& point : set.points) {
       largest = max(largest, relax(tree, moving, point, set.store, dv));
       if (point.torsion < 0) continue;
       relax(tree, moving, point.impulse.x, set.torsions[static_cast<std::size_t>(point.torsion)], set.store, dv);
     }
-    settled = settled | (largest <= tolerance);
+    settled = settled | (moving & (largest <= tolerance));
+    budget = select(moving, budget - one, budget);
     ++sweeps;
   }
   return sweeps;
@@ -203,39 +216,39 @@ MANYHANDS_INLINE int solve_constraints(const Tree<real_t<T>>& tree, const Solver
   using R = real_t<T>;
   solve_joint_constraints(tree, state, ws, jc);
   if (set.points.empty() && loops.blocks.empty()) return 0;
-  const T tolerance(static_cast<R>(settings.tolerance));
+  const T zero(R(0)), one(R(1)), batch(R(internal::kSweepsPerPivot)), tolerance(static_cast<R>(settings.tolerance));
   T* stances = state.stance();
-  mask_t<T> active(true);
-  int sweeps = 0, left = settings.max_sweeps;
-  bool moved = true;
-  for (int pivots = 0;;) {
-    if (moved) {
+  mask_t<T> active(true), moved(true);
+  T left(static_cast<R>(settings.max_sweeps)), pivots = zero;
+  for (int sweeps = 0;;) {
+    if (any(moved)) {
       internal::find_loop_responses(tree, ws, loops);
-      internal::find_responses(tree, ws, active, loops, set);
-      internal::close_loops(tree, active, loops, jc.dv.data());
+      internal::find_responses(tree, ws, moved, loops, set);
+      internal::close_loops(tree, moved, loops, jc.dv.data());
     }
+    const T allowed = select(active, min(batch, left), zero);
+    T budget = allowed;
     mask_t<T> settled;
-    const int done =
-        internal::sweep(tree, tolerance, std::min(internal::kSweepsPerPivot, left), active, set, jc.dv.data(), settled);
-    sweeps += done;
-    left -= done;
+    sweeps += internal::sweep(tree, tolerance, budget, set, jc.dv.data(), settled);
+    left -= allowed - budget;
     internal::follow_contacts(set, loops);
     internal::find_joint_impulses(stances, jc);
-    const auto wrong = internal::find_better_stances(tree, stances, jc) > T(R(0));
-    active = active & (wrong | !settled);
-    moved = any(active & wrong) && pivots < internal::kMostContactPivots;
-    if (none(active) || (!moved && left <= 0)) break;
-    if (!moved) continue;
-    ++pivots;
-    left = std::max(left, internal::kSweepsPerPivot);
-    for (std::size_t i = 0; i < jc.dv.size(); ++i) stances[i] = select(active, jc.better[i], stances[i]);
+    const auto wrong = internal::find_better_stances(tree, stances, jc) > zero;
+    moved = active & wrong & (pivots < T(R(internal::kMostContactPivots)));
+    active = moved | (active & (!settled) & (left > zero));
+    if (none(active)) {
+      internal::remember_loops(loops, state.loops());
+      return sweeps;
+    }
+    if (none(moved)) continue;
+    pivots = select(moved, pivots + one, pivots);
+    left = select(moved, max(left, batch), left);
+    for (std::size_t i = 0; i < jc.dv.size(); ++i) stances[i] = select(moved, jc.better[i], stances[i]);
     set.kept_dv = jc.dv;
     internal::gather_impulses(tree, set, loops, jc);
     internal::solve_stances(tree, stances, ws, jc);
-    for (std::size_t i = 0; i < jc.dv.size(); ++i) jc.dv[i] = select(active, jc.dv[i], set.kept_dv[i]);
+    for (std::size_t i = 0; i < jc.dv.size(); ++i) jc.dv[i] = select(moved, jc.dv[i], set.kept_dv[i]);
   }
-  internal::remember_loops(loops, state.loops());
-  return sweeps;
 }
 
 }  // namespace manyhands

@@ -43,6 +43,9 @@ namespace internal {
 template <Number T>
 inline constexpr real_t<T> kRedundant = std::same_as<real_t<T>, float> ? real_t<T>(1e-4) : real_t<T>(1e-10);
 
+/// A loop that stands open closes no faster [m/s or rad/s].
+inline constexpr double kFastestClosing = 1;
+
 /// The acceleration that the point p of a body has by its present velocity alone, gravity taken off everywhere alike.
 template <Number T>
 MANYHANDS_INLINE Vec3<T> point_acceleration(const Workspace<T>& ws, std::size_t b, const Vec3<T>& p) {
@@ -55,7 +58,9 @@ MANYHANDS_INLINE Vec3<T> point_acceleration(const Workspace<T>& ws, std::size_t 
 /// e + h u+ + h^2 / 2 gamma = 0.
 template <Number T>
 MANYHANDS_INLINE Vec3<T> closing_offset(const Vec3<T>& u, const Vec3<T>& e, const Vec3<T>& gamma, real_t<T> h) {
-  return u + fma(T(real_t<T>(1) / h), e, T(real_t<T>(0.5) * h) * gamma);
+  const T most(static_cast<real_t<T>>(kFastestClosing)), inverse_h(real_t<T>(1) / h);
+  const auto closing = [&](T error) { return clamp(error * inverse_h, -most, most); };
+  return u + fma(T(real_t<T>(0.5) * h), gamma, Vec3<T>{closing(e.x), closing(e.y), closing(e.z)});
 }
 
 template <Number T>
@@ -124,11 +129,12 @@ MANYHANDS_INLINE void add_joint_row(const Tree<real_t<T>>& tree, const State<T>&
   T u = state.v()[loop.dof_b] - ratio * state.v()[loop.dof_a];
   T error = zero;
   if (loop.type == LoopType::kJoint) error = state.q()[loop.q_b] - fma(ratio, state.q()[loop.q_a], T(loop.offset));
-  const T offset = fma(T(R(1) / h), error, u);
+  const T most(static_cast<R>(kFastestClosing));
+  const T offset = u + clamp(T(R(1) / h) * error, -most, most);
   const T held_apart = fma(ratio, -jc.target[loop.dof_a], jc.target[loop.dof_b]) + offset;
   const auto held = (state.stance()[loop.dof_a] == zero) & (state.stance()[loop.dof_b] == zero);
   const auto agrees = held & (abs(held_apart) < T(static_cast<R>(kAgreement)));
-  const auto acts = !agrees | (jc.touched[loop.dof_a] > zero) | (jc.touched[loop.dof_b] > zero);
+  const auto acts = (!agrees) | (jc.touched[loop.dof_a] > zero) | (jc.touched[loop.dof_b] > zero);
   if (none(acts)) return;
   LoopRows<T>& block = set.blocks.emplace_back();
   block.loop = index;
@@ -226,7 +232,8 @@ MANYHANDS_INLINE void find_loop_responses(const Tree<real_t<T>>& tree, const Wor
   const std::size_t n = set.x.size();
   for (std::size_t j = 0; j < set.blocks.size(); ++j) {
     const RowBlock& rows = set.blocks[j].rows;
-    respond(tree, rows, ws, set.store);  // leaves W of this block in store.x, by dof
+    respond(tree, rows, ws, set.store);
+    keep_response(rows, mask_t<T>(true), T(real_t<T>(1)), T(real_t<T>(0)), set.store);
     for (std::size_t i = j; i < set.blocks.size(); ++i) {
       const std::array<Vec3<T>, 3> K = multiply_shared_rows(tree, set.blocks[i].rows, set.store, rows, set.store.x);
       for (std::size_t r = 0; r < 3; ++r) {
@@ -259,11 +266,11 @@ MANYHANDS_INLINE void close_loops(const Tree<real_t<T>>& tree, mask_t<T> active,
   }
 }
 
-/// Takes the loops' answer to a contact's impulse off its W and G; Z (loop rows) keeps that answer. Right after
+/// Takes the loops' answer to a contact's impulse off its W in store.x; Z (loop rows) keeps that answer. Right after
 /// `respond` for the contact.
 template <Number T>
 MANYHANDS_INLINE void eliminate_loops(const Tree<real_t<T>>& tree, const RowBlock& rows, const LoopSet<T>& loops,
-                                      Vec3<T>* Z, RowStore<T>& store, Mat3<T>& G) {
+                                      Vec3<T>* Z, RowStore<T>& store) {
   for (std::size_t i = 0; i < loops.blocks.size(); ++i) {
     const std::array<Vec3<T>, 3> H = multiply_shared_rows(tree, loops.blocks[i].rows, loops.store, rows, store.x);
     std::ranges::copy(H, Z + 3 * i);
@@ -281,7 +288,6 @@ MANYHANDS_INLINE void eliminate_loops(const Tree<real_t<T>>& tree, const RowBloc
     take(loop.begin_a, loop.end_a);
     take(loop.begin_b, loop.end_b);
   }
-  G = gather_response(tree, rows, store);
 }
 
 /// Writes the loops' impulses down for the next step.

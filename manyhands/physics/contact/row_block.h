@@ -89,12 +89,16 @@ MANYHANDS_INLINE void apply_row_impulse(const RowBlock& rows, const RowStore<T>&
   apply(rows.begin_b, rows.end_b);
 }
 
-/// Writes W from store.x, which has it by dof, and multiplies: G = J W by its columns.
+/// Rows 2 and 3 turned by the angle of (c, s): (e_1, e_2) := (c e_1 + s e_2, c e_2 - s e_1).
 template <Number T>
-MANYHANDS_INLINE Mat3<T> gather_response(const Tree<real_t<T>>& tree, const RowBlock& rows, RowStore<T>& store) {
-  std::size_t entry = rows.W;
-  for (int i = rows.begin_a; i < rows.end_a; ++i) store.W[entry++] = store.x[static_cast<std::size_t>(i)];
-  for (int i = rows.begin_b; i < rows.end_b; ++i) store.W[entry++] = store.x[static_cast<std::size_t>(i)];
+MANYHANDS_INLINE Vec3<T> turned_rows(const Vec3<T>& a, T c, T s) {
+  return {a.x, fma(c, a.y, s * a.z), fma(c, a.z, -(s * a.y))};
+}
+
+/// Multiplies: G = J W by its columns, where store.x has W by dof.
+template <Number T>
+MANYHANDS_INLINE Mat3<T> multiply_response(const Tree<real_t<T>>& tree, const RowBlock& rows,
+                                           const RowStore<T>& store) {
   Mat3<T> G{Vec3<T>::zero(), Vec3<T>::zero(), Vec3<T>::zero()};
   visit_rows<T>(tree, rows, [&](std::size_t k, std::size_t i, real_t<T>) {
     const Vec3<T>& w = store.x[i];
@@ -103,11 +107,22 @@ MANYHANDS_INLINE Mat3<T> gather_response(const Tree<real_t<T>>& tree, const RowB
   return G;
 }
 
-/// W = A J^T with the factors ws.L, in which all dofs of the two clusters take part; G = J W by its columns. Leaves W
-/// by dof in store.x.
+/// Writes W from store.x, with rows 2 and 3 turned, in the worlds of the mask.
 template <Number T>
-MANYHANDS_INLINE Mat3<T> respond(const Tree<real_t<T>>& tree, const RowBlock& rows, const Workspace<T>& ws,
-                                 RowStore<T>& store) {
+MANYHANDS_INLINE void keep_response(const RowBlock& rows, mask_t<T> where, T c, T s, RowStore<T>& store) {
+  Vec3<T>* W = &store.W[rows.W];
+  const auto keep = [&](int begin, int end) {
+    for (int i = begin; i < end; ++i, ++W)
+      *W = select(where, turned_rows(store.x[static_cast<std::size_t>(i)], c, s), *W);
+  };
+  keep(rows.begin_a, rows.end_a);
+  keep(rows.begin_b, rows.end_b);
+}
+
+/// W = A J^T by dof into store.x, with the factors ws.L, in which all dofs of the two clusters take part.
+template <Number T>
+MANYHANDS_INLINE void respond(const Tree<real_t<T>>& tree, const RowBlock& rows, const Workspace<T>& ws,
+                              RowStore<T>& store) {
   const auto solve = [&](int begin, int end) {
     if (begin == end) return;
     const std::span<const int> dofs(tree.dofs_from_leaves);
@@ -119,7 +134,6 @@ MANYHANDS_INLINE Mat3<T> respond(const Tree<real_t<T>>& tree, const RowBlock& ro
   visit_rows<T>(tree, rows, [&](std::size_t entry, std::size_t i, real_t<T>) { store.x[i] = store.J[entry]; });
   solve(rows.begin_a, rows.end_a);
   solve(rows.begin_b, rows.end_b);
-  return gather_response(tree, rows, store);
 }
 
 /// J of one block times what another block's impulse does, `response` by dof: one Vec3 per row of this block, over the
@@ -141,17 +155,9 @@ MANYHANDS_INLINE std::array<Vec3<T>, 3> multiply_shared_rows(const Tree<real_t<T
   return product;
 }
 
-/// Rows 2 and 3 turned by the angle of (c, s): (e_1, e_2) := (c e_1 + s e_2, c e_2 - s e_1).
-template <Number T>
-MANYHANDS_INLINE Vec3<T> turned_rows(const Vec3<T>& a, T c, T s) {
-  return {a.x, fma(c, a.y, s * a.z), fma(c, a.z, -(s * a.y))};
-}
-
 template <Number T>
 MANYHANDS_INLINE void turn_rows(const Tree<real_t<T>>& tree, const RowBlock& rows, T c, T s, RowStore<T>& store) {
   visit_rows<T>(tree, rows, [&](std::size_t k, std::size_t, real_t<T>) { store.J[k] = turned_rows(store.J[k], c, s); });
-  const auto count = static_cast<std::size_t>(rows.end_a - rows.begin_a + rows.end_b - rows.begin_b);
-  for (std::size_t k = 0; k < count; ++k) store.W[rows.W + k] = turned_rows(store.W[rows.W + k], c, s);
 }
 
 }  // namespace manyhands

@@ -1,6 +1,7 @@
 // One step of one world, or of one block of worlds.
 #pragma once
 
+#include "manyhands/math/instantiate.h"
 #include "manyhands/physics/collision/pair_finder.h"
 #include "manyhands/physics/contact/contact_solver.h"
 #include "manyhands/physics/dynamics/aba.h"
@@ -139,8 +140,8 @@ MANYHANDS_INLINE std::span<const ColliderPair> find_touches(const Colliders<real
 /// Advances the state by h [s]: semi-implicit Euler at the velocity level; contacts, motors, limits and damping are
 /// implicit.
 template <Number T, Number P>
-MANYHANDS_INLINE void step(const System<real_t<T>>& system, const Params<P>& params, real_t<T> h, State<T>& state,
-                           StepWorkspace<T>& ws) {
+void step(const System<real_t<T>>& system, const Params<P>& params, real_t<T> h, State<T>& state,
+          StepWorkspace<T>& ws) {
   const Tree<real_t<T>>& tree = system.tree;
   const Colliders<real_t<T>>& colliders = system.colliders;
   bias_and_mass_matrix(tree, params, state.q(), state.v(), ws.dynamics);                      // 1 dynamics
@@ -155,5 +156,17 @@ MANYHANDS_INLINE void step(const System<real_t<T>>& system, const Params<P>& par
   integrate_configuration(tree, state.v(), T(h), state.q());  // 7 positions
   correct_free_fall(tree, params, h, ws.contacts, ws.resting, state);
 }
+
+// Compiled once for each number type, with parameters of its own for every world or the same for all.
+#define MANYHANDS_STEP(prefix, T, P) \
+  prefix template void step<T, P>(const System<real_t<T>>&, const Params<P>&, real_t<T>, State<T>&, StepWorkspace<T>&);
+MANYHANDS_STEP(extern, double, double)
+MANYHANDS_STEP(extern, float, float)
+MANYHANDS_STEP(extern, Lanes4, Lanes4)
+MANYHANDS_STEP(extern, Lanes4, float)
+MANYHANDS_STEP(extern, Lanes8, Lanes8)
+MANYHANDS_STEP(extern, Lanes8, float)
+MANYHANDS_STEP(extern, Lanes16, Lanes16)
+MANYHANDS_STEP(extern, Lanes16, float)
 
 }  // namespace manyhands

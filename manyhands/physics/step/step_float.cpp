@@ -1,0 +1,7 @@
+#include "manyhands/physics/step/step.h"
+
+namespace manyhands {
+
+MANYHANDS_STEP(, float, float)
+
+}  // namespace manyhands
