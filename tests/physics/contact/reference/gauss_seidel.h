@@ -33,9 +33,9 @@ inline LocalContact make_local_contact(const Eigen::Matrix3d& G, double mu, Eige
 
 /// The impulse that makes one contact obey the law, where its velocity (less b) would be `w` without any.
 /// While it slides, u_t = -kappa lambda_t gives lambda_t(kappa) = -(S + kappa)^-1 s; kappa is where the cone is met.
-/// mu lambda_n / |lambda_t| - 1 is nearly linear in kappa: Newton mostly needs three steps. It begins at 0 where the cone
-/// is all but met, else at the answer for a round S. A bracket guards it; as kappa may lie orders of magnitude below its
-/// upper bound, that is halved in the logarithm.
+/// mu lambda_n / |lambda_t| - 1 is nearly linear in kappa: Newton mostly needs three steps. It begins at 0 where the
+/// cone is all but met, else at the answer for a round S. A bracket guards it; as kappa may lie orders of magnitude
+/// below its upper bound, that is halved in the logarithm.
 inline Eigen::Vector3d solve_local(const LocalContact& c, const Eigen::Vector3d& w) {
   if (w[0] >= 0 || c.normal <= 0) return Eigen::Vector3d::Zero();
   const double pressing = -w[0] / c.normal;

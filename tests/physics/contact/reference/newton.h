@@ -3,8 +3,8 @@
 // An outer step anchors the impulses at the last ones and lets them yield a little, r = softness * size of the contact:
 //   lambda_n(u) = max(0, anchor_n - (u_n - b) / r),  lambda_t(u) = nearest to anchor_t - u_t / r in the disc mu
 //   lambda_n.
-// Newton solves M (v - v_f) = J' lambda(J v); its matrix M + J' A J is as sparse as M, never singular, and not
-// symmetric where contacts slide. The yielding vanishes as the anchors settle: the fixed point is the exact law.
+// Newton solves M (v - v_f) = J' lambda(J v); its matrix M + J' A J joins what touches, bears redundant contacts, and
+// is not symmetric where contacts slide. The yielding vanishes as the anchors settle: the fixed point is the exact law.
 #pragma once
 
 #include "tests/physics/contact/reference/gauss_seidel.h"
