@@ -28,15 +28,18 @@ void World::step(int n) {
 
 namespace {
 
-/// The joint of the first coordinate that is not finite, or -1.
-int joint_without_numbers(const WorldCore& core) {
+/// The joints with a coordinate that is not finite, by name; empty if there are none.
+std::string joints_without_numbers(const WorldCore& core) {
+  constexpr int kMostNamed = 5;
+  std::string names;
+  int count = 0;
   for (const Body& body : core.model->bodies()) {
-    const auto all_finite = [](const double* x, int count) { return std::all_of(x, x + count, &is_finite<double>); };
-    if (!all_finite(core.state.q() + body.iq, body.nq) || !all_finite(core.state.v() + body.iv, body.nv)) {
-      return body.joint.value();
-    }
+    const auto all_finite = [](const double* x, int size) { return std::all_of(x, x + size, &is_finite<double>); };
+    if (all_finite(core.state.q() + body.iq, body.nq) && all_finite(core.state.v() + body.iv, body.nv)) continue;
+    if (++count > kMostNamed) continue;
+    names += (names.empty() ? "'" : ", '") + core.model->joint(body.joint).name + "'";
   }
-  return -1;
+  return count > kMostNamed ? names + " and " + std::to_string(count - kMostNamed) + " more" : names;
 }
 
 /// J^T F of the forces applied to links, added to tau.
@@ -77,13 +80,13 @@ void World::step_once(WorldCore& core) {
     manyhands::step(core.system, core.params, time_step_, core.state, core.step);
   }
   core.moved();
-  if (const int joint = joint_without_numbers(core); joint >= 0) {
+  if (const std::string joints = joints_without_numbers(core); !joints.empty()) {
     core.state = core.before;
     core.forget_step();
-    throw SimulationError("the step at " + std::to_string(time()) + " s moves joint '" +
-                          core.model->joint(JointId(joint)).name +
-                          "' to numbers that are not finite: look for forces, speeds or mass ratios beyond reason, or "
-                          "take a smaller time_step. The world is as it was before this step");
+    throw SimulationError("the step at " + std::to_string(time()) +
+                          " s leads to numbers that are not finite at joint " + joints +
+                          ": look for forces, speeds or mass ratios beyond reason, or take a smaller "
+                          "time_step. The world is as it was before this step");
   }
   if (pushed) std::copy_n(core.before.tau(), core.nv(), core.state.tau());
   core.has_stepped = integrator_ == Integrator::kSemiImplicit;

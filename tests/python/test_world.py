@@ -1,0 +1,180 @@
+"""World from Python: parts in a line each, forces and contacts, absurd input."""
+
+import copy
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import manyhands as mh
+
+NUMBERS = st.one_of(
+    st.floats(allow_nan=True, allow_infinity=True), st.sampled_from([0.0, -1.0, 1e300, -1e300, 1e-300, 1e6])
+)
+TRIPLES = st.tuples(NUMBERS, NUMBERS, NUMBERS)
+
+
+def table() -> mh.World:
+    """A floor and two cubes of 4 cm, one on the other."""
+    world = mh.World()
+    world.add_plane("floor")
+    world.add_box("low", [0.02, 0.02, 0.02], 0.1, [0, 0, 0.02])
+    world.add_box("high", [0.02, 0.02, 0.02], 0.1, [0, 0, 0.06])
+    return world
+
+
+def test_parts_come_and_go_in_a_line_each() -> None:
+    world = table()
+    world.add_sphere("ball", 0.03, 0.2, [0.2, 0, 0.03], friction=0.9, rolling_friction=1e-3)
+    world.add_cylinder("can", 0.03, 0.05, position=[0.4, 0, 0.05])
+    world.add_capsule("pill", 0.01, 0.02, position=[0.6, 0, 0.01], quaternion=[0, math.sqrt(0.5), 0, math.sqrt(0.5)])
+    world.add_mesh("wedge", np.array([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]]), position=[0.8, 0, 0])
+    world.add(mh.asset_path("panda/panda.urdf"), [0, 1, 0], name="panda")
+    assert world.names == ["floor", "low", "high", "ball", "can", "pill", "wedge", "panda"]
+    world.step(100)
+    assert world.body_pose("ball")[0][2] == pytest.approx(0.03, abs=1e-3)
+    world.remove("panda")
+    world.remove("wedge")
+    assert world.names == ["floor", "low", "high", "ball", "can", "pill"]
+    with pytest.raises(KeyError, match="floor"):
+        world.remove("panda")
+    with pytest.raises(ValueError, match="ball"):
+        world.add_sphere("ball", 0.1)
+    builder = mh.ModelBuilder("hook")
+    builder.add_link("hook", mass=1, inertia=np.eye(3) * 0.01)
+    world.add(builder, name="shop")
+    assert world.model.link("shop/hook").mass == 1
+
+
+def test_contacts_tell_who_carries_whom() -> None:
+    world = table()
+    world.step(1000)
+    weight = 0.1 * 9.81
+    assert world.contact_wrench("low", "high").total[5] == pytest.approx(-weight, rel=1e-5)
+    assert world.contact_wrench("low", "floor").total[5] == pytest.approx(2 * weight, rel=1e-5)
+    assert world.contact_wrench("low").total[5] == pytest.approx(weight, rel=1e-5)
+    points = world.contacts()
+    assert {(c.link_a, c.link_b) for c in points} == {("low", "high"), ("low", "floor")}
+    for point in points:
+        assert point.normal_force == pytest.approx(point.force @ point.normal)
+        np.testing.assert_allclose(point.force, point.impulse / world.time_step)
+        np.testing.assert_allclose(point.normal_force * point.normal + point.friction_force, point.force, atol=1e-12)
+    assert world.residuals().signorini < 1e-8
+    assert 0 <= world.max_penetration() < 1e-4
+
+
+def test_copies_and_snapshots_go_on_alike() -> None:
+    world = table()
+    world.step(20)
+    snapshot, twin, other = world.snapshot(), copy.deepcopy(world), table()
+    world.apply_force("high", [0.3, 0, 0])
+    world.step(30)
+    other.restore(snapshot)
+    for each in (twin, other):
+        each.apply_force("high", [0.3, 0, 0])
+        each.step(30)
+        assert each.state_hash() == world.state_hash()
+    with pytest.raises(ValueError, match="another model"):
+        mh.World().restore(snapshot)
+
+
+def test_a_wrist_feels_what_hangs_on_it() -> None:
+    model, _ = mh.load_urdf(mh.asset_path("panda/panda.urdf"))
+    world = mh.World(model)
+    world.set_motors(target_q=world.q, kp=0.1, max_force=1e4)
+    world.step(100)
+    beyond = {"panda_hand", "panda_leftfinger", "panda_rightfinger", "panda_grasptarget"}
+    weight = 9.81 * sum(link.mass for link in model.links if link.name in beyond)
+    wrench = world.joint_wrench("panda_hand_joint")
+    assert wrench[5] == pytest.approx(weight, rel=1e-6)
+
+
+def test_errors_name_what_was_wrong() -> None:
+    world = table()
+    with pytest.raises(ValueError, match="time_step"):
+        mh.World(time_step=0)
+    with pytest.raises(KeyError, match="low"):
+        world.body_pose("nobody")
+    with pytest.raises(ValueError, match="fixed to the world"):
+        world.set_body_velocity("floor", [1, 0, 0])
+    world.apply_force("high", [1e308, 0, 0])
+    with pytest.raises(mh.SimulationError, match="high_free"):
+        world.step()
+    world.step()
+    with pytest.raises(FileNotFoundError):
+        mh.World.from_file("nowhere.xml")
+
+
+def bounded(world: mh.World, reach: float = 1e7) -> bool:
+    """No number is infinite, not a number, or beyond reason."""
+    return bool(np.all(np.abs(world.q) < reach) and np.all(np.isfinite(world.v)))
+
+
+@settings(deadline=None, max_examples=60)
+@given(force=TRIPLES, torque=TRIPLES, point=TRIPLES)
+def test_any_force_is_refused_or_survived(
+    force: tuple[float, ...], torque: tuple[float, ...], point: tuple[float, ...]
+) -> None:
+    world = table()
+    world.step(3)
+    before = world.q
+    try:
+        world.apply_force("high", force, torque, point)
+        world.step(2)
+    except ValueError:
+        assert not np.all(np.isfinite([*force, *torque, *point]))
+    except mh.SimulationError:
+        assert np.all(np.isfinite(world.q)) and np.all(np.isfinite(world.v))
+        world.restore(table().snapshot())
+        return
+    assert np.all(np.isfinite(world.q)) and np.all(np.isfinite(before))
+
+
+@settings(deadline=None, max_examples=60)
+@given(size=TRIPLES, mass=NUMBERS, position=TRIPLES, friction=NUMBERS, restitution=NUMBERS)
+def test_any_body_is_refused_or_stays_finite(
+    size: tuple[float, ...], mass: float, position: tuple[float, ...], friction: float, restitution: float
+) -> None:
+    world = table()
+    try:
+        world.add_box("box", size, mass, position, friction=friction, restitution=restitution)
+        world.step(5)
+    except (ValueError, mh.SimulationError):
+        pass
+    assert np.all(np.isfinite(world.q)) and np.all(np.isfinite(world.v))
+
+
+@settings(deadline=None, max_examples=40)
+@given(
+    time_step=st.floats(1e-5, 1.0),
+    ratio=st.floats(-6, 6),
+    overlap=st.floats(-0.04, 0.04),
+    friction=st.floats(0, 10),
+)
+def test_harsh_scenes_stay_bounded(time_step: float, ratio: float, overlap: float, friction: float) -> None:
+    world = mh.World(time_step=time_step)
+    world.add_plane("floor", friction=friction)
+    world.add_box("low", [0.02, 0.02, 0.02], 1.0, [0, 0, 0.02 + overlap], friction=friction)
+    world.add_box("high", [0.02, 0.02, 0.02], 10.0**ratio, [0.001, 0, 0.06 + overlap], friction=friction)
+    world.step(60)
+    assert bounded(world)
+
+
+def test_parameters_are_read_back() -> None:
+    world = table()
+    world.set_mass("low", 0.5)
+    world.set_friction("low", 0.8)
+    world.set_restitution("high", 0.3)
+    world.gravity = [0, 0, -1.6]
+    world.set_geom_size("high", [0.01, 0.02, 0.03])
+    assert world.mass("low") == 0.5
+    assert world.friction("low") == 0.8
+    assert world.restitution("high") == 0.3
+    np.testing.assert_array_equal(world.gravity, [0, 0, -1.6])
+    np.testing.assert_array_equal(world.geom_size("high"), [0.01, 0.02, 0.03])
+    world.set_solver(max_iterations=7)
+    assert world.max_iterations == 7
+    with pytest.raises(ValueError, match="mass"):
+        world.set_mass("low", 0)
