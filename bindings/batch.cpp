@@ -132,14 +132,9 @@ void bind_clock(nb::class_<Batch>& batch) {
           "MANYHANDS_THREADS, or one for each core. lanes: 0 for the fastest, else 1, 4, 8 or 16; results do not "
           "depend "
           "on either.")
-      .def(
-          "step",
-          [](Batch& self, int n) {
-            const nb::gil_scoped_release release;
-            self.step(n);
-          },
-          "n"_a = 1, nb::lock_self(),
-          "Advances all worlds by n steps. One whose numbers stop being finite stays as it was; see `flags`.")
+      // Keeps the interpreter's lock, so that Python's threads take turns with a batch.
+      .def("step", &Batch::step, "n"_a = 1,
+           "Advances all worlds by n steps. One whose numbers stop being finite stays as it was; see `flags`.")
       .def("__len__", &Batch::num_worlds)
       .def_prop_ro("model", [](const Batch& self) { return std::make_unique<PythonModel>(self.shared_model()); })
       .def_prop_ro("num_worlds", &Batch::num_worlds)

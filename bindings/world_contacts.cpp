@@ -113,8 +113,10 @@ void bind_contact(nb::module_& m) {
 void bind_world_contacts(nb::module_& m, nb::class_<World>& world) {
   bind_contact(m);
   world
-      .def("contacts", &named_contacts,
-           "The points that touched in the last step, or carried an impulse; none before a step or after `restore`.")
+      .def(
+          "contacts", &named_contacts,
+          "The points that touched in the last step, or carried an impulse; none before a step, and after `restore` or "
+          "after parts came or went.")
       .def(
           "contact_wrench",
           [](const World& self, const std::string& link, const std::optional<std::string>& other) {

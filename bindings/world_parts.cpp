@@ -122,7 +122,7 @@ void add_mesh(World& self, const std::string& name, const std::variant<Vertices,
 }
 
 void bind_surfaces(nb::class_<World>& world) {
-  static const std::string mesh = adds("add_mesh", "mesh: str | os.PathLike | numpy.typing.NDArray[numpy.float32]");
+  static const std::string mesh = adds("add_mesh", "mesh: str | os.PathLike | numpy.typing.NDArray[numpy.floating]");
   static const std::string mesh_text =
       "Adds a mesh file (STL, OBJ, DAE) or points (n, 3) [m], times `scale` (3). A body that moves is the convex hull "
       "of "

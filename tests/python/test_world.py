@@ -2,6 +2,7 @@
 
 import copy
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -89,6 +90,36 @@ def test_a_wrist_feels_what_hangs_on_it() -> None:
     weight = 9.81 * sum(link.mass for link in model.links if link.name in beyond)
     wrench = world.joint_wrench("panda_hand_joint")
     assert wrench[5] == pytest.approx(weight, rel=1e-6)
+
+
+SCENE = """
+<mujoco>
+  <option timestep="0.004"/>
+  <worldbody>
+    <geom name="floor" type="plane" size="1 1 1"/>
+    <body name="ball" pos="0 0 0.1"><freejoint/><geom type="sphere" size="0.05"/></body>
+    <body name="arm" pos="1 0 1"><joint name="hinge" axis="0 1 0"/><geom type="capsule" size="0.02 0.1"/></body>
+  </worldbody>
+  <actuator><position name="servo" joint="hinge" kp="50" kv="5" ctrlrange="-1 1"/></actuator>
+</mujoco>
+"""
+
+
+def test_a_scene_file_brings_time_step_places_and_drives(tmp_path: Path) -> None:
+    (tmp_path / "scene.xml").write_text(SCENE)
+    world = mh.World.from_file(tmp_path / "scene.xml")
+    assert world.time_step == 0.004
+    assert world.body_pose("ball")[0][2] == pytest.approx(0.1)
+    world.ctrl = [3.0]
+    assert world.ctrl == [1.0]
+    world.step(1000)
+    assert world.body_pose("ball")[0][2] == pytest.approx(0.05, abs=1e-3)
+    assert world.q[world.model.joint("hinge").iq] == pytest.approx(1.0, abs=1e-2)
+    with pytest.raises(ValueError, match="hinge"):
+        world.set_motors(max_force=1.0)
+    world.add(tmp_path / "scene.xml", [0, 5, 0], name="other")
+    assert world.body_pose("other/ball")[0].tolist() == pytest.approx([0, 5, 0.1])
+    assert world.ctrl.tolist() == [1.0, 0.0]
 
 
 def test_errors_name_what_was_wrong() -> None:

@@ -112,7 +112,7 @@ class World {
   void apply_force(std::string_view name, const Vec3<double>& force, const Vec3<double>& torque = Vec3<double>::zero(),
                    const std::optional<Vec3<double>>& point = {});
 
-  // ---- what the last step found (world_contacts.cpp); empty or 0 before a step and after `restore` ---------------
+  // ---- what the last step found (world_contacts.cpp); empty or 0 before a step, after `restore` and other parts ----
   [[nodiscard]] std::vector<Contact> contacts() const;
   /// What contacts do to the link; only those with `other`, if it is named.
   [[nodiscard]] ContactWrench contact_wrench(std::string_view link, std::string_view other = {}) const;
