@@ -90,6 +90,8 @@ MANYHANDS_INLINE void add_torsion(const Tree<real_t<T>>& tree, const Workspace<T
   torsion.t_1 = surface.t_1;
   torsion.t_2 = surface.t_2;
   torsion.impulse = {dot(moment, point.normal), dot(moment, torsion.t_1), dot(moment, torsion.t_2)};
+  const Vec3<T> w = ws.V[point.rows.body_b].w - ws.V[point.rows.body_a].w;
+  torsion.offset = {dot(w, point.normal), dot(w, torsion.t_1), dot(w, torsion.t_2)};
   fill_rotation_rows(tree, ws, torsion.rows, {point.normal, torsion.t_1, torsion.t_2}, set.store);
   set.torsions.push_back(torsion);
 }
