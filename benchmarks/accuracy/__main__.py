@@ -93,7 +93,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         for task in planned(case, engine, options.quick)
     ]
     about = machine() | {"quick": options.quick}
-    rows = run(tasks, options, about, console)
+    try:
+        rows = run(tasks, options, about, console)
+    except KeyboardInterrupt:
+        console.print(f"Interrupted. {options.output} keeps what is done; the same command goes on from there.")
+        return 130
     mine = wanted(rows, tasks)
     show(console, cases, mine, options.all or bool(options.case))
     pictures = draw(options.output.with_suffix(""), cases, mine)

@@ -13,6 +13,7 @@ from benchmarks.accuracy.mjcf import mjcf
 from benchmarks.accuracy.scene import Array, Scene, rotation
 
 LANES = "manyhands lanes"
+TIGHT = "tolerance 1e-15"  # of the contact solver; a variant
 NOT_FINITE = 1  # bit of Batch.flags
 WORLDS = 16  # of the batch, all alike: its real-time factor counts them all
 
@@ -52,6 +53,8 @@ class OurSimulation(Simulation):
             integrator: Any = settings.integrator or "semi_implicit"
             self.world = mh.World(model, time_step=settings.time_step, integrator=integrator)
         solver = dict(settings.options)
+        if settings.variant == TIGHT:
+            solver |= {"max_iterations": 1000, "tolerance": 1e-15}
         if settings.iterations is not None:
             solver["max_iterations"] = settings.iterations
         if solver:
