@@ -11,7 +11,9 @@
 #include "manyhands/envs/make.h"
 #include "manyhands/envs/panda.h"
 #include "manyhands/math/instantiate.h"
+#include "manyhands/physics/step/batch.h"
 #include "tests/physics/contact/joint_problem.h"
+#include "tests/physics/step/world_scenes.h"
 
 namespace {
 
@@ -124,6 +126,33 @@ TYPED_TEST(NoAllocation, InInverseKinematics) {
   const Watch watch;
   (void)solve_ik(tree, params, robot.chain, settings, target, q.data(), ws);
   EXPECT_EQ(watch.stop(), 0);
+}
+
+/// Once everything has touched: what grows with the number of contacts has then grown.
+TEST(NoAllocation, InAWorldInContact) {
+  for (const auto& model : {testing::stack(3), testing::panda_and_cube()}) {
+    World world(model);
+    world.step(300);
+    world.apply_force(model->links().back().name, {0.1, 0, 0});
+    const Watch watch;
+    world.step(50);
+    EXPECT_EQ(watch.stop(), 0) << model->name();
+    EXPECT_FALSE(world.contacts().empty());
+  }
+}
+
+TEST(NoAllocation, InABatchInContact) {
+  for (const auto& model : {testing::stack(3), testing::panda_and_cube()}) {
+    for (const int lanes : {1, 4, 8, 16}) {
+      Batch batch(model, 20, 0.002, {.num_threads = 1, .lanes = lanes});
+      batch.step(300);
+      batch.apply_force(model->links().back().name, std::vector<float>(60, 0.1f));
+      const Watch watch;
+      batch.step(50);
+      EXPECT_EQ(watch.stop(), 0) << model->name() << ", " << lanes << " lanes";
+      EXPECT_GT(batch.contact_count()[3], 0);
+    }
+  }
 }
 
 TEST(NoAllocation, InABatchOfEnvironments) {
