@@ -8,6 +8,7 @@ NB_MODULE(_core, m) {
   manyhands::bind_model(m);
   manyhands::bind_dynamics(m);
   manyhands::bind_kinematics(m);
+  manyhands::bind_collision(m);
   manyhands::bind_world(m);
   manyhands::bind_batch_worlds(m);
   manyhands::bind_envs(m);

@@ -3,7 +3,7 @@
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from manyhands import dynamics, envs
+from manyhands import collision, dynamics, envs
 from manyhands._core import (
     Actuator,
     Batch,
@@ -72,6 +72,7 @@ __all__ = [
     "World",
     "__version__",
     "asset_path",
+    "collision",
     "dynamics",
     "envs",
     "inverse_kinematics",
