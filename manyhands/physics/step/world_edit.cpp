@@ -74,6 +74,23 @@ void check_body(const NewBody& body) {
   require_shape_size(what, body.shape);
 }
 
+void put(ModelBuilder& builder, const NewBody& body, const Inertial& inertial) {
+  const LinkId link = builder.add_link(body.name, inertial);
+  if (body.fixed) {
+    builder.place_root(link, body.X_WB);
+  } else {
+    const Quat<double> r = normalized(to_quat(body.X_WB.R));
+    builder.add_joint({.name = body.name + "_free",
+                       .type = JointType::kFloating,
+                       .parent = builder.world(),
+                       .child = link,
+                       .initial = {body.X_WB.p.x, body.X_WB.p.y, body.X_WB.p.z, r.x, r.y, r.z, r.w}});
+  }
+  Geom geom{.name = body.name, .link = link, .shape = body.shape, .rgba = body.rgba, .surface = body.surface};
+  if (!body.mesh.vertices.empty()) geom.shape.mesh = builder.add_mesh(body.mesh);
+  builder.add_geom(std::move(geom));
+}
+
 /// What the builder of a world's parts has besides parts.
 void take_settings(const Model& model, ModelBuilder& builder) {
   builder.set_gravity(model.gravity());
@@ -145,23 +162,12 @@ void World::add_file(const std::filesystem::path& path, const Transform<double>&
 void World::add_body(const NewBody& body) {
   check_body(body);
   const Inertial inertial = body.fixed ? Inertial{} : solid(body);
+  ModelBuilder alone;
+  put(alone, body, inertial);
+  (void)alone.build();  // what cannot be a model is refused now, not when the world's is made
   edit();
   drop_left_out();  // its name may be that of a part removed before
-  ModelBuilder& builder = edit().builder;
-  const LinkId link = builder.add_link(body.name, inertial);
-  if (body.fixed) {
-    builder.place_root(link, body.X_WB);
-  } else {
-    const Quat<double> r = normalized(to_quat(body.X_WB.R));
-    builder.add_joint({.name = body.name + "_free",
-                       .type = JointType::kFloating,
-                       .parent = builder.world(),
-                       .child = link,
-                       .initial = {body.X_WB.p.x, body.X_WB.p.y, body.X_WB.p.z, r.x, r.y, r.z, r.w}});
-  }
-  Geom geom{.name = body.name, .link = link, .shape = body.shape, .rgba = body.rgba, .surface = body.surface};
-  if (!body.mesh.vertices.empty()) geom.shape.mesh = builder.add_mesh(body.mesh);
-  builder.add_geom(std::move(geom));
+  put(edit().builder, body, inertial);
 }
 
 void World::remove(const std::string& name) {

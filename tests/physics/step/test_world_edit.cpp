@@ -115,6 +115,7 @@ TEST(WorldEdit, RefusesWhatIsNoBody) {
                std::invalid_argument);
   EXPECT_THROW(world.add_body({.name = "a", .shape = {.type = ShapeType::kPlane}}), ModelError);
   EXPECT_THROW(world.add_body(box("", {0, 0, 0})), ModelError);
+  EXPECT_THROW(world.add_body(box("a", {0, 0, 0}, 1e-12)), ModelError);  // no inertia to speak of
   world.add_body(box("a", {0, 0, 0}));
   EXPECT_THROW(world.add_body(box("a", {0, 0, 0})), ModelError);
   EXPECT_EQ(world.names(), (std::vector<std::string>{"a"}));
