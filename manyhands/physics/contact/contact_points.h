@@ -1,8 +1,11 @@
 // From manifolds to rows: every contact point with its basis, its Jacobian and the velocity it asks for.
 #pragma once
 
+#include <variant>
+
 #include "manyhands/physics/collision/collide.h"
 #include "manyhands/physics/contact/coulomb.h"
+#include "manyhands/physics/contact/newton_finish.h"
 #include "manyhands/physics/contact/row_block.h"
 
 namespace manyhands {
@@ -64,6 +67,7 @@ struct ContactSet {
   RowStore<T> store;
   std::vector<T> free_dv;  ///< (nv) velocity change without contacts; only where something bounces
   std::vector<T> kept_dv;  ///< (nv) scratch
+  std::conditional_t<std::same_as<T, double>, NewtonFinish, std::monostate> newton;
 };
 
 }  // namespace manyhands

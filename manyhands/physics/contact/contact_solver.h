@@ -8,8 +8,10 @@ namespace manyhands {
 
 /// How long the solver works. In lanes the worlds of a block share the sweeps, and a world that is done stays as it is.
 struct SolverSettings {
-  int max_sweeps = 100;     ///< over all contacts; a few more where a joint's motor or limit gives way
-  double tolerance = 1e-9;  ///< stop when a sweep changes no contact's velocity by more [m/s]
+  int max_sweeps = 100;            ///< over all contacts; a few more where a joint's motor or limit gives way
+  double tolerance = 1e-9;         ///< stop when a sweep changes no contact's velocity by more [m/s]
+  int newton_steps = 10;           ///< at most, in double alone, where sweeps gain too little
+  double newton_tolerance = 1e-7;  ///< residual of the law of contact that is not worth a Newton step [m/s]
 };
 
 namespace internal {
@@ -108,6 +110,10 @@ MANYHANDS_INLINE void find_responses(const Tree<real_t<T>>& tree, const Workspac
   }
 }
 
+/// Changes of an impulse relative to itself below which a sweep has settled, whatever the tolerance.
+template <Number T>
+inline constexpr real_t<T> kResolved = std::same_as<real_t<T>, float> ? real_t<T>(1e-5) : real_t<T>(1e-14);
+
 /// Solves one contact given all others; how much its velocity changed by it.
 template <Number T>
 MANYHANDS_INLINE T relax(const Tree<real_t<T>>& tree, mask_t<T> active, ContactPoint<T>& point,
@@ -118,8 +124,11 @@ MANYHANDS_INLINE T relax(const Tree<real_t<T>>& tree, mask_t<T> active, ContactP
   const Vec3<T> change = next - point.impulse;
   point.impulse = next;
   apply_row_impulse(point.rows, store, change, dv);
+  // What an impulse of this size cannot resolve is no change.
   const ContactStiffness<T>& k = point.stiffness;
-  return max(k.normal * abs(change.x), max(k.sigma_1 * abs(change.y), k.sigma_2 * abs(change.z)));
+  const T least = T(kResolved<T>) * next.x;
+  return max(k.normal * (abs(change.x) - least),
+             max(k.sigma_1 * (abs(change.y) - least), k.sigma_2 * (abs(change.z) - least)));
 }
 
 /// The same for what resists spinning and rolling, limited by the normal impulse.
@@ -220,16 +229,21 @@ MANYHANDS_INLINE int solve_constraints(const Tree<real_t<T>>& tree, const Solver
   T* stances = state.stance();
   mask_t<T> active(true), moved(true);
   T left(static_cast<R>(settings.max_sweeps)), pivots = zero;
+  if constexpr (std::same_as<T, double>) set.newton.begin();
   for (int sweeps = 0;;) {
     if (any(moved)) {
       internal::find_loop_responses(tree, ws, loops);
       internal::find_responses(tree, ws, moved, loops, set);
       internal::close_loops(tree, moved, loops, jc.dv.data());
+      if constexpr (std::same_as<T, double>) set.newton.look_anew();
     }
     const T allowed = select(active, min(batch, left), zero);
     T budget = allowed;
     mask_t<T> settled;
     sweeps += internal::sweep(tree, tolerance, budget, set, jc.dv.data(), settled);
+    if constexpr (std::same_as<T, double>) {
+      if (!settled) settled = set.newton.finish(settings, {tree, ws, jc, loops, set}, sweeps);
+    }
     left -= allowed - budget;
     internal::follow_contacts(set, loops);
     internal::find_joint_impulses(stances, jc);

@@ -1,0 +1,397 @@
+#include "manyhands/physics/contact/newton_system.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "manyhands/physics/dynamics/ltdl.h"
+
+namespace manyhands::internal {
+
+namespace {
+
+using Vec = Vec3<double>;
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+double length(double a, double b) { return std::sqrt(a * a + b * b); }
+
+/// What resists an impulse along the tangents: the mean of G_tt's diagonal.
+double tangent_size(const ContactStiffness<double>& G) {
+  const double coupling = (G.slope_1 * G.slope_1 + G.slope_2 * G.slope_2) * G.normal;
+  return 0.5 * (G.sigma_1 + G.sigma_2 + coupling);
+}
+
+/// |G y - P(G y - u)|, P onto the disc of the given radius (times G).
+double disc_residual(double G, double y_1, double y_2, double u_1, double u_2, double radius) {
+  const double a = G * y_1 - u_1, b = G * y_2 - u_2, size = length(a, b), rim = G * std::max(radius, 0.0);
+  const double scale = size > rim ? rim / size : 1;
+  return length(G * y_1 - scale * a, G * y_2 - scale * b);
+}
+
+double torsion_residual(const ContactProblem& problem, const ContactTorsion<double>& torsion, double n) {
+  const Vec u =
+      torsion.offset + multiply_rows(problem.tree, torsion.rows, problem.contacts.store, problem.joints.dv.data());
+  const Vec& m = torsion.impulse;
+  const double G = 1 / torsion.spin_inverse, most = G * torsion.spinning * n;
+  const double spin = std::abs(G * m.x - std::clamp(G * m.x - u.x, -most, most));
+  const double size = 0.5 * (torsion.stiffness.sigma_1 + torsion.stiffness.sigma_2);
+  const double roll = disc_residual(size, m.y, m.z, u.y, u.z, torsion.rolling * n);
+  return std::max(torsion.spinning * spin, torsion.rolling * roll);
+}
+
+double point_residual(const ContactProblem& problem, const ContactPoint<double>& point) {
+  const ContactSet<double>& set = problem.contacts;
+  if (!(point.stiffness.normal_inverse > 0)) return 0;
+  Vec u = point.offset + multiply_rows(problem.tree, point.rows, set.store, problem.joints.dv.data());
+  u.x += point.softness * point.impulse.x;
+  const Vec& y = point.impulse;
+  const double signorini = std::abs(std::min(point.stiffness.normal * y.x, u.x));
+  double worst = std::max(signorini, disc_residual(tangent_size(point.stiffness), y.y, y.z, u.y, u.z, y.x));
+  if (point.torsion >= 0) worst = std::max(worst, torsion_residual(problem, set.torsions[index(point.torsion)], y.x));
+  return worst;
+}
+
+/// Rows 2 and 3 of the law: P(trial) onto a disc.
+void project(double trial_1, double trial_2, double radius, double give, MultiplierLaw& law) {
+  const double size = length(trial_1, trial_2);
+  if (size <= radius) {
+    law.impulse.y = trial_1;
+    law.impulse.z = trial_2;
+    law.slope.y = {0, give, 0};
+    law.slope.z = {0, 0, give};
+    return;
+  }
+  const double d_1 = trial_1 / size, d_2 = trial_2 / size, turn = give * radius / size;
+  law.impulse.y = radius * d_1;
+  law.impulse.z = radius * d_2;
+  law.slope.y = {0, turn * (1 - d_1 * d_1), -turn * d_1 * d_2};
+  law.slope.z = {0, -turn * d_1 * d_2, turn * (1 - d_2 * d_2)};
+}
+
+/// J W of one loop's rows: its diagonal.
+Vec loop_size(const ContactProblem& problem, const RowBlock& rows) {
+  const RowStore<double>& store = problem.loops.store;
+  Vec G = Vec::zero();
+  visit_rows<double>(problem.tree, rows, [&](std::size_t entry, std::size_t dof, double) {
+    const int i = static_cast<int>(dof);
+    const bool in_a = i >= rows.begin_a && i < rows.end_a;
+    const int offset = in_a ? i - rows.begin_a : rows.end_a - rows.begin_a + i - rows.begin_b;
+    const Vec &J = store.J[entry], &W = store.W[rows.W + index(offset)];
+    G = G + Vec{J.x * W.x, J.y * W.y, J.z * W.z};
+  });
+  return G;
+}
+
+}  // namespace
+
+double law_residual(const ContactProblem& problem) {
+  double worst = 0;
+  for (const ContactPoint<double>& point : problem.contacts.points)
+    worst = std::max(worst, point_residual(problem, point));
+  return worst;
+}
+
+int NewtonSystem::root(int cluster) {
+  while (island_[index(cluster)] != cluster) cluster = island_[index(cluster)];
+  return cluster;
+}
+
+void NewtonSystem::choose_islands(const ContactProblem& problem, double tolerance) {
+  const auto nv = index(problem.tree.nv);
+  island_.resize(nv);
+  for (std::size_t i = 0; i < nv; ++i) island_[i] = static_cast<int>(i);
+  const auto first_of = [](const RowBlock& rows) { return rows.begin_a < rows.end_a ? rows.begin_a : rows.begin_b; };
+  const auto moves = [](const RowBlock& rows) { return rows.begin_a < rows.end_a || rows.begin_b < rows.end_b; };
+  for (const ContactPoint<double>& point : problem.contacts.points) {
+    if (point.rows.begin_a == point.rows.end_a || point.rows.begin_b == point.rows.end_b) continue;
+    const int a = root(point.rows.begin_a), b = root(point.rows.begin_b);
+    island_[index(std::max(a, b))] = std::min(a, b);
+  }
+  island_residual_.assign(nv, 0);
+  for (const ContactPoint<double>& point : problem.contacts.points) {
+    if (!moves(point.rows)) continue;
+    double& worst = island_residual_[index(root(first_of(point.rows)))];
+    worst = std::max(worst, point_residual(problem, point));
+  }
+  points_.clear();
+  loops_.clear();
+  const auto takes_part = [&](const RowBlock& rows) {
+    return moves(rows) && island_residual_[index(root(first_of(rows)))] > tolerance;
+  };
+  for (std::size_t i = 0; i < problem.contacts.points.size(); ++i)
+    if (takes_part(problem.contacts.points[i].rows)) points_.push_back(i);
+  for (std::size_t i = 0; i < problem.loops.blocks.size(); ++i)
+    if (takes_part(problem.loops.blocks[i].rows)) loops_.push_back(i);
+}
+
+void NewtonSystem::find_columns(const ContactProblem& problem) {
+  column_.assign(index(problem.tree.nv), -1);
+  const auto mark = [&](const RowBlock& rows) {
+    for (int i = rows.begin_a; i < rows.end_a; ++i) column_[index(i)] = 0;
+    for (int i = rows.begin_b; i < rows.end_b; ++i) column_[index(i)] = 0;
+  };
+  for (const std::size_t i : points_) mark(problem.contacts.points[i].rows);
+  for (const std::size_t i : loops_) mark(problem.loops.blocks[i].rows);
+  dofs_.clear();
+  for (std::size_t i = 0; i < column_.size(); ++i) {
+    if (column_[i] < 0) continue;
+    column_[i] = static_cast<int>(dofs_.size());
+    dofs_.push_back(i);
+  }
+}
+
+std::size_t NewtonSystem::pair_of(const RowBlock& rows) {
+  if (pairs_.empty() || pairs_.back().rows.body_a != rows.body_a || pairs_.back().rows.body_b != rows.body_b) {
+    pairs_.push_back({.rows = rows});
+    key_.push_back(rows.body_a);
+    key_.push_back(rows.body_b);
+  }
+  return pairs_.size() - 1;
+}
+
+void NewtonSystem::choose(const ContactProblem& problem, double tolerance) {
+  choose_islands(problem, tolerance);
+  find_columns(problem);
+  key_ = dofs_;
+  pairs_.clear();
+  point_pair_.clear();
+  loop_pair_.clear();
+  for (const std::size_t i : points_) point_pair_.push_back(pair_of(problem.contacts.points[i].rows));
+  for (const std::size_t i : loops_) loop_pair_.push_back(pair_of(problem.loops.blocks[i].rows));
+  find_pattern(problem);
+}
+
+void NewtonSystem::find_pattern(const ContactProblem& problem) {
+  std::size_t slots = 0;
+  for (Pair& pair : pairs_) {
+    pair.first_slot = slots;
+    visit_rows<double>(problem.tree, pair.rows, [&](std::size_t, std::size_t, double) { ++pair.count; });
+    slots += pair.count * pair.count;
+  }
+  if (key_ == last_key_) return;
+  last_key_ = key_;
+  analysed_ = false;
+  const auto visit_entries = [&](auto&& mass, auto&& contact) {
+    for (const std::size_t i : dofs_) {
+      for (int j = static_cast<int>(i); j >= 0; j = problem.tree.dof_parent[index(j)]) {
+        mass(column_[i], column_[index(j)]);
+        mass(column_[index(j)], column_[i]);
+      }
+    }
+    const auto visit = [&](const Pair& pair, auto&& body) {
+      visit_rows<double>(problem.tree, pair.rows, [&](std::size_t, std::size_t i, double) { body(column_[i]); });
+    };
+    for (const Pair& pair : pairs_) visit(pair, [&](int i) { visit(pair, [&](int j) { contact(i, j); }); });
+  };
+  std::vector<Eigen::Triplet<double>> entries;
+  const auto enter = [&](int i, int j) { entries.emplace_back(i, j, 0.0); };
+  visit_entries(enter, enter);
+  const auto n = static_cast<Eigen::Index>(dofs_.size());
+  H_.resize(n, n);
+  H_.setFromTriplets(entries.begin(), entries.end());
+  const auto slot = [&](int i, int j) {
+    const int *rows = H_.innerIndexPtr(), *columns = H_.outerIndexPtr();
+    return std::lower_bound(rows + columns[j], rows + columns[j + 1], i) - rows;
+  };
+  mass_slots_.clear();
+  slots_.clear();
+  visit_entries([&](int i, int j) { mass_slots_.push_back(slot(i, j)); },
+                [&](int i, int j) { slots_.push_back(slot(i, j)); });
+}
+
+void NewtonSystem::keep(const ContactProblem& problem) {
+  kept_dv_ = problem.joints.dv;
+  kept_impulses_.clear();
+  for (const ContactPoint<double>& point : problem.contacts.points) kept_impulses_.push_back(point.impulse);
+  for (const ContactTorsion<double>& torsion : problem.contacts.torsions) kept_impulses_.push_back(torsion.impulse);
+}
+
+void NewtonSystem::take_back(const ContactProblem& problem) const {
+  problem.joints.dv = kept_dv_;
+  auto kept = kept_impulses_.begin();
+  for (ContactPoint<double>& point : problem.contacts.points) point.impulse = *kept++;
+  for (ContactTorsion<double>& torsion : problem.contacts.torsions) torsion.impulse = *kept++;
+}
+
+void NewtonSystem::find_yielding(const ContactProblem& problem, double softness) {
+  const ContactSet<double>& set = problem.contacts;
+  const auto inverse = [&](double size, double beside) {
+    return size > 1e-12 * beside && size > 0 ? 1 / (softness * size) : 0.0;
+  };
+  point_yield_.clear();
+  torsion_yield_.clear();
+  for (const std::size_t i : points_) {
+    const ContactPoint<double>& point = set.points[i];
+    const ContactStiffness<double>& G = point.stiffness;
+    const double r = softness * (G.normal - point.softness) + point.softness;
+    point_yield_.push_back({G.normal_inverse > 0 ? 1 / r : 0.0, inverse(tangent_size(G), 1e-6 * G.normal)});
+    torsion_yield_.push_back({});
+    if (point.torsion < 0) continue;
+    const ContactTorsion<double>& torsion = set.torsions[index(point.torsion)];
+    const double spin = 1 / torsion.spin_inverse;
+    torsion_yield_.back() = {inverse(spin, 0),
+                             inverse(0.5 * (torsion.stiffness.sigma_1 + torsion.stiffness.sigma_2), 1e-6 * spin)};
+  }
+  loop_yield_.clear();
+  for (const std::size_t i : loops_) {
+    const Vec G = loop_size(problem, problem.loops.blocks[i].rows);
+    const double largest = std::max({G.x, G.y, G.z});
+    loop_yield_.push_back({inverse(G.x, largest), inverse(G.y, largest), inverse(G.z, largest)});
+  }
+}
+
+void NewtonSystem::evaluate(const ContactProblem& problem, const std::vector<double>& x) {
+  const ContactSet<double>& set = problem.contacts;
+  point_law_.assign(points_.size(), {});
+  torsion_law_.assign(points_.size(), {});
+  loop_change_.assign(loops_.size(), Vec::zero());
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    const ContactPoint<double>& point = set.points[points_[k]];
+    const Yield& give = point_yield_[k];
+    if (!(give.normal > 0)) continue;
+    const auto velocity = [&](const auto& block) {
+      return block.offset + multiply_rows(problem.tree, block.rows, set.store, problem.joints.dv.data()) +
+             multiply_rows(problem.tree, block.rows, set.store, x.data());
+    };
+    const Vec u = velocity(point);
+    const Vec& y = point.impulse;
+    const double n = y.x - give.normal * (u.x + point.softness * y.x);
+    if (!(n > 0)) continue;
+    MultiplierLaw& law = point_law_[k];
+    law.impulse.x = n;
+    law.slope.x = {give.normal, 0, 0};
+    if (give.tangent > 0) project(y.y - give.tangent * u.y, y.z - give.tangent * u.z, n, give.tangent, law);
+    if (point.torsion < 0) continue;
+    const ContactTorsion<double>& torsion = set.torsions[index(point.torsion)];
+    const Yield& turns = torsion_yield_[k];
+    const Vec w = velocity(torsion);
+    const Vec& m = torsion.impulse;
+    MultiplierLaw& turning = torsion_law_[k];
+    const double spin = m.x - turns.normal * w.x, most = torsion.spinning * n;
+    turning.impulse.x = std::clamp(spin, -most, most);
+    if (std::abs(spin) <= most) turning.slope.x = {turns.normal, 0, 0};
+    if (torsion.rolling > 0 && turns.tangent > 0)
+      project(m.y - turns.tangent * w.y, m.z - turns.tangent * w.z, torsion.rolling * n, turns.tangent, turning);
+  }
+  for (std::size_t k = 0; k < loops_.size(); ++k) {
+    const LoopRows<double>& loop = problem.loops.blocks[loops_[k]];
+    const Vec u = multiply_rows(problem.tree, loop.rows, problem.loops.store, x.data());
+    const Vec& give = loop_yield_[k];
+    loop_change_[k] = {-give.x * u.x, -give.y * u.y, -give.z * u.z};
+  }
+}
+
+double NewtonSystem::find_defect(const ContactProblem& problem, const std::vector<double>& x) {
+  evaluate(problem, x);
+  const ContactSet<double>& set = problem.contacts;
+  defect_.resize(x.size());
+  multiply_tree_matrix<double>(problem.tree, problem.dynamics.M.data(), x.data(), defect_.data());
+  for (std::size_t i = 0; i < x.size(); ++i) defect_[i] = -(defect_[i] + problem.joints.spring[i] * x[i]);
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    const ContactPoint<double>& point = set.points[points_[k]];
+    add_row_impulse(problem.tree, point.rows, set.store, point_law_[k].impulse - point.impulse, defect_.data());
+    if (point.torsion < 0) continue;
+    const ContactTorsion<double>& torsion = set.torsions[index(point.torsion)];
+    add_row_impulse(problem.tree, torsion.rows, set.store, torsion_law_[k].impulse - torsion.impulse, defect_.data());
+  }
+  for (std::size_t k = 0; k < loops_.size(); ++k)
+    add_row_impulse(problem.tree, problem.loops.blocks[loops_[k]].rows, problem.loops.store, loop_change_[k],
+                    defect_.data());
+  double square = 0;
+  for (const std::size_t i : dofs_) square += defect_[i] * defect_[i];
+  return std::sqrt(square);
+}
+
+void NewtonSystem::assemble(const ContactProblem& problem) {
+  const Tree<double>& tree = problem.tree;
+  const ContactSet<double>& set = problem.contacts;
+  double* H = H_.valuePtr();
+  std::fill_n(H, H_.nonZeros(), 0.0);
+  auto slot = mass_slots_.begin();
+  for (const std::size_t i : dofs_) {
+    const double* row = problem.dynamics.M.data() + tree.M_row[i];
+    for (int j = static_cast<int>(i); j >= 0; j = tree.dof_parent[index(j)], slot += 2) {
+      if (index(j) == i) {
+        H[slot[0]] = row[i] + problem.joints.spring[i];
+      } else {
+        H[slot[0]] = H[slot[1]] = row[j];
+      }
+    }
+  }
+  const auto add = [&](const Pair& pair, const Vec* J, const Mat3<double>& A) {
+    const Eigen::Index* to = &slots_[pair.first_slot];
+    for (std::size_t i = 0; i < pair.count; ++i) {
+      const Vec row = J[i].x * A.x + J[i].y * A.y + J[i].z * A.z;
+      for (std::size_t j = 0; j < pair.count; ++j) H[*to++] += dot(row, J[j]);
+    }
+  };
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    const MultiplierLaw& law = point_law_[k];
+    if (!(law.impulse.x > 0)) continue;
+    const ContactPoint<double>& point = set.points[points_[k]];
+    const Pair& pair = pairs_[point_pair_[k]];
+    const Vec* J = &set.store.J[point.rows.J];
+    add(pair, J, law.slope);
+    if (point.torsion < 0) continue;
+    add(pair, &set.store.J[set.torsions[index(point.torsion)].rows.J], torsion_law_[k].slope);
+  }
+  for (std::size_t k = 0; k < loops_.size(); ++k) {
+    const Vec& give = loop_yield_[k];
+    add(pairs_[loop_pair_[k]], &problem.loops.store.J[problem.loops.blocks[loops_[k]].rows.J],
+        {{give.x, 0, 0}, {0, give.y, 0}, {0, 0, give.z}});
+  }
+}
+
+bool NewtonSystem::solve() {
+  if (!analysed_) factors_.analyzePattern(H_);
+  analysed_ = true;
+  factors_.factorize(H_);
+  if (factors_.info() != Eigen::Success) return false;
+  step_ = factors_.solve(rhs_);
+  return step_.allFinite();
+}
+
+void NewtonSystem::outer_step(const ContactProblem& problem, double softness, int most_factorisations) {
+  find_yielding(problem, softness);
+  x_.assign(problem.joints.dv.size(), 0);
+  double before = find_defect(problem, x_);
+  for (int k = 0; k < most_factorisations && before > 0; ++k) {
+    assemble(problem);
+    rhs_.resize(static_cast<Eigen::Index>(dofs_.size()));
+    for (std::size_t i = 0; i < dofs_.size(); ++i) rhs_[static_cast<Eigen::Index>(i)] = defect_[dofs_[i]];
+    if (!solve()) break;
+    double best = std::numeric_limits<double>::infinity(), best_length = 0, at = 0;
+    for (double fraction = 1; fraction > 0.02; fraction *= 0.5) {
+      trial_ = x_;
+      for (std::size_t i = 0; i < dofs_.size(); ++i) trial_[dofs_[i]] += fraction * step_[static_cast<Eigen::Index>(i)];
+      const double norm = find_defect(problem, trial_);
+      at = fraction;
+      if (norm < best) {
+        best = norm;
+        best_length = fraction;
+      }
+      if (norm < (1 - 0.1 * fraction) * before) break;
+    }
+    for (std::size_t i = 0; i < dofs_.size(); ++i) x_[dofs_[i]] += best_length * step_[static_cast<Eigen::Index>(i)];
+    if (at != best_length) find_defect(problem, x_);
+    const bool done = best < 1e-3 * before;
+    before = best;
+    if (done) break;
+  }
+  apply(problem);
+}
+
+void NewtonSystem::apply(const ContactProblem& problem) {
+  ContactSet<double>& set = problem.contacts;
+  const auto move = [&](auto& block, const Vec& impulse) {
+    apply_row_impulse(block.rows, set.store, impulse - block.impulse, problem.joints.dv.data());
+    block.impulse = impulse;
+  };
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    ContactPoint<double>& point = set.points[points_[k]];
+    move(point, point_law_[k].impulse);
+    if (point.torsion >= 0) move(set.torsions[index(point.torsion)], torsion_law_[k].impulse);
+  }
+}
+
+}  // namespace manyhands::internal
