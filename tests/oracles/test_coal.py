@@ -110,10 +110,11 @@ def test_manifolds_are_sound_and_as_deep_as_the_shapes(type_a: str, type_b: str)
             assert abs(found.distances.min() - phi[i]) <= tolerance, (found, phi[i], where)
             assert abs(mirror.distances.min() - phi[i]) <= tolerance, (mirror, phi[i], where)
             assert abs(single.distances.min() - phi[i]) <= tolerance + FLOAT * (size + 1), (single, phi[i], where)
-            # From a point, the surfaces are half its distance away along the normal: exactly at the deepest one; at the
-            # others but for the curvature beyond flat features and for sides that are not quite square to the normal.
+            # From a point, the surfaces are half its distance away along the normal: at the deepest one, but for others
+            # of nearly its depth; elsewhere, but for the curvature beyond flat features and sides not quite square to
+            # the normal.
             half = 0.5 * found.distances[:, None] * n
             off = np.maximum(a.row(i).outside(found.points - half), b.row(i).outside(found.points + half))
-            assert off[found.distances.argmin()] <= 1e-4 * size, (found, where)
+            assert off[found.distances.argmin()] <= 1e-3 * size, (found, where)
             assert off.max() <= 0.1 * size, (found, where)
     assert touching > 0.15 * min(MANIFOLDS, COUNT)
