@@ -5,15 +5,17 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from benchmarks.contact import run_contact
 from benchmarks.pinocchio_peer import run_pinocchio
 from benchmarks.programs import run_programs
 from benchmarks.reach import run_reach
-from benchmarks.report import machine, stage_tree, table, write_json
+from benchmarks.report import contact_stages, machine, stage_tree, table, write_json
 from benchmarks.targets import compare_with_peers, judge
 
 DESCRIPTION = """\
-Measures manyhands and, in the same run and in turns, the programs people use today: panda-gym and Pinocchio.
-Prints a table and the profile of a Reach step, and writes a file of JSON with the same rows.
+Measures manyhands and, in the same run and in turns, the programs people use today: panda-gym, Pinocchio,
+MuJoCo and PyBullet.
+Prints a table and the profiles of a Reach step and of steps in contact, and writes a file of JSON with the same rows.
 """
 EPILOG = """\
 How to read it: values are medians over rounds, ± is the scatter between rounds (over 10 % is marked "noisy": something
@@ -55,9 +57,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     rows = run_programs(options.programs, options.quick)
     rows += run_pinocchio(rounds, seconds / 4)
     rows += run_reach(rounds, seconds)
+    rows += run_contact(options.programs, rounds, seconds)
     compare_with_peers(rows)
     judge(rows)
-    print(f"\n{table(rows)}\n\n{stage_tree(rows)}\n")
+    print(f"\n{table(rows)}\n\n{stage_tree(rows)}\n\n{contact_stages(rows)}\n")
     write_json(options.output, rows, about)
     print(f"Written: {options.output}")
     wrong = [row for row in rows if row.wrong]

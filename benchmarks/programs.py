@@ -6,7 +6,7 @@ from pathlib import Path
 
 from benchmarks.rows import Row
 
-PROGRAMS = ("threads", "dynamics", "reach_stages")
+PROGRAMS = ("threads", "dynamics", "reach_stages", "contact_stages")
 
 
 def run_programs(folder: Path, quick: bool) -> list[Row]:
@@ -39,6 +39,7 @@ def read_row(line: str) -> Row:
         value=fields["value"],
         unit=fields["unit"],
         variation=fields["variation"],
+        note=fields["note"],
     )
     if fields["wrong"]:
         row.refuse(fields["wrong"])

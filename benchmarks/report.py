@@ -14,6 +14,7 @@ from benchmarks.rows import NOISY, Row
 
 HEADINGS = ("benchmark", "engine", "number type", "threads", "value", "unit", "±", "ratio", "target", "")
 STAGE = "Reach step: "
+CONTACT_STAGE = "Contact step, "  # scene: stage
 
 
 def machine() -> dict[str, Any]:
@@ -48,7 +49,7 @@ def first_line(command: Sequence[str]) -> str:
 
 
 def table(rows: Sequence[Row]) -> str:
-    """All rows but the stages of a Reach step, in columns."""
+    """All rows but those of stages, in columns."""
     cells = [HEADINGS, *(cells_of(row) for row in rows if not row.benchmark.startswith(STAGE))]
     widths = [max(len(line[k]) for line in cells) for k in range(len(HEADINGS))]
     right = {3, 4, 6, 7}
@@ -108,6 +109,22 @@ def stage_tree(rows: Sequence[Row]) -> str:
     lines += [line(f"├─ {part}", {kind: ns.get((part, kind)) for kind in types}, totals) for part in parts]
     rest = {k: None if totals[k] is None or sums[k] is None else (totals[k] or 0) - (sums[k] or 0) for k in types}
     lines.append(line("└─ rows, outcomes, and what is between", rest, totals))
+    return "\n".join(lines)
+
+
+def contact_stages(rows: Sequence[Row]) -> str:
+    """Where a substep in contact spends its time: nanoseconds and shares, a column for each scene."""
+    ns: dict[str, dict[str, float]] = {}  # by scene and stage
+    for row in rows:
+        if row.benchmark.startswith(CONTACT_STAGE) and row.value is not None:
+            scene, stage = row.benchmark.removeprefix(CONTACT_STAGE).split(": ", 1)
+            ns.setdefault(scene, {})[stage] = row.value
+    lines = ["contact, ns per substep and world".ljust(38) + "".join(f"{scene:>18}" for scene in ns)]
+    totals = {scene: sum(stages.values()) for scene, stages in ns.items()}
+    stages = list(dict.fromkeys(stage for stages in ns.values() for stage in stages))
+    for text, values in [("all", totals), *((s, {scene: ns[scene].get(s, 0.0) for scene in ns}) for s in stages)]:
+        cells = [f"{value:,.0f} {100 * value / totals[scene]:4.0f}%" for scene, value in values.items()]
+        lines.append(text.ljust(38) + "".join(f"{cell:>18}" for cell in cells))
     return "\n".join(lines)
 
 

@@ -118,7 +118,7 @@ const char* number_name() {
   if constexpr (std::is_same_v<T, Lanes16>) return "lanes16";
 }
 
-/// One line of output. `wrong` tells why the row must not be believed, or is empty.
+/// One line of output. `wrong` tells why the row must not be believed, or is empty; `note` is for people.
 struct Row {
   std::string benchmark;
   const char* number_type;
@@ -129,14 +129,16 @@ struct Row {
   double variation;
   std::uint64_t hash;
   std::string wrong;
+  std::string note = {};
 };
 
 inline void print(const Row& row) {
   std::printf(
       "{\"benchmark\": \"%s\", \"engine\": \"manyhands\", \"number_type\": \"%s\", \"threads\": %d, \"value\": %.6g, "
-      "\"unit\": \"%s\", \"wall\": %.6g, \"variation\": %.4f, \"hash\": \"%016llx\", \"wrong\": \"%s\"}\n",
+      "\"unit\": \"%s\", \"wall\": %.6g, \"variation\": %.4f, \"hash\": \"%016llx\", \"wrong\": \"%s\", \"note\": "
+      "\"%s\"}\n",
       row.benchmark.c_str(), row.number_type, row.threads, row.value, row.unit, row.wall, row.variation,
-      static_cast<unsigned long long>(row.hash), row.wrong.c_str());
+      static_cast<unsigned long long>(row.hash), row.wrong.c_str(), row.note.c_str());
   std::fflush(stdout);
 }
 
