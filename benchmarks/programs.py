@@ -39,7 +39,7 @@ def read_row(line: str) -> Row:
         value=fields["value"],
         unit=fields["unit"],
         variation=fields["variation"],
-        note=fields["note"],
+        note=fields.get("note", ""),
     )
     if fields["wrong"]:
         row.refuse(fields["wrong"])
