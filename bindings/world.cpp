@@ -251,6 +251,7 @@ void bind_world(nb::module_& m) {
   bind_solver(world);
   bind_world_bodies(world);
   bind_world_contacts(m, world);
+  bind_world_queries(m, world);
   bind_world_parts(world);
 }
 

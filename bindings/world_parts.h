@@ -9,6 +9,7 @@ namespace manyhands {
 
 void bind_world_bodies(nanobind::class_<World>& world);                          // poses, velocities, forces
 void bind_world_contacts(nanobind::module_& m, nanobind::class_<World>& world);  // what the last step found
+void bind_world_queries(nanobind::module_& m, nanobind::class_<World>& world);   // distances and rays
 void bind_world_parts(nanobind::class_<World>& world);                           // adding, removing, parameters
 
 }  // namespace manyhands

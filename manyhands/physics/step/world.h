@@ -7,6 +7,7 @@
 #include <set>
 
 #include "manyhands/model/compose.h"
+#include "manyhands/physics/collision/queries.h"
 #include "manyhands/physics/step/contact_report.h"
 #include "manyhands/physics/step/world_core.h"
 
@@ -126,6 +127,19 @@ class World {
   [[nodiscard]] const SolverSettings& solver() const { return solver_; }
   /// Throws std::invalid_argument unless max_sweeps is 1 or more and the tolerance 0 or more.
   void set_solver(const SolverSettings& settings);
+
+  // ---- where geoms are in the present state (world_queries.cpp) -------------------------------------------------
+  /// Between the surfaces of two links, whether or not they may touch; none if one of them has no colliding geom.
+  /// Throws std::invalid_argument for one link twice.
+  [[nodiscard]] std::optional<LinkDistance> distance(std::string_view link_a, std::string_view link_b) const;
+  /// Every two links that may touch and are less than d [m] apart.
+  [[nodiscard]] std::vector<LinkDistance> near_links(double d) const;
+  /// The first colliding geom on each ray from origins[i] along directions[i], no farther than max_distance [m]. World
+  /// axes; directions have any length above 0. Throws std::invalid_argument otherwise, or if the spans differ in
+  /// length.
+  [[nodiscard]] std::vector<std::optional<WorldRayHit>> ray_cast(std::span<const Vec3<double>> origins,
+                                                                 std::span<const Vec3<double>> directions,
+                                                                 double max_distance) const;
 
   // ---- parts (world_edit.cpp): the model is made anew when it is next needed ------------------------------------
   /// Adds a model at X_WM. With a name, its parts are called "name/part". Throws ModelError if a name is taken.
