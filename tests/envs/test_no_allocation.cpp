@@ -7,10 +7,12 @@
 #include <atomic>
 #include <cstdlib>
 #include <new>
+#include <random>
 
 #include "manyhands/envs/make.h"
 #include "manyhands/envs/panda.h"
 #include "manyhands/math/instantiate.h"
+#include "manyhands/physics/collision/broad_phase.h"
 #include "manyhands/physics/step/batch.h"
 #include "tests/physics/contact/joint_problem.h"
 #include "tests/physics/step/world_scenes.h"
@@ -153,6 +155,52 @@ TEST(NoAllocation, InABatchInContact) {
       EXPECT_GT(batch.contact_count()[3], 0);
     }
   }
+}
+
+/// Once there have been as many pairs as there will be, however the geoms move and the swept axis changes.
+TEST(NoAllocation, InTheBroadPhase) {
+  constexpr std::size_t kGeoms = 300;
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  std::vector<Vec3<double>> start, velocity;
+  std::vector<bool> is_static;
+  for (std::size_t g = 0; g < kGeoms; ++g) {
+    start.push_back({uniform(random), uniform(random), uniform(random)});
+    velocity.push_back({uniform(random), 3 * uniform(random), uniform(random)});
+    is_static.push_back(g % 5 == 0);
+  }
+  BroadPhase broad_phase(is_static);
+  std::vector<Aabb<double>> bounds(kGeoms);
+  std::size_t pairs = 0;
+  const auto move = [&] {
+    for (int step = 0; step < 50; ++step) {
+      for (std::size_t g = 0; g < kGeoms; ++g) {
+        const Vec3<double> p = start[g] + (is_static[g] ? 0.0 : 0.1 * step) * velocity[g];
+        bounds[g] = grown(Aabb<double>{p, p}, 0.1);
+      }
+      pairs += broad_phase.update(bounds).size();
+    }
+  };
+  move();
+  const Watch watch;
+  move();
+  EXPECT_EQ(watch.stop(), 0);
+  EXPECT_GT(pairs, 1000u);
+}
+
+/// Of so many geoms that a broad phase finds the pairs.
+TEST(NoAllocation, InALargeWorldInContact) {
+  ModelBuilder builder("cubes");
+  testing::add_floor(builder);
+  for (int i = 0; i < 70; ++i) {
+    testing::add_cube(builder, "cube" + std::to_string(i), {0.05 * (i / 2), 0, 0.021 + 0.042 * (i % 2)});
+  }
+  World world(std::make_shared<const Model>(builder.build()));
+  world.step(100);
+  const Watch watch;
+  world.step(10);
+  EXPECT_EQ(watch.stop(), 0);
+  EXPECT_GT(world.contacts().size(), 200u);
 }
 
 TEST(NoAllocation, InABatchOfEnvironments) {
