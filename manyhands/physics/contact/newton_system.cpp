@@ -11,6 +11,10 @@ namespace {
 
 using Vec = Vec3<double>;
 
+/// How friction follows the normal impulse makes H unsymmetric. Where LU's price is too high for the larger systems, H
+/// goes without it: Newton's method then converges linearly where contacts slide.
+constexpr std::size_t kMostGeneral = 60;
+
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 double length(double a, double b) { return std::sqrt(a * a + b * b); }
@@ -51,9 +55,9 @@ double point_residual(const ContactProblem& problem, const ContactPoint<double>&
   return worst;
 }
 
-/// Rows 2 and 3 of the law: P(trial) onto a disc.
-void project(double trial_1, double trial_2, double radius, double give, MultiplierLaw& law) {
-  const double size = length(trial_1, trial_2);
+/// Rows 2 and 3 of the law: P(trial) onto a disc of radius `ratio` n, where d n / d u_n = -give_n.
+void project(double trial_1, double trial_2, double n, double ratio, double give, double give_n, MultiplierLaw& law) {
+  const double size = length(trial_1, trial_2), radius = ratio * n;
   if (size <= radius) {
     law.impulse.y = trial_1;
     law.impulse.z = trial_2;
@@ -66,6 +70,8 @@ void project(double trial_1, double trial_2, double radius, double give, Multipl
   law.impulse.z = radius * d_2;
   law.slope.y = {0, turn * (1 - d_1 * d_1), -turn * d_1 * d_2};
   law.slope.z = {0, -turn * d_1 * d_2, turn * (1 - d_2 * d_2)};
+  law.on_normal.y = ratio * give_n * d_1;
+  law.on_normal.z = ratio * give_n * d_2;
 }
 
 /// J W of one loop's rows: its diagonal.
@@ -170,7 +176,7 @@ void NewtonSystem::find_pattern(const ContactProblem& problem) {
   }
   if (key_ == last_key_) return;
   last_key_ = key_;
-  analysed_ = false;
+  symmetric_ready_ = general_ready_ = false;
   const auto visit_entries = [&](auto&& mass, auto&& contact) {
     for (const std::size_t i : dofs_) {
       for (int j = static_cast<int>(i); j >= 0; j = problem.tree.dof_parent[index(j)]) {
@@ -245,6 +251,11 @@ void NewtonSystem::evaluate(const ContactProblem& problem, const std::vector<dou
   point_law_.assign(points_.size(), {});
   torsion_law_.assign(points_.size(), {});
   loop_change_.assign(loops_.size(), Vec::zero());
+  slides_ = false;
+  const bool follows = dofs_.size() <= kMostGeneral;
+  const auto note_sliding = [&](const MultiplierLaw& law) {
+    slides_ = slides_ || (follows && (law.on_normal.x != 0 || law.on_normal.y != 0 || law.on_normal.z != 0));
+  };
   for (std::size_t k = 0; k < points_.size(); ++k) {
     const ContactPoint<double>& point = set.points[points_[k]];
     const Yield& give = point_yield_[k];
@@ -260,7 +271,9 @@ void NewtonSystem::evaluate(const ContactProblem& problem, const std::vector<dou
     MultiplierLaw& law = point_law_[k];
     law.impulse.x = n;
     law.slope.x = {give.normal, 0, 0};
-    if (give.tangent > 0) project(y.y - give.tangent * u.y, y.z - give.tangent * u.z, n, give.tangent, law);
+    if (give.tangent > 0)
+      project(y.y - give.tangent * u.y, y.z - give.tangent * u.z, n, 1, give.tangent, give.normal, law);
+    note_sliding(law);
     if (point.torsion < 0) continue;
     const ContactTorsion<double>& torsion = set.torsions[index(point.torsion)];
     const Yield& turns = torsion_yield_[k];
@@ -269,9 +282,15 @@ void NewtonSystem::evaluate(const ContactProblem& problem, const std::vector<dou
     MultiplierLaw& turning = torsion_law_[k];
     const double spin = m.x - turns.normal * w.x, most = torsion.spinning * n;
     turning.impulse.x = std::clamp(spin, -most, most);
-    if (std::abs(spin) <= most) turning.slope.x = {turns.normal, 0, 0};
+    if (std::abs(spin) <= most) {
+      turning.slope.x = {turns.normal, 0, 0};
+    } else {
+      turning.on_normal.x = std::copysign(torsion.spinning * give.normal, spin);
+    }
     if (torsion.rolling > 0 && turns.tangent > 0)
-      project(m.y - turns.tangent * w.y, m.z - turns.tangent * w.z, torsion.rolling * n, turns.tangent, turning);
+      project(m.y - turns.tangent * w.y, m.z - turns.tangent * w.z, n, torsion.rolling, turns.tangent, give.normal,
+              turning);
+    note_sliding(turning);
   }
   for (std::size_t k = 0; k < loops_.size(); ++k) {
     const LoopRows<double>& loop = problem.loops.blocks[loops_[k]];
@@ -325,6 +344,14 @@ void NewtonSystem::assemble(const ContactProblem& problem) {
       for (std::size_t j = 0; j < pair.count; ++j) H[*to++] += dot(row, J[j]);
     }
   };
+  const auto follow_normal = [&](const Pair& pair, const Vec* J, const Vec* normal, const Vec& on_normal) {
+    if (!slides_) return;
+    const Eigen::Index* to = &slots_[pair.first_slot];
+    for (std::size_t i = 0; i < pair.count; ++i) {
+      const double row = dot(J[i], on_normal);
+      for (std::size_t j = 0; j < pair.count; ++j) H[*to++] += row * normal[j].x;
+    }
+  };
   for (std::size_t k = 0; k < points_.size(); ++k) {
     const MultiplierLaw& law = point_law_[k];
     if (!(law.impulse.x > 0)) continue;
@@ -332,8 +359,11 @@ void NewtonSystem::assemble(const ContactProblem& problem) {
     const Pair& pair = pairs_[point_pair_[k]];
     const Vec* J = &set.store.J[point.rows.J];
     add(pair, J, law.slope);
+    follow_normal(pair, J, J, law.on_normal);
     if (point.torsion < 0) continue;
-    add(pair, &set.store.J[set.torsions[index(point.torsion)].rows.J], torsion_law_[k].slope);
+    const Vec* turning = &set.store.J[set.torsions[index(point.torsion)].rows.J];
+    add(pair, turning, torsion_law_[k].slope);
+    follow_normal(pair, turning, J, torsion_law_[k].on_normal);
   }
   for (std::size_t k = 0; k < loops_.size(); ++k) {
     const Vec& give = loop_yield_[k];
@@ -343,12 +373,15 @@ void NewtonSystem::assemble(const ContactProblem& problem) {
 }
 
 bool NewtonSystem::solve() {
-  if (!analysed_) factors_.analyzePattern(H_);
-  analysed_ = true;
-  factors_.factorize(H_);
-  if (factors_.info() != Eigen::Success) return false;
-  step_ = factors_.solve(rhs_);
-  return step_.allFinite();
+  const auto with = [&](auto& factors, bool& ready) {
+    if (!ready) factors.analyzePattern(H_);
+    ready = true;
+    factors.factorize(H_);
+    if (factors.info() != Eigen::Success) return false;
+    step_ = factors.solve(rhs_);
+    return step_.allFinite();
+  };
+  return slides_ ? with(general_, general_ready_) : with(symmetric_, symmetric_ready_);
 }
 
 void NewtonSystem::outer_step(const ContactProblem& problem, double softness, int most_factorisations) {

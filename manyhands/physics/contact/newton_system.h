@@ -14,6 +14,7 @@ namespace manyhands::internal {
 struct MultiplierLaw {
   Vec3<double> impulse = Vec3<double>::zero();
   Mat3<double> slope{Vec3<double>::zero(), Vec3<double>::zero(), Vec3<double>::zero()};  ///< -d impulse / d u, by rows
+  Vec3<double> on_normal = Vec3<double>::zero();  ///< -d impulse / d u_n of the point, where sliding follows it
 };
 
 /// The worst violation of the law of contact [m/s]: |min(G n, u_n)|, |G y - P(G y - u_t)| with P onto the disc of
@@ -71,8 +72,10 @@ class NewtonSystem {
   std::vector<Eigen::Index> mass_slots_, slots_;
   SparseMatrix H_;
   Eigen::VectorXd rhs_, step_;
-  Eigen::SimplicialLDLT<SparseMatrix> factors_;
-  bool analysed_ = false;
+  Eigen::SimplicialLDLT<SparseMatrix> symmetric_;
+  Eigen::SparseLU<SparseMatrix, Eigen::AMDOrdering<int>> general_;
+  bool symmetric_ready_ = false, general_ready_ = false;
+  bool slides_ = false;  ///< some contact does, and H is not symmetric for it
 
   struct Yield {
     double normal{}, tangent{};  ///< 1 / r of both; of torsion: about the normal, across it; 0: no such row
