@@ -24,6 +24,7 @@ using bindings::copied;
 using bindings::Numbers;
 using Poses = std::vector<Transform<double>>;
 using Shapes = std::vector<CollisionShape>;
+using Triangles = nb::ndarray<const int, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 
 /// A Python class for each type of shape.
 template <ShapeType type>
@@ -132,7 +133,7 @@ nb::tuple ray_casts(const CollisionShape& shape, const Numbers& p, const Numbers
                         copied(&normal.data()->x, {n, 3}));
 }
 
-Mesh mesh_of(const Numbers& vertices, const nb::ndarray<const int, nb::ndim<2>, nb::c_contig, nb::device::cpu>& t) {
+Mesh mesh_of(const Numbers& vertices, const Triangles& t) {
   if (t.shape(1) != 3) {
     throw std::invalid_argument("triangles have " + std::to_string(t.shape(1)) + " corners; expected shape (m, 3)");
   }
@@ -169,7 +170,6 @@ CollisionShape box_of(const Numbers& half) {
 CollisionShape convex_of(const Numbers& vertices) {
   return CollisionShape::convex(bindings::vectors("vertices", vertices));
 }
-using Triangles = nb::ndarray<const int, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 CollisionShape mesh_shape(const Numbers& vertices, const Triangles& triangles) {
   return CollisionShape::mesh(mesh_of(vertices, triangles));
 }

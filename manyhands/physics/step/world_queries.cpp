@@ -1,8 +1,7 @@
 // World: how far links are from each other, and what rays meet.
-#include "manyhands/physics/step/world.h"
-
 #include <cmath>
 
+#include "manyhands/physics/step/world.h"
 #include "manyhands/physics/step/world_checks.h"
 
 namespace manyhands {
