@@ -139,5 +139,28 @@ TYPED_TEST(LaneAlgebra, BroadcastFillsEveryLane) {
   }
 }
 
+[[gnu::noinline]] Transform<double> to_float_and_back(const Transform<double>& X) {
+  return broadcast<double>(broadcast<float>(X));
+}
+
+// GCC 12 folds the two conversions into none where it puts several numbers into one vector.
+TEST(Broadcast, RoundsWhatGoesBackToDouble) {
+  Uniform<double> draw(-3, 3);
+  Numbers<double> in(12);
+  for (double& x : in) x = draw();
+  Tape<double> model(in);
+  const Transform<double> Y = to_float_and_back(model.transform());
+  const Numbers<double> none;
+  Tape<double> back(none);
+  back.put_all(Y);
+  const Numbers<double> out = back.take();
+  ASSERT_EQ(out.size(), in.size());
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const volatile float rounded = static_cast<float>(in[i]);
+    EXPECT_EQ(out[i], static_cast<double>(rounded));
+    EXPECT_NE(out[i], in[i]);
+  }
+}
+
 }  // namespace
 }  // namespace manyhands::testing

@@ -46,7 +46,7 @@ template <Real R>
   for (std::size_t k = 0; k < kManifoldPoints; ++k) {
     if (!is_finite(m.phi[k])) continue;
     result.p[k] = broadcast<R>(X_WA * m.p[k]);
-    result.phi[k] = static_cast<R>(m.phi[k]);
+    result.phi[k] = broadcast<R>(m.phi[k]);
   }
   return result;
 }
