@@ -57,7 +57,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     rows = run_programs(options.programs, options.quick)
     rows += run_pinocchio(rounds, seconds / 4)
     rows += run_reach(rounds, seconds)
-    rows += run_contact(options.programs, rounds, seconds)
+    rows += run_contact(options.programs, rounds, seconds, rows)
     compare_with_peers(rows)
     judge(rows)
     print(f"\n{table(rows)}\n\n{stage_tree(rows)}\n\n{contact_stages(rows)}\n")

@@ -2,7 +2,7 @@
 
 import json
 import subprocess
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,6 +11,7 @@ from benchmarks.rows import Contender, Row, measure_in_turns
 from benchmarks.targets import set_verdict
 
 UNIT = "substeps/s"
+CHECKED, BESIDE_PEERS = "contact step, ", "contact beside peers, "
 TIMES_MUJOCO = 25.0
 TIMES_PYBULLET = 80.0
 PEERS: tuple[tuple[str, Callable[[Scene], Peer], float], ...] = (
@@ -50,8 +51,11 @@ class Program:
         return answer
 
 
-def run_contact(folder: Path, rounds: int, seconds: float) -> list[Row]:
-    """All scenes, each with ours and the peers in turns of about `seconds`; processor time of each one's own thread."""
+def run_contact(folder: Path, rounds: int, seconds: float, checked: Sequence[Row] = ()) -> list[Row]:
+    """All scenes, each with ours and the peers in turns of about `seconds`; processor time of each one's own thread.
+
+    `checked` holds the rows of `contact_stages`: where a scene's is wrong, its speed beside the peers is none either.
+    """
     path = folder / "contact_server"
     if not path.is_file():
         return [Row("contact beside peers", "manyhands", "", 1, None, "", note=f"not built: {path}; run `make bench`")]
@@ -60,12 +64,18 @@ def run_contact(folder: Path, rounds: int, seconds: float) -> list[Row]:
     for index, scene in enumerate(program.scenes):
         rows += run_scene(program, index, scene, rounds, seconds)
     program.close()
+    wrong = {(row.benchmark.removeprefix(CHECKED), row.number_type): row.note for row in checked if row.wrong}
+    for row in rows:
+        why = wrong.get((row.benchmark.removeprefix(BESIDE_PEERS), row.number_type))
+        if row.engine == "manyhands" and why is not None:
+            row.refuse(why.removeprefix("REFUSED: "))
+            row.verdict = ""
     return rows
 
 
 def run_scene(program: Program, index: int, scene: Scene, rounds: int, seconds: float) -> list[Row]:
     """The peers' rows of one scene, and ours once for each peer that it is compared with."""
-    name = f"contact beside peers, {scene.name}"
+    name = BESIDE_PEERS + scene.name
     ours = Contender(
         Row(name, "manyhands", program.number_type, 1, None, UNIT),
         lambda steps: program.step(index, steps),
