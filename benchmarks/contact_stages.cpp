@@ -10,7 +10,7 @@ namespace benchmarks {
 
 namespace {
 
-constexpr double kFloatNearDouble = 2e-4;  // [m] or [rad], after all steps
+constexpr double kFloatNearDouble = 5e-4;  // [m], [rad] and their rates: cubes may tilt within the slack of touching
 
 /// The largest difference between two runs' numbers.
 double difference(const Results& a, const Results& b) {
