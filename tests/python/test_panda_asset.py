@@ -192,7 +192,7 @@ def test_pybullet_reads_inertias_and_friction(bullet) -> None:
             np.testing.assert_allclose(info[3], com, atol=1e-9)
             # Ours, read from the file, are the ones PyBullet computes for its own robot.
             np.testing.assert_allclose(info[2], other[2], rtol=1e-3)
-        # Lateral friction, restitution, rolling friction. PyBullet's fingers are soft and resist spinning besides, which
+        # Lateral friction, restitution, rolling friction. PyBullet makes its fingers soft and resist spinning, which
         # its solver needs for a grasp and ours does not.
         assert (info[1], *info[5:7]) == (other[1], *other[5:7])
 

@@ -29,30 +29,32 @@ template <Number T>
   return {reinterpret_cast<RememberedManifold<T>*>(numbers.data()), numbers.size() / kManifoldNumbers<T>};
 }
 
-/// Gives each new point the impulse of the nearest old one that is still free, in order.
+/// Hands the impulse of each old point that carried something to the nearest new one that is still free, in order.
 template <Number T>
 MANYHANDS_INLINE void match_points(const RememberedManifold<T>& old, const Manifold<T>& now,
                                    std::array<Vec3<T>, kManifoldPoints>& impulse,
                                    std::array<Vec3<T>, kManifoldPoints>& moment) {
   using R = real_t<T>;
-  const T taken(std::numeric_limits<R>::infinity());
+  const T zero(R(0)), taken(std::numeric_limits<R>::infinity());
   std::array<T, kManifoldPoints> cost{};
-  for (std::size_t k = 0; k < kManifoldPoints; ++k) cost[k] = T(R(0));
   for (std::size_t k = 0; k < kManifoldPoints; ++k) {
-    const auto exists = is_finite(now.phi[k]);
-    T best = taken, choice(R(-1));
-    for (std::size_t j = 0; j < kManifoldPoints; ++j) {
-      const T distance = squared_norm(now.p[k] - old.p[j]) + cost[j];
-      const auto nearer = exists & (distance < best);
-      best = select(nearer, distance, best);
-      choice = select(nearer, T(static_cast<R>(j)), choice);
-    }
+    cost[k] = select(is_finite(now.phi[k]), zero, taken);
     impulse[k] = moment[k] = Vec3<T>::zero();
-    for (std::size_t j = 0; j < kManifoldPoints; ++j) {
-      const auto chosen = choice == T(static_cast<R>(j));
+  }
+  for (std::size_t j = 0; j < kManifoldPoints; ++j) {
+    const auto carried = squared_norm(old.impulse[j]) > zero;
+    T best = taken, choice(R(-1));
+    for (std::size_t k = 0; k < kManifoldPoints; ++k) {
+      const T distance = squared_norm(now.p[k] - old.p[j]) + cost[k];
+      const auto nearer = carried & (distance < best);
+      best = select(nearer, distance, best);
+      choice = select(nearer, T(static_cast<R>(k)), choice);
+    }
+    for (std::size_t k = 0; k < kManifoldPoints; ++k) {
+      const auto chosen = choice == T(static_cast<R>(k));
       impulse[k] = select(chosen, old.impulse[j], impulse[k]);
       moment[k] = select(chosen, old.moment[j], moment[k]);
-      cost[j] = select(chosen, taken, cost[j]);
+      cost[k] = select(chosen, taken, cost[k]);
     }
   }
 }

@@ -49,7 +49,8 @@ struct CombinedSurface {
   T friction_1, friction_2;  ///< along t_1 and t_2
   Vec3<T> t_1, t_2;
   T restitution, spinning, rolling;
-  T softness, push;  ///< of a soft surface: see `soften`; 0 where it is hard
+  T radius_A, radius_B;  ///< by which each side is curved at the contact [m]; 0 where it is flat or a corner
+  T softness, push;      ///< of a soft surface: see `soften`; 0 where it is hard
 };
 
 /// All contact points of a step.

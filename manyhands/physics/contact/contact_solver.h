@@ -68,8 +68,8 @@ MANYHANDS_INLINE Mat3<T> answer(const Tree<real_t<T>>& tree, const Workspace<T>&
 
 /// Turns a block's rows 2 and 3 and keeps its W in the worlds of the mask.
 template <Number T, class Block>
-MANYHANDS_INLINE void turn_block(const Tree<real_t<T>>& tree, mask_t<T> where, T c, T s, std::size_t nl, Vec3<T>* Z,
-                                 Block& block, Vec3<T>& e_1, Vec3<T>& e_2, RowStore<T>& store) {
+MANYHANDS_INLINE void turn_block(const Tree<real_t<T>>& tree, mask_t<T> where, T c, T s, const LoopSet<T>& loops,
+                                 Vec3<T>* Z, Block& block, Vec3<T>& e_1, Vec3<T>& e_2, RowStore<T>& store) {
   c = select(where, c, T(real_t<T>(1)));
   s = select(where, s, T(real_t<T>(0)));
   keep_response(block.rows, where, c, s, store);
@@ -80,7 +80,7 @@ MANYHANDS_INLINE void turn_block(const Tree<real_t<T>>& tree, mask_t<T> where, T
   block.offset = turned_rows(block.offset, c, s);
   block.impulse = turned_rows(block.impulse, c, s);
   block.closed_at = block.impulse;
-  for (std::size_t i = 0; i < nl; ++i) Z[i] = turned_rows(Z[i], c, s);
+  for (std::size_t i = 0; i < loops.x.size(); ++i) Z[i] = select(where, turned_rows(Z[i], c, s), loops.kept_Z[i]);
 }
 
 /// W, G and the basis of every contact in the worlds of the mask; the others keep theirs to the bit.
@@ -94,25 +94,27 @@ MANYHANDS_INLINE void find_responses(const Tree<real_t<T>>& tree, const Workspac
   Vec3<T>* Z = loops.Z.data();
   T c, s;
   for (ContactPoint<T>& point : set.points) {
+    std::copy_n(Z, nl, loops.kept_Z.begin());
     const Mat3<T> G = answer(tree, ws, loops, point.rows, Z, set.store);
     point.stiffness = chosen(where, diagonalise(G, point.softness, c, s), point.stiffness);
-    turn_block(tree, where, c, s, nl, Z, point, point.e_1, point.e_2, set.store);
+    turn_block(tree, where, c, s, loops, Z, point, point.e_1, point.e_2, set.store);
     Z += nl;
   }
   for (ContactTorsion<T>& torsion : set.torsions) {
+    std::copy_n(Z, nl, loops.kept_Z.begin());
     const Mat3<T> G = answer(tree, ws, loops, torsion.rows, Z, set.store);
     // Spinning and rolling are solved apart: turn the rolling rows by their own block of G alone.
     const Mat3<T> rolling{{one, zero, zero}, {zero, G.y.y, G.y.z}, {zero, G.z.y, G.z.z}};
     torsion.stiffness = chosen(where, diagonalise(rolling, zero, c, s), torsion.stiffness);
     torsion.spin_inverse = select(where, one / max(G.x.x, tiny), torsion.spin_inverse);
-    turn_block(tree, where, c, s, nl, Z, torsion, torsion.t_1, torsion.t_2, set.store);
+    turn_block(tree, where, c, s, loops, Z, torsion, torsion.t_1, torsion.t_2, set.store);
     Z += nl;
   }
 }
 
 /// Changes of an impulse relative to itself below which a sweep has settled, whatever the tolerance.
 template <Number T>
-inline constexpr real_t<T> kResolved = std::same_as<real_t<T>, float> ? real_t<T>(1e-5) : real_t<T>(1e-14);
+inline constexpr real_t<T> kResolved = std::same_as<real_t<T>, float> ? real_t<T>(3e-7) : real_t<T>(1e-14);
 
 /// Solves one contact given all others; how much its velocity changed by it.
 template <Number T>

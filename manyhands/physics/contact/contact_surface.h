@@ -44,6 +44,22 @@ MANYHANDS_INLINE void tangents_along(const Vec3<T>& axis, const Vec3<T>& n, Vec3
   t_2 = select(flat, cross(n, t_1), t_2);
 }
 
+/// The radius of a round side at a contact with the given normal; 0 of flat sides and corners.
+template <Number T>
+MANYHANDS_INLINE T curvature_radius(const Collider<real_t<T>>& geom, const Vec3<T>& size, const Vec3<T>& normal,
+                                    const Transform<T>& X_WG) {
+  const T zero(real_t<T>(0));
+  switch (geom.type) {
+    case ShapeType::kSphere:
+    case ShapeType::kCapsule:
+      return size.x;
+    case ShapeType::kCylinder:
+      return select(abs(dot(normal, X_WG.R.z)) < T(real_t<T>(0.5)), size.x, zero);
+    default:
+      return zero;
+  }
+}
+
 /// The stiffness of two soft surfaces in a row; of one alone if the other is hard.
 [[nodiscard]] inline std::optional<double> in_series(std::optional<double> a, std::optional<double> b) {
   if (!a || !b) return a ? a : b;
@@ -91,6 +107,8 @@ MANYHANDS_INLINE CombinedSurface<T> combine_surfaces(const Colliders<real_t<T>>&
   } else {
     internal::tangents(normal, surface.t_1, surface.t_2);
   }
+  surface.radius_A = internal::curvature_radius(a, broadcast<T>(params.geom_size[a.geom]), normal, X_WG[pair.a]);
+  surface.radius_B = internal::curvature_radius(b, broadcast<T>(params.geom_size[b.geom]), normal, X_WG[pair.b]);
   surface.softness = surface.push = T(R(0));
   if (stiffness) {
     const double softness = 1 / (h * (h * *stiffness + damping.value_or(0)));

@@ -24,7 +24,7 @@ struct LoopRows {
 template <Number T>
 struct LoopSet {
   explicit LoopSet(const Tree<real_t<T>>& tree)
-      : K(tree.loop_rows * tree.loop_rows), pivot_inverse(tree.loop_rows), x(tree.loop_rows) {
+      : K(tree.loop_rows * tree.loop_rows), pivot_inverse(tree.loop_rows), x(tree.loop_rows), kept_Z(tree.loop_rows) {
     blocks.reserve(tree.loop_rows / 3);
     store.x.resize(static_cast<std::size_t>(tree.nv));
   }
@@ -34,6 +34,7 @@ struct LoopSet {
   std::vector<T> K;              ///< (rows, rows) lower triangle: its factor L, K = L D L^T
   std::vector<T> pivot_inverse;  ///< (rows) 1 / D; 0 where a row says what others have said
   std::vector<T> x;              ///< (rows) scratch
+  std::vector<Vec3<T>> kept_Z;   ///< (rows) scratch
   std::vector<Vec3<T>> Z;        ///< (points and torsions, rows) the loops' impulses per impulse of a contact
 };
 
@@ -45,14 +46,6 @@ inline constexpr real_t<T> kRedundant = std::same_as<real_t<T>, float> ? real_t<
 
 /// A loop that stands open closes no faster [m/s or rad/s].
 inline constexpr double kFastestClosing = 1;
-
-/// The acceleration that the point p of a body has by its present velocity alone, gravity taken off everywhere alike.
-template <Number T>
-MANYHANDS_INLINE Vec3<T> point_acceleration(const Workspace<T>& ws, std::size_t b, const Vec3<T>& p) {
-  const Motion<T>&A = ws.A[b], &V = ws.V[b];
-  const Vec3<T> r = p - ws.p_WO[b];
-  return A.v + cross(A.w, r) + cross(V.w, V.v + cross(V.w, r));
-}
 
 /// The offset of a row whose error is e and whose rate is u: by the step's end the error shall be 0 to third order,
 /// e + h u+ + h^2 / 2 gamma = 0.

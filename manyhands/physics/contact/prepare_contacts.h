@@ -13,9 +13,9 @@ namespace internal {
 inline constexpr double kContactRecovery = 0.2;
 inline constexpr double kFastestRecovery = 0.5;
 
-/// Surfaces this near count as touching [m]. Without it the corners of a resting box, whose distances differ by
-/// rounding, would take turns in carrying it.
-inline constexpr double kTouching = 1e-6;
+/// Surfaces this near count as touching [m], all alike. Without it the corners of a resting or gripped box, whose
+/// distances differ by microns, would take turns in carrying it: on one corner a thing turns.
+inline constexpr double kTouching = 5e-6;
 
 /// The velocity of B's point at p (world) against A's.
 template <Number T>
@@ -24,6 +24,14 @@ MANYHANDS_INLINE Vec3<T> relative_velocity(const Workspace<T>& ws, std::size_t a
   if (a == 0) return at(b);
   if (b == 0) return -at(a);
   return at(b) - at(a);
+}
+
+/// The acceleration that the point p of a body has by its present velocity alone, gravity taken off everywhere alike.
+template <Number T>
+MANYHANDS_INLINE Vec3<T> point_acceleration(const Workspace<T>& ws, std::size_t b, const Vec3<T>& p) {
+  const Motion<T>&A = ws.A[b], &V = ws.V[b];
+  const Vec3<T> r = p - ws.p_WO[b];
+  return A.v + cross(A.w, r) + cross(V.w, V.v + cross(V.w, r));
 }
 
 /// J of the point p along the three directions d: what each dof adds to the velocity of B's point against A's.
@@ -57,16 +65,17 @@ MANYHANDS_INLINE void fill_rotation_rows(const Tree<real_t<T>>& tree, const Work
 }
 
 /// The normal velocity that the point asks for at the step's end: not to go through a surface ahead, to leave one that
-/// it has entered, slowly, or what restitution gives back (Moreau's law, gravity acting on during the step).
+/// it has entered, slowly, or what restitution gives back (Moreau's law, gravity acting on during the step). `arc` is
+/// what the gap's own curvature in time adds to its mean velocity.
 template <Number T>
-MANYHANDS_INLINE void set_target(const CombinedSurface<T>& surface, T inverse_h, T u_n, T free_change,
+MANYHANDS_INLINE void set_target(const CombinedSurface<T>& surface, T inverse_h, T u_n, T free_change, T arc,
                                  ContactPoint<T>& point) {
   using R = real_t<T>;
   const T zero(R(0)), one(R(1)), phi = point.phi;
   const T slack(static_cast<R>(kTouching));
   const T depth = max(-phi - slack, zero), gap = max(phi - slack, zero);
   const T out = min(T(static_cast<R>(kContactRecovery)) * (depth * inverse_h), T(static_cast<R>(kFastestRecovery)));
-  const T hard = fma(-gap, inverse_h, out);
+  const T hard = fma(-gap, inverse_h, out) - arc;
   const T back = fma(-surface.restitution, u_n, free_change);
   const auto lossless = surface.restitution >= one;
   const auto bounces = (surface.restitution > zero) & (lossless | ((u_n < zero) & (back > zero)));
@@ -115,6 +124,19 @@ MANYHANDS_INLINE void find_free_dv(const Tree<real_t<T>>& tree, const JointConst
   solve_ltdl(tree.dofs_from_leaves, tree.dof_parent.data(), tree.M_row.data(), ws.L.data(), free_dv.data());
 }
 
+/// The second derivative of the gap by the present velocities alone. A round side keeps its distance to its axis or
+/// centre as it turns, so that it is this that counts; a flat side moves with the body.
+template <Number T>
+MANYHANDS_INLINE T gap_acceleration(const Workspace<T>& ws, const RowBlock& bodies, const CombinedSurface<T>& surface,
+                                    const ContactPoint<T>& point) {
+  const T zero(real_t<T>(0));
+  const Vec3<T> centre_A = fma(-surface.radius_A, point.normal, point.p);
+  const Vec3<T> centre_B = fma(surface.radius_B, point.normal, point.p);
+  const Vec3<T> at_A = select(surface.radius_A > zero, centre_A, centre_B);
+  const Vec3<T> at_B = select(surface.radius_B > zero, centre_B, centre_A);
+  return dot(point.normal, point_acceleration(ws, bodies.body_b, at_B) - point_acceleration(ws, bodies.body_a, at_A));
+}
+
 /// One point of a touch, and the impulse it begins with.
 template <Number T>
 MANYHANDS_INLINE void add_point(const Tree<real_t<T>>& tree, const Workspace<T>& ws, T inverse_h,
@@ -140,8 +162,12 @@ MANYHANDS_INLINE void add_point(const Tree<real_t<T>>& tree, const Workspace<T>&
   T free_change = zero;
   when(surface.restitution > zero,
        [&] { free_change = multiply_rows(tree, point.rows, set.store, set.free_dv.data()).x; });
-  set_target(surface, inverse_h, u_n, free_change, point);
-  point.offset = {u_n - point.target, dot(u, point.e_1), dot(u, point.e_2)};
+  const T half_h = T(R(0.5)) / inverse_h;
+  set_target(surface, inverse_h, u_n, free_change, half_h * gap_acceleration(ws, bodies, surface, point), point);
+  // Points that stick shall stay together along the arcs on which the step carries them: u + h / 2 gamma = 0.
+  const Vec3<T> gamma = point_acceleration(ws, bodies.body_b, point.p) - point_acceleration(ws, bodies.body_a, point.p);
+  const Vec3<T> slip = fma(half_h, gamma, u);
+  point.offset = {u_n - point.target, dot(slip, point.e_1), dot(slip, point.e_2)};
   const auto along = [&](const Vec3<T>& t, T friction) {
     return select(friction > zero, dot(impulse, t) / max(friction, T(R(1e-12))), zero);
   };

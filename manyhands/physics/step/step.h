@@ -12,8 +12,10 @@ namespace manyhands {
 /// What steps share: the model as kernels read it, and how hard the solver works. Uniform.
 template <Real R>
 struct System {
-  explicit System(const Model& model, PairSearch search = PairSearch::kListed)
-      : tree(model), colliders(model, search) {}
+  explicit System(const Model& model, PairSearch search = PairSearch::kListed) : tree(model), colliders(model, search) {
+    // A few warm sweeps serve batches; one world can afford to be exact.
+    if constexpr (std::same_as<R, float>) solver = {.max_sweeps = 10, .tolerance = 1e-6};
+  }
   /// One in which nothing collides.
   explicit System(Tree<R> alone) : tree(std::move(alone)) {}
 
@@ -82,10 +84,11 @@ MANYHANDS_INLINE void integrate_configuration(const Tree<real_t<T>>& tree, const
 /// v := v + dv, which the state keeps, as well as the impulses that held the joints.
 template <Number T>
 MANYHANDS_INLINE void add_velocity_change(const JointConstraints<T>& joints, State<T>& state) {
+  const T zero(real_t<T>(0));  // added, because a zero's sign would tell what other worlds have solved
   for (std::size_t i = 0; i < joints.dv.size(); ++i) {
-    state.v()[i] += joints.dv[i];
-    state.dv()[i] = joints.dv[i];
-    state.hold()[i] = joints.impulse[i];
+    state.v()[i] += joints.dv[i] + zero;
+    state.dv()[i] = joints.dv[i] + zero;
+    state.hold()[i] = joints.impulse[i] + zero;
   }
 }
 
@@ -93,7 +96,8 @@ MANYHANDS_INLINE void add_velocity_change(const JointConstraints<T>& joints, Sta
 /// bodies that rest on something.
 template <Number T, Number P>
 MANYHANDS_INLINE void correct_free_fall(const Tree<real_t<T>>& tree, const Params<P>& params, real_t<T> h,
-                                        const ContactSet<T>& contacts, std::vector<T>& resting, State<T>& state) {
+                                        const ContactSet<T>& contacts, const LoopSet<T>& loops, std::vector<T>& resting,
+                                        State<T>& state) {
   using R = real_t<T>;
   const T zero(R(0)), one(R(1)), overshoot(R(-0.5) * h * h);
   for (T& body : resting) body = zero;
@@ -102,6 +106,7 @@ MANYHANDS_INLINE void correct_free_fall(const Tree<real_t<T>>& tree, const Param
     for (const std::size_t body : {point.rows.body_a, point.rows.body_b})
       resting[body] = select(holds, one, resting[body]);
   }
+  for (const LoopRows<T>& loop : loops.blocks) resting[loop.rows.body_a] = resting[loop.rows.body_b] = one;
   for (std::size_t b = 1; b < tree.bodies.size(); ++b) {
     const TreeBody<R>& body = tree.bodies[b];
     const bool free = body.type == JointType::kFloating && body.parent == 0 &&
@@ -154,7 +159,7 @@ void step(const System<real_t<T>>& system, const Params<P>& params, real_t<T> h,
   remember(ws.contacts, memory);                              // 5 where the next step begins
   add_velocity_change(ws.joints, state);                      // 6 velocities
   integrate_configuration(tree, state.v(), T(h), state.q());  // 7 positions
-  correct_free_fall(tree, params, h, ws.contacts, ws.resting, state);
+  correct_free_fall(tree, params, h, ws.contacts, ws.loops, ws.resting, state);
 }
 
 // Compiled once for each number type, with parameters of its own for every world or the same for all.
