@@ -15,7 +15,7 @@ inline constexpr double kFastestRecovery = 0.5;
 
 /// Surfaces this near count as touching [m], all alike. Without it the corners of a resting or gripped box, whose
 /// distances differ by microns, would take turns in carrying it: on one corner a thing turns.
-inline constexpr double kTouching = 5e-6;
+inline constexpr double kTouching = 3e-5;
 
 /// The velocity of B's point at p (world) against A's.
 template <Number T>
@@ -73,7 +73,7 @@ MANYHANDS_INLINE void set_target(const CombinedSurface<T>& surface, T inverse_h,
   using R = real_t<T>;
   const T zero(R(0)), one(R(1)), phi = point.phi;
   const T slack(static_cast<R>(kTouching));
-  const T depth = max(-phi - slack, zero), gap = max(phi - slack, zero);
+  const T depth = max(-phi - slack, zero), gap = select(phi > slack, phi, zero);
   const T out = min(T(static_cast<R>(kContactRecovery)) * (depth * inverse_h), T(static_cast<R>(kFastestRecovery)));
   const T hard = fma(-gap, inverse_h, out) - arc;
   const T back = fma(-surface.restitution, u_n, free_change);
