@@ -86,10 +86,9 @@ def cross(
 
     PyBullet's variants differ in their iterations alone, which are swept anyway.
     """
-    if variants is None:
-        variants = VARIANTS[engine] if engine == MUJOCO else VARIANTS[engine][:1]
-    (first,) = steps(engine, [PUBLISHED_STEP], variants[:1], options)
-    return steps(engine, TIME_STEPS, variants, options) + [replace(first, iterations=n) for n in ITERATIONS]
+    chosen = variants if variants is not None else VARIANTS[engine] if engine == MUJOCO else VARIANTS[engine][:1]
+    (first,) = steps(engine, [PUBLISHED_STEP], chosen[:1], options)
+    return steps(engine, TIME_STEPS, chosen, options) + [replace(first, iterations=n) for n in ITERATIONS]
 
 
 def once(engine: str, time_step: float = 0.002, **more: Any) -> list[Settings]:

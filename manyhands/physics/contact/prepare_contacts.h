@@ -17,6 +17,16 @@ inline constexpr double kFastestRecovery = 0.5;
 /// distances differ by microns, would take turns in carrying it: on one corner a thing turns.
 inline constexpr double kTouching = 3e-5;
 
+/// The most that the curvature of a path counts for in a step [m/s]: where it were more, the step is too long to
+/// follow.
+inline constexpr double kMostArc = 0.1;
+
+template <Number T>
+MANYHANDS_INLINE T bounded_arc(T velocity) {
+  const T most(static_cast<real_t<T>>(kMostArc));
+  return clamp(velocity, -most, most);
+}
+
 /// The velocity of B's point at p (world) against A's.
 template <Number T>
 MANYHANDS_INLINE Vec3<T> relative_velocity(const Workspace<T>& ws, std::size_t a, std::size_t b, const Vec3<T>& p) {
@@ -163,10 +173,12 @@ MANYHANDS_INLINE void add_point(const Tree<real_t<T>>& tree, const Workspace<T>&
   when(surface.restitution > zero,
        [&] { free_change = multiply_rows(tree, point.rows, set.store, set.free_dv.data()).x; });
   const T half_h = T(R(0.5)) / inverse_h;
-  set_target(surface, inverse_h, u_n, free_change, half_h * gap_acceleration(ws, bodies, surface, point), point);
+  set_target(surface, inverse_h, u_n, free_change, bounded_arc(half_h * gap_acceleration(ws, bodies, surface, point)),
+             point);
   // Points that stick shall stay together along the arcs on which the step carries them: u + h / 2 gamma = 0.
   const Vec3<T> gamma = point_acceleration(ws, bodies.body_b, point.p) - point_acceleration(ws, bodies.body_a, point.p);
-  const Vec3<T> slip = fma(half_h, gamma, u);
+  const Vec3<T> slip =
+      u + Vec3<T>{bounded_arc(half_h * gamma.x), bounded_arc(half_h * gamma.y), bounded_arc(half_h * gamma.z)};
   point.offset = {u_n - point.target, dot(slip, point.e_1), dot(slip, point.e_2)};
   const auto along = [&](const Vec3<T>& t, T friction) {
     return select(friction > zero, dot(impulse, t) / max(friction, T(R(1e-12))), zero);
