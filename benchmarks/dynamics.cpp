@@ -73,7 +73,7 @@ class Dynamics {
         v_(pack<T>(arms.v, nq_)),
         a_(pack<T>(arms.a, nq_)),
         target_(pack<T>(arms.target, nq_)),
-        state_(model) {
+        state_(model, 0) {
     std::ranges::fill(free_system_.tree.dof_limited, 0);
     std::ranges::fill(free_params_.motor_max_force, R(0));
     std::ranges::fill(params_.motor_kp, R(0.1));

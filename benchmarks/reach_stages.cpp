@@ -40,7 +40,7 @@ class Stages {
 
  public:
   explicit Stages(const PandaRobot& robot)
-      : robot_(robot), system_(robot.model), params_(robot.model), ws_(system_), state_(robot.model) {
+      : robot_(robot), system_(robot.model), params_(robot.model), ws_(system_), state_(robot.model, system_.contact_numbers()) {
     set_panda_motors(params_);
     sample(random_actions(kWarmUpSteps + 1));
   }

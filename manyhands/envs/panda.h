@@ -55,12 +55,10 @@ void set_panda_motors(Params<T>& params) {
 template <Number T>
 void reset_panda(State<T>& state, int lane) {
   using R = real_t<T>;
+  for (T& number : state.numbers()) set_lane(number, lane, R(0));
   for (std::size_t i = 0; i < PandaRobot::kJoints; ++i) {
     set_lane(state.q()[i], lane, static_cast<R>(kPandaNeutral[i]));
     set_lane(state.target_q()[i], lane, static_cast<R>(kPandaNeutral[i]));
-    set_lane(state.v()[i], lane, R(0));
-    set_lane(state.stance()[i], lane, R(0));
-    set_lane(state.dv()[i], lane, R(0));
   }
 }
 

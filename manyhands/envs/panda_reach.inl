@@ -34,7 +34,7 @@ PandaReachBatch<T>::PandaReachBatch(EnvSpec spec, PandaControl control, const Re
       system_(robot_.model),
       params_(robot_.model),
       blocks_(internal::rows((num_envs + W - 1) / W, 1),
-              Block{State<T>(robot_.model), {Vec3<T>::zero(), Vec3<T>::zero()}, Vec3<T>::zero()}),
+              Block{State<T>(robot_.model, system_.contact_numbers()), {Vec3<T>::zero(), Vec3<T>::zero()}, Vec3<T>::zero()}),
       pool_(std::min(choose_num_threads(options.num_threads), static_cast<int>(blocks_.size()))),
       observation_(internal::rows(num_envs, spec_.observation_dim)),
       achieved_goal_(internal::rows(num_envs, spec_.goal_dim)),

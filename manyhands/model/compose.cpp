@@ -216,20 +216,15 @@ void exclude_self_collision(ModelBuilder& builder, const Model& model, const Par
   std::vector<LinkId> solid;
   for (const Geom& geom : model.geoms()) {
     const bool known = std::ranges::find(solid, geom.link) != solid.end();
-    if (geom.role == GeomRole::kCollision && model.link(geom.link).body.value() != 0 && !known) {
-      solid.push_back(geom.link);
-    }
+    if (geom.role == GeomRole::kCollision && !known) solid.push_back(geom.link);
   }
-  const auto root = [&](LinkId id) {
-    BodyId body = model.link(id).body;
-    while (model.body(body).parent.value() > 0) body = model.body(body).parent;
-    return body;
-  };
   for (std::size_t i = 0; i < solid.size(); ++i) {
     for (std::size_t j = i + 1; j < solid.size(); ++j) {
       const LinkId a(map.links[solid[i].index()]), b(map.links[solid[j].index()]);
       const bool one_body = model.link(solid[i]).body == model.link(solid[j]).body;
-      if (a.is_valid() && b.is_valid() && !one_body && root(solid[i]) == root(solid[j])) builder.exclude_contact(a, b);
+      if (a.is_valid() && b.is_valid() && !one_body && model.root_link(solid[i]) == model.root_link(solid[j])) {
+        builder.exclude_contact(a, b);
+      }
     }
   }
 }

@@ -72,6 +72,11 @@ int find(const std::vector<Part>& parts, std::string_view name, const std::strin
 
 }  // namespace
 
+LinkId Model::root_link(LinkId id) const {
+  while (link(id).parent.value() > 0) id = link(id).parent;
+  return id;
+}
+
 LinkId Model::link_id(std::string_view name) const { return LinkId(find(links_, name, name_, "link")); }
 JointId Model::joint_id(std::string_view name) const { return JointId(find(joints_, name, name_, "joint")); }
 FrameId Model::frame_id(std::string_view name) const { return FrameId(find(frames_, name, name_, "frame")); }

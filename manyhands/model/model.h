@@ -63,6 +63,8 @@ class Model {
   [[nodiscard]] const ContactRules& contact_rules() const { return contact_rules_; }
 
   [[nodiscard]] const Link& link(LinkId id) const { return links_[id.index()]; }
+  /// The link by which the mechanism that `id` belongs to stands in the world: alike for all links of one robot.
+  [[nodiscard]] LinkId root_link(LinkId id) const;
   [[nodiscard]] const Joint& joint(JointId id) const { return joints_[id.index()]; }
   [[nodiscard]] const Body& body(BodyId id) const { return bodies_[id.index()]; }
   [[nodiscard]] const Frame& frame(FrameId id) const { return frames_[id.index()]; }

@@ -90,7 +90,7 @@ TYPED_TEST(NoAllocation, InAStep) {
   using R = real_t<T>;
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     const testing::JointProblem<R> p(seed, 7);
-    State<T> state(p.model);
+    State<T> state(p.model, 0);
     for (std::size_t i = 0; i < state.numbers().size(); ++i) state.numbers()[i] = T(p.state.numbers()[i]);
     const System<R> system(p.tree);
     StepWorkspace<T> ws(system);
@@ -103,7 +103,7 @@ TYPED_TEST(NoAllocation, InAStep) {
 TYPED_TEST(NoAllocation, InTheDynamics) {
   using T = TypeParam;
   const testing::JointProblem<real_t<T>> p(3, 9);
-  const State<T> state(p.model);
+  const State<T> state(p.model, 0);
   std::vector<T> a(p.size()), tau(p.size(), T(real_t<T>(0)));
   Workspace<T> ws(p.tree);
   const Watch watch;

@@ -58,10 +58,7 @@ std::uint64_t unordered(std::size_t a, std::size_t b) {
 template <Real R>
 void add_place(const Model& model, Collider<R>& collider) {
   const Body& body = model.bodies()[collider.body];
-  collider.root = collider.body;
-  while (collider.root > 0 && model.bodies()[collider.root].parent.value() > 0) {
-    collider.root = model.bodies()[collider.root].parent.index();
-  }
+  collider.root = model.root_link(LinkId(static_cast<int>(collider.link))).index();
   if (collider.body == 0) return;
   collider.neighbour = body.parent.index();
   if (body.type != JointType::kFloating) collider.base = model.joint(body.joint).parent.index();
@@ -80,13 +77,13 @@ bool Colliders<R>::may_touch(std::size_t i, std::size_t j) const {
   if (a.body == b.body) return false;
   if ((a.filter.group & b.filter.mask) == 0 || (b.filter.group & a.filter.mask) == 0) return false;
   if (!excluded_.empty() && std::ranges::binary_search(excluded_, unordered(a.link, b.link))) return false;
+  if (!rules.self_collision && a.root == b.root) return false;
   if (a.body == 0 || b.body == 0) {
     // A robot's first moving link rests against the base that it is mounted on.
     const Collider<R>&moving = a.body == 0 ? b : a, &fixed = a.body == 0 ? a : b;
     return fixed.link == 0 || moving.neighbour != 0 || moving.base != fixed.link;
   }
-  if (a.neighbour == b.body || b.neighbour == a.body) return false;
-  return rules.self_collision || a.root != b.root;
+  return a.neighbour != b.body && b.neighbour != a.body;
 }
 
 template <Real R>

@@ -17,7 +17,7 @@ struct Collider {
   ShapeType type{};    ///< a mesh that moves is its convex hull
   std::size_t geom{};  ///< index in Model::geoms() and in the geom arrays of Params
   std::size_t body{};
-  std::size_t root{};       ///< the body that hangs on the world and carries this one
+  std::size_t root{};       ///< Model::root_link of its link: alike for all parts of one mechanism
   std::size_t neighbour{};  ///< the body that a joint joins to this one towards the world
   std::size_t link{};
   std::size_t base{};  ///< on a body that hangs on the world: the link it is mounted on, 0 where it floats

@@ -11,8 +11,8 @@ namespace manyhands {
 template <Number T>
 class State {
  public:
-  /// `contact_numbers`: how many numbers the memory of contacts takes.
-  explicit State(const Model& model, std::size_t contact_numbers = 0)
+  /// `contact_numbers`: how many numbers the memory of contacts takes, which System::contact_numbers tells.
+  State(const Model& model, std::size_t contact_numbers)
       : nq_(static_cast<std::size_t>(model.nq())),
         nv_(static_cast<std::size_t>(model.nv())),
         nu_(static_cast<std::size_t>(model.nu())),

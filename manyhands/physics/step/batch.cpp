@@ -54,7 +54,7 @@ Batch::Batch(std::shared_ptr<const Model> model, int num_worlds, double time_ste
       pool_(std::min(choose_num_threads(options.num_threads), num_worlds)),
       steps_(static_cast<std::size_t>(num_worlds)),
       flags_(steps_.size()),
-      layout_(*model_),
+      layout_(*model_, 0),
       pose_(12 * steps_.size()),
       velocity_(6 * steps_.size()) {
   lanes_ = make_lanes(*model_, num_worlds, time_step, options.lanes, pool_.num_threads());

@@ -91,7 +91,7 @@ class BatchLanesOf final : public BatchLanes {
   struct Worker {
     Worker(const Model& model, const System<R>& system) : step(system), kept(numbers_before_ctrl(model), T(R(0))) {}
     static std::size_t numbers_before_ctrl(const Model& model) {
-      const State<float> layout(model);
+      const State<float> layout(model, 0);
       return static_cast<std::size_t>(layout.ctrl() - layout.q());
     }
     StepWorkspace<T> step;

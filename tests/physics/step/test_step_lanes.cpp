@@ -92,7 +92,7 @@ TYPED_TEST(StepLanes, EqualTheScalarBitForBit) {
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     const Worlds worlds(seed);
     const System<float> system(worlds.all[0].tree);
-    State<T> state(worlds.first.model);
+    State<T> state(worlds.first.model, 0);
     Params<T> params(worlds.first.model);
     for (int k = 0; k < width_v<T>; ++k) put(worlds.all[static_cast<std::size_t>(k)], k, state, params);
     StepWorkspace<T> ws(system);
@@ -129,7 +129,7 @@ TYPED_TEST(StepLanes, DoNotSeeOneAnother) {
     const int place = static_cast<int>(seed) % width_v<T>;
     std::vector<std::vector<std::uint32_t>> found;
     for (int company = 0; company < 3; ++company) {
-      State<T> state(worlds.first.model);
+      State<T> state(worlds.first.model, 0);
       Params<T> params(worlds.first.model);
       for (int k = 0; k < width_v<T>; ++k) {
         put(worlds.all[company == 1 ? static_cast<std::size_t>((k + 3) % kLanes) : 0u], k, state, params);
@@ -151,7 +151,7 @@ TYPED_TEST(StepLanes, TakeSharedParametersToo) {
   using T = TypeParam;
   const Worlds worlds(7);
   const System<float> system(worlds.all[0].tree);
-  State<T> shared(worlds.first.model), own(worlds.first.model);
+  State<T> shared(worlds.first.model, 0), own(worlds.first.model, 0);
   Params<T> params(worlds.first.model);
   for (int k = 0; k < width_v<T>; ++k) {
     put(worlds.all[static_cast<std::size_t>(k)], k, own, params);
