@@ -35,7 +35,9 @@ inline int cubes_of(ContactScene scene) { return scene == ContactScene::kPress ?
 
 /// The largest motor forces. Where the arm leans on the cubes its shoulder is too weak to hold it up, by 8 N m.
 inline std::array<double, kPandaJoints> motor_forces(ContactScene scene) {
-  std::array<double, kPandaJoints> forces = manyhands::kPandaMaxForce;
+  const std::vector<double> usual = manyhands::panda_arm().max_force;
+  std::array<double, kPandaJoints> forces{};
+  std::ranges::copy(usual, forces.begin());
   if (scene == ContactScene::kPress) forces[1] = 20;
   return forces;
 }
@@ -79,7 +81,7 @@ class HandPlacer {
   /// The arm's joints, or an empty optional where no pose was found.
   std::array<double, kPandaJoints> arm_at(const manyhands::Vec3<double>& p, double fingers) {
     std::vector<double> q(static_cast<std::size_t>(tree_.nq));
-    std::ranges::copy(manyhands::kPandaNeutral, q.begin());
+    std::ranges::copy(manyhands::panda_arm().neutral, q.begin());
     manyhands::Transform<double> goal;
     goal.R = {{1, 0, 0}, {0, -1, 0}, {0, 0, -1}};
     goal.p = p;
@@ -119,7 +121,7 @@ inline std::vector<ContactStart> contact_starts(ContactScene scene, const manyha
     ContactStart start;
     switch (scene) {
       case ContactScene::kTable:
-        std::ranges::copy(manyhands::kPandaNeutral, start.q.begin());
+        std::ranges::copy(manyhands::panda_arm().neutral, start.q.begin());
         start.target = start.q;
         start.cubes = {Point{0.6 + 0.05 * a, 0.05 * b, kHalf}};
         start.yaw = 0.5 * c;

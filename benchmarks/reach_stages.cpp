@@ -8,7 +8,7 @@
 #include "benchmarks/support.h"
 #include "manyhands/envs/make.h"
 #include "manyhands/envs/panda.h"
-#include "manyhands/envs/reach.h"
+#include "manyhands/envs/tasks/reach.h"
 
 namespace benchmarks {
 
@@ -20,6 +20,7 @@ constexpr int kWorlds = 128;
 constexpr int kSubsteps = 20;
 constexpr int kWarmUpSteps = 10;  // environment steps before the sampled one
 constexpr int kEpisodeSteps = 50;
+constexpr std::size_t kJoints = 9;
 constexpr double kTimeStep = 0.002;  // [s]
 constexpr const char* kId = "PandaReach-v3";
 
@@ -36,46 +37,50 @@ template <Number T>
 class Stages {
   using R = real_t<T>;
   static constexpr int kBlocks = kWorlds / width_v<T>;
-  enum Stage { kCopy, kBias, kPrepare, kSolve, kIntegrate };
+  enum Stage { kCopy, kBias, kCollide, kPrepare, kSolve, kIntegrate };
 
  public:
-  explicit Stages(const PandaRobot& robot)
-      : robot_(robot), system_(robot.model), params_(robot.model), ws_(system_), state_(robot.model, system_.contact_numbers()) {
-    set_panda_motors(params_);
+  explicit Stages(const Model& scene)
+      : arm_(panda_arm(), scene, ArmControl::kEndEffector, false),
+        system_(scene),
+        params_(scene),
+        ws_(system_),
+        state_(scene, system_.contact_numbers()) {
+    set_arm_motors(arm_, params_);
     sample(random_actions(kWarmUpSteps + 1));
   }
 
   /// What is timed: each stage of the environment step, then the physics step up to each of its stages.
   std::vector<std::function<void()>> calls() {
-    return {[this] { copy_starts(); },   [this] { inverse_kinematics(); }, [this] { observe(); },
-            [this] { physics(kCopy); },  [this] { physics(kBias); },       [this] { physics(kPrepare); },
-            [this] { physics(kSolve); }, [this] { physics(kIntegrate); }};
+    return {[this] { copy_starts(); },     [this] { inverse_kinematics(); }, [this] { observe(); },
+            [this] { physics(kCopy); },    [this] { physics(kBias); },       [this] { physics(kCollide); },
+            [this] { physics(kPrepare); }, [this] { physics(kSolve); },      [this] { physics(kIntegrate); }};
   }
 
   /// Of the whole physics steps, which `calls` times last.
-  [[nodiscard]] Results results() const { return unpack<T>(results_, 2 * PandaRobot::kJoints); }
+  [[nodiscard]] Results results() const { return unpack<T>(results_, 2 * kJoints); }
 
  private:
   struct Start {
     State<T> state;
     HandState<T> hand;
-    std::array<T, PandaRobot::kArmJoints> action;
+    std::array<T, 3> action;
   };
 
   /// Drives the worlds, and keeps the states before the last action and at every physics step after it.
   void sample(const std::vector<float>& actions) {
     steps_.assign(kSubsteps * kBlocks, state_);
     for (int b = 0; b < kBlocks; ++b) {
-      for (int k = 0; k < width_v<T>; ++k) reset_panda(state_, k);
+      for (int k = 0; k < width_v<T>; ++k) reset_arm(arm_, state_, k);
       for (int i = 0; i <= kWarmUpSteps; ++i) {
-        Start start{state_, observe_hand(robot_, tree_, state_, ws_.dynamics), {}};
+        Start start{state_, observe_hand(arm_, tree_, state_, ws_.dynamics), {}};
         for (int k = 0; k < width_v<T>; ++k) {
           for (int c = 0; c < 3; ++c) {
             const float a = actions[static_cast<std::size_t>((i * kWorlds + b * width_v<T> + k) * 3 + c)];
             set_lane(start.action[static_cast<std::size_t>(c)], k, static_cast<R>(a));
           }
         }
-        apply_panda_action(robot_, tree_, params_, start.hand, start.action.data(), state_, ws_.dynamics);
+        apply_action(arm_, tree_, params_, start.hand, start.action.data(), state_, ws_.dynamics);
         if (i == kWarmUpSteps) starts_.push_back(start);
         for (int substep = 0; substep < kSubsteps; ++substep) {
           if (i == kWarmUpSteps) steps_[static_cast<std::size_t>(substep * kBlocks + b)] = state_;
@@ -83,7 +88,7 @@ class Stages {
         }
       }
     }
-    results_.resize(steps_.size() * 2 * PandaRobot::kJoints);
+    results_.resize(steps_.size() * 2 * kJoints);
   }
 
   void copy(const State<T>& from) { std::ranges::copy(from.numbers(), state_.numbers().begin()); }
@@ -98,7 +103,7 @@ class Stages {
   void inverse_kinematics() {
     for (const Start& start : starts_) {
       copy(start.state);
-      apply_panda_action(robot_, tree_, params_, start.hand, start.action.data(), state_, ws_.dynamics);
+      apply_action(arm_, tree_, params_, start.hand, start.action.data(), state_, ws_.dynamics);
       consume(&state_);
     }
   }
@@ -107,8 +112,8 @@ class Stages {
     const Vec3<T> goal{T(R(0.1)), T(R(-0.1)), T(R(0.2))};
     for (const Start& start : starts_) {
       copy(start.state);
-      const HandState<T> hand = observe_hand(robot_, tree_, state_, ws_.dynamics);
-      const Outcome<T> outcome = judge(ReachTask{}, hand.p, goal);
+      const HandState<T> hand = observe_hand(arm_, tree_, state_, ws_.dynamics);
+      const Outcome<T> outcome = judge(Goals{}, norm(hand.p - goal));
       consume(&hand);
       consume(&outcome);
     }
@@ -119,22 +124,31 @@ class Stages {
     for (const State<T>& start : steps_) {
       copy(start);
       if (last >= kBias) bias_and_mass_matrix(tree_, params_, state_.q(), state_.v(), ws_.dynamics);
+      const Colliders<R>& colliders = system_.colliders;
+      const R h = static_cast<R>(kTimeStep);
+      const std::span<RememberedManifold<T>> memory = remembered(state_.contacts());
+      if (last >= kCollide) find_touches(colliders, params_, h, state_, ws_);
       if (last >= kPrepare) {
-        prepare_joint_constraints(tree_, params_, static_cast<R>(kTimeStep), state_, ws_.dynamics, ws_.joints);
+        prepare_joint_constraints(tree_, params_, h, state_, ws_.dynamics, ws_.joints);
+        prepare_contacts(tree_, colliders, std::span<const ColliderPair>(colliders.pairs), params_, h, memory,
+                         ws_.collision, ws_.dynamics, ws_.joints, ws_.contacts);
+        prepare_loops(tree_, h, state_, ws_.dynamics, ws_.joints, ws_.loops);
       }
-      if (last >= kSolve) solve_joint_constraints(tree_, state_, ws_.dynamics, ws_.joints);
+      if (last >= kSolve)
+        solve_constraints(tree_, system_.solver, state_, ws_.dynamics, ws_.joints, ws_.loops, ws_.contacts);
       if (last >= kIntegrate) {
-        for (std::size_t i = 0; i < ws_.joints.dv.size(); ++i) state_.v()[i] += ws_.joints.dv[i];
-        integrate_configuration(tree_, state_.v(), T(static_cast<R>(kTimeStep)), state_.q());
-        out = std::copy_n(state_.q(), PandaRobot::kJoints, out);
-        out = std::copy_n(state_.v(), PandaRobot::kJoints, out);
+        remember(ws_.contacts, memory);
+        add_velocity_change(ws_.joints, state_);
+        integrate_configuration(tree_, state_.v(), T(h), state_.q());
+        out = std::copy_n(state_.q(), kJoints, out);
+        out = std::copy_n(state_.v(), kJoints, out);
       }
       consume(&state_);
     }
     consume(results_.data());
   }
 
-  const PandaRobot& robot_;
+  Arm arm_;
   System<R> system_;
   const Tree<R>& tree_ = system_.tree;
   Params<R> params_;
@@ -175,8 +189,8 @@ class WholeStep {
 };
 
 template <Number T>
-void profile(const Settings& settings, const PandaRobot& robot, const Results& expected, std::uint64_t expected_hash) {
-  Stages<T> stages(robot);
+void profile(const Settings& settings, const Model& scene, const Results& expected, std::uint64_t expected_hash) {
+  Stages<T> stages(scene);
   std::vector<std::function<void()>> calls = stages.calls();
   constexpr bool kHasEnvironment = !std::is_same_v<T, double>;
   WholeStep whole(kHasEnvironment ? width_v<T> : 1);
@@ -195,26 +209,27 @@ void profile(const Settings& settings, const PandaRobot& robot, const Results& e
   const std::uint64_t hash = stages.results().hash;
   emit("inverse kinematics", wrong, hash, 1, 0);
   emit("bias and mass matrix", wrong, hash, 4, 3);
-  emit("motors and limits: prepare", wrong, hash, 5, 4);
-  emit("motors and limits: solve", wrong, hash, 6, 5);
-  emit("integrate", wrong, hash, 7, 6);
+  emit("collision", wrong, hash, 5, 4);
+  emit("motors, limits, contacts: prepare", wrong, hash, 6, 5);
+  emit("motors, limits, contacts: solve", wrong, hash, 7, 6);
+  emit("integrate", wrong, hash, 8, 7);
   emit("observation and reward", wrong, hash, 2, 0);
   if (!kHasEnvironment) return;
   const std::uint64_t end = whole.hash();
-  emit("all", end == expected_hash ? "" : "not the bits of the scalar float run", end, 8, 8);
+  emit("all", end == expected_hash ? "" : "not the bits of the scalar float run", end, 9, 9);
 }
 
 void run(const Settings& settings) {
-  const PandaRobot robot(PandaControl::kEndEffector);
-  Stages<float> scalar(robot);
+  const Model scene = task_scene(panda_arm(), Table{}, {});
+  Stages<float> scalar(scene);
   for (const std::function<void()>& call : scalar.calls()) call();
   const Results expected = scalar.results();
   const std::uint64_t expected_hash = WholeStep(1).hash();
-  profile<double>(settings, robot, expected, expected_hash);
-  profile<float>(settings, robot, expected, expected_hash);
-  profile<Lanes4>(settings, robot, expected, expected_hash);
-  profile<Lanes8>(settings, robot, expected, expected_hash);
-  profile<Lanes16>(settings, robot, expected, expected_hash);
+  profile<double>(settings, scene, expected, expected_hash);
+  profile<float>(settings, scene, expected, expected_hash);
+  profile<Lanes4>(settings, scene, expected, expected_hash);
+  profile<Lanes8>(settings, scene, expected, expected_hash);
+  profile<Lanes16>(settings, scene, expected, expected_hash);
 }
 
 }  // namespace

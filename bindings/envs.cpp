@@ -136,6 +136,19 @@ void bind_batch(nb::module_& m) {
           "truncated", [](const EnvBatch& envs) { return copied_bools(envs.truncated()); },
           nb::sig("def truncated(self) -> numpy.typing.NDArray[numpy.bool_]"), "(n), the step limit ended the episode.")
       .def_prop_ro("state_hash", &EnvBatch::state_hash, "Of the physics of all worlds: equal bits, equal hash.")
+      .def(
+          "snapshot",
+          [](const EnvBatch& envs) {
+            const std::vector<std::uint8_t> bytes = envs.snapshot();
+            return nb::bytes(bytes.data(), bytes.size());
+          },
+          "All that a run needs to continue bit for bit: physics, goals, random streams, step counts.")
+      .def(
+          "restore",
+          [](EnvBatch& envs, const nb::bytes& snapshot) {
+            envs.restore({reinterpret_cast<const std::uint8_t*>(snapshot.data()), snapshot.size()});
+          },
+          "snapshot"_a, "Goes back to a snapshot. Raises ValueError if it is of another environment.")
       .def("compute_reward", &compute_reward, "achieved_goal"_a, "desired_goal"_a,
            nb::sig("def compute_reward(self, achieved_goal: numpy.typing.NDArray[numpy.float32], "
                    "desired_goal: numpy.typing.NDArray[numpy.float32]) -> numpy.typing.NDArray[numpy.float32]"),
@@ -144,6 +157,8 @@ void bind_batch(nb::module_& m) {
 
 void bind_make(nb::module_& m) {
   m.def("env_ids", &env_ids, "The ids that `make_env_batch` knows.");
+  m.def("max_episode_steps", &max_episode_steps, "id"_a,
+        "The steps after which an episode of the environment is truncated. Raises ValueError on an unknown id.");
   m.def(
       "make_env_batch",
       [](const std::string& id, int num_envs, int num_threads, int n_substeps, double time_step,
@@ -164,7 +179,7 @@ void bind_make(nb::module_& m) {
       "`num_envs` worlds of the environment `id`. Threads: `num_threads`, or if 0 the variable MANYHANDS_THREADS, or "
       "one "
       "for each core. Physics: `n_substeps` of `time_step` [s] in one environment step. Success: nearer than "
-      "`distance_threshold` [m]. `lanes`: worlds in one register, 0 for the fastest. Raises ValueError on an unknown "
+      "`distance_threshold`, 0 for what the task says. `lanes`: worlds in one register, 0 for the fastest. Raises ValueError on an unknown "
       "id "
       "or an option out of range.");
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace manyhands {
 
@@ -53,6 +54,13 @@ class EnvBatch {
 
   /// A hash over the bits of every world's physical state: equal runs have equal hashes.
   [[nodiscard]] virtual std::uint64_t state_hash() const = 0;
+
+  /// All that a run needs to continue bit for bit, in the same build with the same options: physics, goals, random
+  /// streams and step counts of every world. Lanes and threads may differ.
+  [[nodiscard]] virtual std::vector<std::uint8_t> snapshot() const = 0;
+
+  /// Goes back to a snapshot. Throws std::invalid_argument if it is of another environment or number of worlds.
+  virtual void restore(std::span<const std::uint8_t> snapshot) = 0;
 };
 
 }  // namespace manyhands

@@ -2,29 +2,22 @@
 
 #include <stdexcept>
 
-#include "manyhands/envs/panda_reach.h"
-#include "manyhands/math/instantiate.h"
+#include "manyhands/envs/panda.h"
+#include "manyhands/envs/panda_tasks.h"
 
 namespace manyhands {
 
 namespace {
 
-struct ReachId {
-  const char* id;
-  PandaControl control;
-  Reward reward;
-};
-
-constexpr std::array<ReachId, 4> kReachIds{{
-    {"PandaReach-v3", PandaControl::kEndEffector, Reward::kSparse},
-    {"PandaReachJoints-v3", PandaControl::kJoints, Reward::kSparse},
-    {"PandaReachDense-v3", PandaControl::kEndEffector, Reward::kDense},
-    {"PandaReachJointsDense-v3", PandaControl::kJoints, Reward::kDense},
-}};
-
-constexpr int kMaxEpisodeSteps = 50;
 constexpr int kMaxEnvs = 1 << 20;
 constexpr int kMaxThreads = 1024;
+
+/// What an id names beside its task.
+struct Variant {
+  std::string id;
+  ArmControl control;
+  Reward reward;
+};
 
 void require(bool condition, const std::string& message) {
   if (!condition) throw std::invalid_argument(message);
@@ -38,50 +31,92 @@ void check(int num_envs, const EnvOptions& options) {
   require(options.n_substeps >= 1, "n_substeps is " + std::to_string(options.n_substeps) + "; expected 1 or more");
   require(options.time_step > 0 && options.time_step <= 0.1,
           "time_step is " + std::to_string(options.time_step) + " s; expected more than 0, at most 0.1");
-  require(options.distance_threshold > 0,
-          "distance_threshold is " + std::to_string(options.distance_threshold) + " m; expected more than 0");
+  require(options.distance_threshold >= 0, "distance_threshold is " + std::to_string(options.distance_threshold) +
+                                               "; expected more than 0, or 0 for what the task says");
 }
 
-template <class T>
-std::unique_ptr<EnvBatch> make_reach(const ReachId& which, int num_envs, const EnvOptions& options) {
-  EnvSpec spec{.id = which.id,
-               .observation_dim = 6,
-               .goal_dim = ReachTask::kGoalSize,
-               .action_dim = action_size(which.control),
-               .max_episode_steps = kMaxEpisodeSteps,
-               .dt = options.time_step * options.n_substeps};
-  const ReachTask task{.reward = which.reward, .distance_threshold = options.distance_threshold};
-  return std::make_unique<PandaReachBatch<T>>(std::move(spec), which.control, task, num_envs, options);
+std::vector<Variant> variants(const std::string& task) {
+  std::vector<Variant> all;
+  for (const Reward reward : {Reward::kSparse, Reward::kDense}) {
+    for (const ArmControl control : {ArmControl::kEndEffector, ArmControl::kJoints}) {
+      const std::string joints = control == ArmControl::kJoints ? "Joints" : "";
+      const std::string dense = reward == Reward::kDense ? "Dense" : "";
+      all.push_back({"Panda" + task + joints + dense + "-v3", control, reward});
+    }
+  }
+  return all;
+}
+
+template <class T, class Task>
+std::unique_ptr<EnvBatch> make_task(const Variant& variant, int num_envs, const EnvOptions& options) {
+  return std::make_unique<TaskBatch<T, Task>>(EnvSpec{.id = variant.id}, panda_arm(), variant.control, variant.reward,
+                                              num_envs, options);
+}
+
+template <class Task>
+std::unique_ptr<EnvBatch> make_task(const Variant& variant, int num_envs, const EnvOptions& options) {
+  switch (options.lanes == 0 ? (num_envs == 1 ? 1 : width_v<NativeLanes>) : options.lanes) {
+    case 1:
+      return make_task<float, Task>(variant, num_envs, options);
+    case 4:
+      return make_task<Lanes4, Task>(variant, num_envs, options);
+    case 8:
+      return make_task<Lanes8, Task>(variant, num_envs, options);
+    case 16:
+      return make_task<Lanes16, Task>(variant, num_envs, options);
+    default:
+      throw std::invalid_argument("lanes is " + std::to_string(options.lanes) + "; expected 0, 1, 4, 8 or 16");
+  }
+}
+
+/// Calls visit(Task{}) for every task.
+template <class Visit>
+void for_each_task(Visit&& visit) {
+  visit(Reach{});
+  visit(Slide{});
+  visit(Push{});
+  visit(PickAndPlace{});
+  visit(Stack{});
+  visit(Flip{});
+}
+
+[[noreturn]] void refuse_id(const std::string& id) {
+  std::string message = "unknown environment '" + id + "'; there are:";
+  for (const std::string& known : env_ids()) message += ' ' + known;
+  throw std::invalid_argument(message);
 }
 
 }  // namespace
 
 std::vector<std::string> env_ids() {
   std::vector<std::string> ids;
-  for (const ReachId& reach : kReachIds) ids.emplace_back(reach.id);
+  for_each_task([&](const auto& task) {
+    for (const Variant& variant : variants(task.kName)) ids.push_back(variant.id);
+  });
   return ids;
+}
+
+int max_episode_steps(const std::string& id) {
+  int steps = 0;
+  for_each_task([&](const auto& task) {
+    for (const Variant& variant : variants(task.kName)) {
+      if (variant.id == id) steps = task.kMaxEpisodeSteps;
+    }
+  });
+  if (steps == 0) refuse_id(id);
+  return steps;
 }
 
 std::unique_ptr<EnvBatch> make_env_batch(const std::string& id, int num_envs, const EnvOptions& options) {
   check(num_envs, options);
-  for (const ReachId& reach : kReachIds) {
-    if (id != reach.id) continue;
-    switch (options.lanes == 0 ? (num_envs == 1 ? 1 : width_v<NativeLanes>) : options.lanes) {
-      case 1:
-        return make_reach<float>(reach, num_envs, options);
-      case 4:
-        return make_reach<Lanes4>(reach, num_envs, options);
-      case 8:
-        return make_reach<Lanes8>(reach, num_envs, options);
-      case 16:
-        return make_reach<Lanes16>(reach, num_envs, options);
-      default:
-        throw std::invalid_argument("lanes is " + std::to_string(options.lanes) + "; expected 0, 1, 4, 8 or 16");
+  std::unique_ptr<EnvBatch> made;
+  for_each_task([&]<class Task>(const Task& task) {
+    for (const Variant& variant : variants(task.kName)) {
+      if (variant.id == id) made = make_task<Task>(variant, num_envs, options);
     }
-  }
-  std::string message = "unknown environment '" + id + "'; there are:";
-  for (const std::string& known : env_ids()) message += ' ' + known;
-  throw std::invalid_argument(message);
+  });
+  if (!made) refuse_id(id);
+  return made;
 }
 
 }  // namespace manyhands

@@ -14,12 +14,15 @@ struct EnvOptions {
   int n_substeps = 20;       ///< physics steps of one environment step
   double time_step = 0.002;  ///< of the physics [s]
   bool terminate_on_success = true;
-  double distance_threshold = 0.05;  ///< success is nearer than this [m]
-  int lanes = 0;  ///< 0: the fastest for this build, or scalars for a single world; else 1, 4, 8 or 16
+  double distance_threshold = 0;  ///< success is nearer than this; 0: what the task says, 5 cm in Reach
+  int lanes = 0;                  ///< 0: the fastest for this build, or scalars for a single world; else 1, 4, 8 or 16
 };
 
 /// The ids that `make_env_batch` knows, for example "PandaReachDense-v3".
 [[nodiscard]] std::vector<std::string> env_ids();
+
+/// The steps after which an episode of the environment `id` is truncated. Throws std::invalid_argument on an unknown id.
+[[nodiscard]] int max_episode_steps(const std::string& id);
 
 /// `num_envs` worlds of the environment `id`, reset with fresh random streams.
 /// Throws std::invalid_argument on an unknown id (the message lists the ids) or an option out of range.

@@ -50,6 +50,8 @@ class Clocks final : public EnvBatch {
   std::span<const std::uint8_t> terminated() const override { return done_; }
   std::span<const std::uint8_t> truncated() const override { return never_; }
   std::uint64_t state_hash() const override { return 0; }
+  std::vector<std::uint8_t> snapshot() const override { throw std::logic_error("no test needs it"); }
+  void restore(std::span<const std::uint8_t>) override { throw std::logic_error("no test needs it"); }
   void compute_reward(std::span<const float>, std::span<const float>, std::span<float>) const override {}
 
  private:

@@ -116,17 +116,17 @@ TYPED_TEST(NoAllocation, InTheDynamics) {
 TYPED_TEST(NoAllocation, InInverseKinematics) {
   using T = TypeParam;
   using R = real_t<T>;
-  const PandaRobot robot(PandaControl::kEndEffector);
+  const LonePanda robot;
   const Tree<R> tree(robot.model);
   const Params<R> params(robot.model);
   Workspace<T> ws(tree);
   std::vector<T> q;
-  for (const double x : kPandaNeutral) q.push_back(T(static_cast<R>(x)));
+  for (const double x : robot.arm.neutral) q.push_back(T(static_cast<R>(x)));
   Transform<T> target = Transform<T>::identity();
   target.p.x = T(R(0.1));
   const IkSettings settings;
   const Watch watch;
-  (void)solve_ik(tree, params, robot.chain, settings, target, q.data(), ws);
+  (void)solve_ik(tree, params, robot.arm.chain, settings, target, q.data(), ws);
   EXPECT_EQ(watch.stop(), 0);
 }
 

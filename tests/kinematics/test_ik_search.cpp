@@ -10,16 +10,18 @@
 namespace manyhands {
 namespace {
 
+constexpr std::size_t kJoints = 9;  // of the arm and its fingers
+
 struct Panda {
-  PandaRobot robot{PandaControl::kEndEffector};
+  LonePanda robot;
   Tree<double> tree{robot.model};
   Params<double> params{robot.model};
   Workspace<double> ws{tree};
-  std::vector<double> neutral{kPandaNeutral.begin(), kPandaNeutral.end()};
+  std::vector<double> neutral = robot.arm.neutral;
 
   Transform<double> hand(const double* q) {
     forward_kinematics(tree, q, ws);
-    return frame_pose(robot.chain.body, robot.chain.X_BF, ws);
+    return frame_pose(robot.arm.chain.body, robot.arm.chain.X_BF, ws);
   }
 
   /// Hand poses of random configurations within the limits.
@@ -28,7 +30,7 @@ struct Panda {
     for (int i = 0; i < n; ++i) {
       RandomStream random(4, static_cast<std::uint32_t>(i), 0);
       std::vector<double> q = neutral;
-      for (const std::size_t dof : robot.chain.dofs) q[dof] = random.uniform(params.lower[dof], params.upper[dof]);
+      for (const std::size_t dof : robot.arm.chain.dofs) q[dof] = random.uniform(params.lower[dof], params.upper[dof]);
       poses.push_back(hand(q.data()));
     }
     return poses;
@@ -42,12 +44,12 @@ TEST(IkSearch, ReachesNearlyAllThatCanBeReached) {
   Panda panda;
   const std::vector<Transform<double>> targets = panda.reachable(n);
   const auto begin = std::chrono::steady_clock::now();
-  const IkSolutions found = search_ik(panda.robot.model, panda.robot.hand, targets, panda.neutral);
+  const IkSolutions found = search_ik(panda.robot.model, panda.robot.arm.hand, targets, panda.neutral);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   int solved = 0, at_first = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    const double* q = &found.q[i * PandaRobot::kJoints];
-    for (std::size_t j = 0; j < PandaRobot::kJoints; ++j) {  // the model's dofs are its coordinates
+    const double* q = &found.q[i * kJoints];
+    for (std::size_t j = 0; j < kJoints; ++j) {  // the model's dofs are its coordinates
       ASSERT_GE(q[j], panda.params.lower[j]) << "target " << i;
       ASSERT_LE(q[j], panda.params.upper[j]) << "target " << i;
     }
@@ -72,9 +74,10 @@ TEST(IkSearch, ReachesNearlyAllThatCanBeReached) {
 TEST(IkSearch, GivesEachTargetItsOwnAnswer) {
   Panda panda;
   const std::vector<Transform<double>> targets = panda.reachable(37);
-  const IkSolutions all = search_ik(panda.robot.model, panda.robot.hand, targets, panda.neutral);
-  const IkSolutions some = search_ik(panda.robot.model, panda.robot.hand, std::span(targets).first(5), panda.neutral);
-  EXPECT_EQ(std::vector<double>(all.q.begin(), all.q.begin() + 5 * PandaRobot::kJoints), some.q);
+  const IkSolutions all = search_ik(panda.robot.model, panda.robot.arm.hand, targets, panda.neutral);
+  const IkSolutions some =
+      search_ik(panda.robot.model, panda.robot.arm.hand, std::span(targets).first(5), panda.neutral);
+  EXPECT_EQ(std::vector<double>(all.q.begin(), all.q.begin() + 5 * kJoints), some.q);
   EXPECT_EQ(std::vector<int>(all.attempts.begin(), all.attempts.begin() + 5), some.attempts);
 }
 
@@ -83,7 +86,7 @@ TEST(IkSearch, SaysHowFarOffAnUnreachableTargetIs) {
   Transform<double> far = panda.hand(panda.neutral.data());
   far.p = {-0.6, 0, 3.0};  // the arm reaches about 1.19 m above its base
   const IkSolutions found =
-      search_ik(panda.robot.model, panda.robot.hand, std::span(&far, 1), panda.neutral, {.restarts = 5});
+      search_ik(panda.robot.model, panda.robot.arm.hand, std::span(&far, 1), panda.neutral, {.restarts = 5});
   EXPECT_EQ(found.success[0], 0);
   EXPECT_EQ(found.attempts[0], 6);
   EXPECT_NEAR(found.position_error[0], norm(panda.hand(found.q.data()).p - far.p), 1e-12);
@@ -93,8 +96,9 @@ TEST(IkSearch, SaysHowFarOffAnUnreachableTargetIs) {
 
 TEST(IkSearch, RefusesAStartOfTheWrongLength) {
   Panda panda;
-  EXPECT_THROW((void)search_ik(panda.robot.model, panda.robot.hand, {}, std::vector<double>(7)), std::invalid_argument);
-  EXPECT_TRUE(search_ik(panda.robot.model, panda.robot.hand, {}, panda.neutral).q.empty());
+  EXPECT_THROW((void)search_ik(panda.robot.model, panda.robot.arm.hand, {}, std::vector<double>(7)),
+               std::invalid_argument);
+  EXPECT_TRUE(search_ik(panda.robot.model, panda.robot.arm.hand, {}, panda.neutral).q.empty());
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace {
 using testing::Generator;
 
 struct Panda {
-  PandaRobot robot{PandaControl::kEndEffector};
+  LonePanda robot;
   Tree<double> tree{robot.model};
   Params<double> params{robot.model};
   Workspace<double> ws{tree};
@@ -23,6 +23,8 @@ struct Panda {
     return frame_pose(chain.body, chain.X_BF, ws);
   }
 };
+
+constexpr std::size_t kJoints = 9;  // of the arm and its fingers
 
 const Mat3<double> kDown{{1, 0, 0}, {0, -1, 0}, {0, 0, -1}};  // the hand as panda-gym holds it
 
@@ -40,14 +42,14 @@ TEST(InverseKinematics, FollowsPandaGym) {
   }};
   Panda panda;
   for (const Case& c : cases) {
-    std::vector<double> q(kPandaNeutral.begin(), kPandaNeutral.end());
-    const Transform<double> start = panda.pose(panda.robot.chain, q.data());
-    improve_ik(panda.tree, panda.params, panda.robot.chain, panda.robot.ik, {kDown, start.p + c.step}, q.data(),
+    std::vector<double> q = panda.robot.arm.neutral;
+    const Transform<double> start = panda.pose(panda.robot.arm.chain, q.data());
+    improve_ik(panda.tree, panda.params, panda.robot.arm.chain, panda.robot.arm.ik, {kDown, start.p + c.step}, q.data(),
                panda.ws);
     for (std::size_t i = 0; i < 7; ++i)
       EXPECT_NEAR(q[i], c.q[i], 1e-5) << "step " << c.step.x << ' ' << c.step.y << ' ' << c.step.z << ", joint " << i;
     if (c.step.x <= 0) continue;
-    EXPECT_NEAR(panda.pose(panda.robot.chain, q.data()).p.x - start.p.x, 0.05 - 0.0153, 1e-4)
+    EXPECT_NEAR(panda.pose(panda.robot.arm.chain, q.data()).p.x - start.p.x, 0.05 - 0.0153, 1e-4)
         << "how far it falls short";
   }
 }
@@ -56,9 +58,9 @@ TEST(InverseKinematics, FollowsPandaGym) {
 TEST(InverseKinematics, FollowsPandaGymFarAway) {
   Panda panda;
   const IkChain chain(panda.robot.model, panda.robot.model.frame_id("panda_link7"));
-  std::vector<double> q(PandaRobot::kJoints, 0.0);
+  std::vector<double> q(kJoints, 0.0);
   const Quat<double> r = normalized(Quat<double>{0.707, -0.02, 0.02, 0.707});
-  improve_ik(panda.tree, panda.params, chain, panda.robot.ik, {to_matrix(r), {0.4 - 0.6, 0.5, 0.6}}, q.data(),
+  improve_ik(panda.tree, panda.params, chain, panda.robot.arm.ik, {to_matrix(r), {0.4 - 0.6, 0.5, 0.6}}, q.data(),
              panda.ws);
   constexpr std::array<double, 9> kExpected{1.000, 1.223, -1.113, -0.021, -0.917, 0.666, -0.499, 0, 0};
   for (std::size_t i = 0; i < q.size(); ++i) EXPECT_NEAR(q[i], kExpected[i], 1e-3) << i;
@@ -67,15 +69,15 @@ TEST(InverseKinematics, FollowsPandaGymFarAway) {
 /// Near a solution the damping vanishes with the square of the error: Newton's method, error squared at each step.
 TEST(InverseKinematics, ConvergesQuadratically) {
   Panda panda;
-  std::vector<double> q(kPandaNeutral.begin(), kPandaNeutral.end());
+  std::vector<double> q = panda.robot.arm.neutral;
   std::vector<double> there = q;
   for (std::size_t i = 0; i < 7; ++i) there[i] += 0.02 * (i % 2 == 0 ? 1 : -1);
-  const Transform<double> target = panda.pose(panda.robot.chain, there.data());
+  const Transform<double> target = panda.pose(panda.robot.arm.chain, there.data());
   double before = 1;
   for (int step = 0; step < 4; ++step) {
     const IkSettings once{.max_iterations = 1, .damping = 0, .error_damping = 0.1};
     const IkResult<double> result =
-        solve_ik(panda.tree, panda.params, panda.robot.chain, once, target, q.data(), panda.ws);
+        solve_ik(panda.tree, panda.params, panda.robot.arm.chain, once, target, q.data(), panda.ws);
     const double error = std::hypot(result.position_error, result.rotation_error);
     EXPECT_LE(error, std::max(10 * before * before, 1e-14)) << "step " << step;
     before = error;
@@ -97,19 +99,19 @@ TYPED_TEST(IkLanes, EqualTheScalarBitForBit) {
   const auto n = static_cast<std::size_t>(width_v<T>);
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     Generator rng(seed);
-    std::vector<T> q(PandaRobot::kJoints);
-    std::vector<std::vector<float>> starts(n, std::vector<float>(PandaRobot::kJoints));
+    std::vector<T> q(kJoints);
+    std::vector<std::vector<float>> starts(n, std::vector<float>(kJoints));
     std::vector<Transform<float>> goals;
     Transform<T> targets = Transform<T>::identity();
     for (std::size_t k = 0; k < n; ++k) {
-      std::vector<double> there(PandaRobot::kJoints, 0.0);
+      std::vector<double> there(kJoints, 0.0);
       for (std::size_t i = 0; i < 7; ++i) {
         there[i] = testing::uniform(rng, panda.params.lower[i], panda.params.upper[i]);
         starts[k][i] = static_cast<float>(
             k % 3 == 0 ? there[i] + 0.01 : testing::uniform(rng, panda.params.lower[i], panda.params.upper[i]));
         set_lane(q[i], static_cast<int>(k), starts[k][i]);
       }
-      goals.push_back(broadcast<float>(panda.pose(panda.robot.chain, there.data())));
+      goals.push_back(broadcast<float>(panda.pose(panda.robot.arm.chain, there.data())));
       const auto set = [k](Vec3<T>& to, const Vec3<float>& from) {
         set_lane(to.x, static_cast<int>(k), from.x);
         set_lane(to.y, static_cast<int>(k), from.y);
@@ -124,11 +126,11 @@ TYPED_TEST(IkLanes, EqualTheScalarBitForBit) {
     Workspace<T> ws(tree);
     Workspace<float> scalar_ws(tree);
     const IkSettings settings;
-    const IkResult<T> found = solve_ik(tree, params, panda.robot.chain, settings, targets, q.data(), ws);
+    const IkResult<T> found = solve_ik(tree, params, panda.robot.arm.chain, settings, targets, q.data(), ws);
     for (std::size_t k = 0; k < n; ++k) {
       std::vector<float> alone = starts[k];
       const IkResult<float> result =
-          solve_ik(tree, params, panda.robot.chain, settings, goals[k], alone.data(), scalar_ws);
+          solve_ik(tree, params, panda.robot.arm.chain, settings, goals[k], alone.data(), scalar_ws);
       EXPECT_EQ(lane(found.success, static_cast<int>(k)), result.success);
       EXPECT_EQ(lane(found.position_error, static_cast<int>(k)), result.position_error);
       EXPECT_EQ(lane(found.rotation_error, static_cast<int>(k)), result.rotation_error);

@@ -143,6 +143,8 @@ class Wrapper : public EnvBatch {
     envs_.compute_reward(achieved, desired, reward);
   }
   std::uint64_t state_hash() const override { return envs_.state_hash(); }
+  std::vector<std::uint8_t> snapshot() const override { return envs_.snapshot(); }
+  void restore(std::span<const std::uint8_t> bytes) override { envs_.restore(bytes); }
 
  protected:
   PointReach& envs_;

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "manyhands/model/io/mjcf_mass.h"
+#include "manyhands/model/solids.h"
 #include "manyhands/model/io/mjcf_settings.h"
 #include "manyhands/model/model_builder.h"
 

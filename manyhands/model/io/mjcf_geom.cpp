@@ -200,7 +200,7 @@ MjcfGeomMass add_geom(MjcfScene& scene, int body_index, const MjcfPlaced& placed
     const double density = e.positive_or("density", 1000);
     double factor = density;
     if (e.has("mass")) factor = part.volume.mass > 0 ? e.positive_or("mass", 0) / part.volume.mass : 0;
-    mass.inertial = io::placed(geom.X_LG, scaled(part.volume, factor));
+    mass.inertial = manyhands::placed(geom.X_LG, scaled(part.volume, factor));
     entry.id = checked(e, [&] { return scene.builder.add_geom(std::move(geom)); });
   }
   scene.geoms.push_back(std::move(entry));

@@ -5,7 +5,7 @@
 #include "manyhands/math/quaternion.h"
 #include "manyhands/model/convex_polyhedron.h"
 #include "manyhands/model/io/mjcf.h"
-#include "manyhands/model/io/mjcf_mass.h"
+#include "manyhands/model/solids.h"
 #include "manyhands/model/io/urdf.h"
 #include "manyhands/physics/step/world.h"
 #include "manyhands/physics/step/world_checks.h"
@@ -48,14 +48,14 @@ Mesh hull_of(const Mesh& mesh) {
 Inertial solid(const NewBody& body) {
   Inertial unit;
   if (body.shape.type == ShapeType::kConvex) {
-    unit = io::solid_of(hull_of(body.mesh), false);
+    unit = solid_of(hull_of(body.mesh), false);
   } else {
-    unit = io::solid_of(body.shape);
+    unit = solid_of(body.shape);
   }
   if (!(unit.mass > 0)) {
     throw ModelError("body '" + body.name + "': its shape has no volume; only a fixed body may have none");
   }
-  return io::scaled(unit, body.mass / unit.mass);
+  return scaled(unit, body.mass / unit.mass);
 }
 
 void check_body(const NewBody& body) {

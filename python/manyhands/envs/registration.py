@@ -5,11 +5,10 @@ from typing import Any
 
 import gymnasium
 
-from manyhands._core.envs import env_ids
+from manyhands._core.envs import env_ids, max_episode_steps
 from manyhands.envs.vector import PandaVectorEnv
 
 _ID = re.compile(r"(Panda\w+?)(Joints)?(Dense)?-v3")
-_MAX_EPISODE_STEPS = 50
 
 
 def register() -> None:
@@ -19,7 +18,7 @@ def register() -> None:
             id=name,
             entry_point="manyhands.envs:PandaEnv",
             vector_entry_point="manyhands.envs:PandaVectorEnv",
-            max_episode_steps=_MAX_EPISODE_STEPS,
+            max_episode_steps=max_episode_steps(name),
             kwargs=_variant(name),
         )
 

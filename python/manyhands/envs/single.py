@@ -7,19 +7,20 @@ import gymnasium
 import numpy as np
 from gymnasium.utils import EzPickle
 from numpy.typing import ArrayLike, NDArray
+from typing_extensions import Unpack
 
 from manyhands._core.envs import make_env_batch
 from manyhands.envs import spaces
-from manyhands.envs.spaces import ControlType, Observation, RewardType
+from manyhands.envs.spaces import ControlType, EnvOptions, Observation, RewardType
 
 
 class PandaEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
     """A Panda arm and a task, as panda-gym describes them.
 
-    Observations are dicts of float32 arrays: `observation` (observation_dim,), `achieved_goal` and `desired_goal`
-    (goal_dim,), in metres and metres per second. An action (action_dim,) lies in [-1, 1] and is clipped to it: a
+    Tasks: PandaReach, PandaPush, PandaSlide, PandaPickAndPlace, PandaStack, PandaFlip. Observations are dicts of
+    float32 arrays: `observation` (observation_dim,), `achieved_goal` and `desired_goal` (goal_dim,), in SI units. An action (action_dim,) lies in [-1, 1] and is clipped to it: a
     displacement of the gripper (unit 0.05 m) with `control_type="ee"`, of the seven joints (unit 0.05 rad) with
-    "joints". A step takes 0.04 s. An episode terminates with success; its length is limited by `gymnasium.make`.
+    "joints"; where the task needs the gripper the last number opens it. A step takes 0.04 s. An episode terminates with success; its length is limited by `gymnasium.make`.
 
     Calls from several Python threads take turns.
 
@@ -36,13 +37,21 @@ class PandaEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         reward_type: RewardType = "sparse",
         control_type: ControlType = "ee",
         render_mode: str | None = None,
+        **options: Unpack[EnvOptions],
     ) -> None:
-        """Raises ValueError on an unknown task or type, or a render mode: there are no cameras yet."""
-        EzPickle.__init__(self, task, reward_type=reward_type, control_type=control_type, render_mode=render_mode)
+        """`options` are those of `spaces.EnvOptions`.
+
+        Raises ValueError on an unknown task or type, an option out of range, or a render mode: there are no cameras
+        yet.
+        """
+        EzPickle.__init__(
+            self, task, reward_type=reward_type, control_type=control_type, render_mode=render_mode, **options
+        )
         spaces.require_no_rendering(render_mode)
         self.render_mode = render_mode
         self._turn = threading.Lock()
-        self._batch = make_env_batch(spaces.env_id(task, reward_type, control_type), 1, num_threads=1)
+        name = spaces.env_id(task, reward_type, control_type)
+        self._batch = make_env_batch(name, 1, num_threads=1, **options)
         self.observation_space = spaces.observation_space(self._batch.spec)
         self.action_space = spaces.action_space(self._batch.spec)
 
@@ -67,6 +76,16 @@ class PandaEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
     def render(self) -> NoReturn:
         """Raises NotImplementedError: there are no cameras yet."""
         spaces.refuse_to_render()
+
+    def save_state(self) -> bytes:
+        """All that a run needs to continue bit for bit: physics, goal and random stream."""
+        return self._batch.snapshot()
+
+    def restore_state(self, state: bytes) -> Observation:
+        """Goes back to a saved state and returns what is observed there. Raises ValueError on one of another task."""
+        with self._turn:
+            self._batch.restore(state)
+            return self._observation()
 
     def compute_reward(self, achieved_goal: ArrayLike, desired_goal: ArrayLike, info: Any = None) -> Any:
         """The task's reward for goals (..., goal_dim): float32, a scalar or of shape (...). `info` is not used."""

@@ -1,7 +1,7 @@
 """Spaces, actions and rewards as the single and the vector environment share them."""
 
 from collections.abc import Sequence
-from typing import Any, Literal, NoReturn, TypeAlias
+from typing import Any, Literal, NoReturn, TypeAlias, TypedDict
 
 import numpy as np
 from gymnasium import spaces
@@ -13,6 +13,16 @@ from manyhands.arguments import whole_number
 Observation: TypeAlias = dict[str, NDArray[np.float32]]
 RewardType: TypeAlias = Literal["sparse", "dense"]
 ControlType: TypeAlias = Literal["ee", "joints"]
+
+
+class EnvOptions(TypedDict, total=False):
+    """How the physics of an environment runs, and when an episode ends well."""
+
+    n_substeps: int  # physics steps of one environment step: 20
+    time_step: float  # of the physics [s]: 0.002
+    terminate_on_success: bool  # True
+    distance_threshold: float  # success is nearer than this; 0: what the task says
+
 
 RENDER_FPS = 25  # one frame per environment step of 0.04 s
 

@@ -9,12 +9,13 @@ from gymnasium.error import ResetNeeded
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import ArrayLike, NDArray
+from typing_extensions import Unpack
 
 from manyhands._core.envs import AutoresetBatch, make_env_batch
 from manyhands._core.envs import AutoresetMode as CoreMode
 from manyhands.arguments import whole_number
 from manyhands.envs import spaces
-from manyhands.envs.spaces import ControlType, Observation, RewardType
+from manyhands.envs.spaces import ControlType, EnvOptions, Observation, RewardType
 
 _MOST_WORLDS, _MOST_THREADS = 2**20, 1024
 
@@ -39,6 +40,7 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         copy: bool = True,
         render_mode: str | None = None,
+        **options: Unpack[EnvOptions],
     ) -> None:
         """Makes the worlds.
 
@@ -46,6 +48,8 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         max_episode_steps: truncates episodes; None takes the limit of the task, -1 none.
         num_threads: None takes the variable MANYHANDS_THREADS, or as many as the machine has cores.
         copy: False returns observations as read-only views that the next step or reset overwrites.
+
+        options: those of `spaces.EnvOptions`.
 
         Raises ValueError on a number out of range, an unknown task, type or mode, or a render mode: there are no
         cameras yet.
@@ -56,7 +60,8 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         if max_episode_steps is not None:
             max_episode_steps = whole_number("max_episode_steps", max_episode_steps, -1, 2**31 - 1)
         mode = AutoresetMode(autoreset_mode)
-        self._envs = make_env_batch(spaces.env_id(task, reward_type, control_type), num_envs, num_threads=threads)
+        name = spaces.env_id(task, reward_type, control_type)
+        self._envs = make_env_batch(name, num_envs, num_threads=threads, **options)
         spec = self._envs.spec
         limit = spec.max_episode_steps if max_episode_steps is None else max(max_episode_steps, 0)
         self._batch = AutoresetBatch(self._envs, CoreMode[mode.name], limit)

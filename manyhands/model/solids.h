@@ -1,9 +1,9 @@
-// The mass that shapes have, as MuJoCo derives it.
+// The mass that shapes have, of solids and skins.
 #pragma once
 
 #include "manyhands/model/description.h"
 
-namespace manyhands::io {
+namespace manyhands {
 
 /// Mass properties of a solid shape of density 1 about its own frame: sphere, capsule, cylinder, box; 0 for others.
 [[nodiscard]] Inertial solid_of(const Shape& shape);
@@ -22,4 +22,4 @@ namespace manyhands::io {
 /// Both together.
 [[nodiscard]] Inertial sum(const Inertial& a, const Inertial& b);
 
-}  // namespace manyhands::io
+}  // namespace manyhands

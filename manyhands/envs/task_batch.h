@@ -1,4 +1,4 @@
-// PandaReach for any number of worlds: the batch behind PandaReach-v3 and its dense and joints-controlled forms.
+// Any number of worlds of one task: the batch behind the environments.
 #pragma once
 
 #include <atomic>
@@ -7,16 +7,17 @@
 
 #include "manyhands/base/thread_pool.h"
 #include "manyhands/envs/make.h"
-#include "manyhands/envs/panda.h"
-#include "manyhands/envs/reach.h"
+#include "manyhands/envs/tasks/task.h"
 
 namespace manyhands {
 
 /// Worlds live in blocks of W = width_v<T> lanes; a worker of the pool takes one block through the whole step.
-template <Number T>
-class PandaReachBatch final : public EnvBatch {
+template <Number T, TaskLike Task>
+class TaskBatch final : public EnvBatch {
  public:
-  PandaReachBatch(EnvSpec spec, PandaControl control, const ReachTask& task, int num_envs, const EnvOptions& options);
+  /// `spec` needs only an id; the rest follows from the task.
+  TaskBatch(EnvSpec spec, const ArmSpec& arm, ArmControl control, Reward reward, int num_envs,
+            const EnvOptions& options, const Task& task = {});
 
   [[nodiscard]] const EnvSpec& spec() const override { return spec_; }
   [[nodiscard]] int num_envs() const override { return num_envs_; }
@@ -32,6 +33,8 @@ class PandaReachBatch final : public EnvBatch {
   void compute_reward(std::span<const float> achieved_goal, std::span<const float> desired_goal,
                       std::span<float> reward) const override;
   [[nodiscard]] std::uint64_t state_hash() const override;
+  [[nodiscard]] std::vector<std::uint8_t> snapshot() const override;
+  void restore(std::span<const std::uint8_t> snapshot) override;
 
  private:
   using R = real_t<T>;
@@ -39,29 +42,48 @@ class PandaReachBatch final : public EnvBatch {
 
   struct Block {
     State<T> state;
-    HandState<T> hand;
-    Vec3<T> goal;
+    std::array<T, Task::kGoalSize> goal;
+    HandState<T> hand;  ///< at the end of the last step
   };
   struct World {
     NumpyRandom random;
     int steps;  ///< of the present episode
   };
+  struct Object {
+    std::size_t body, iq, iv;
+  };
+  /// What is seen of a block.
+  struct View {
+    std::array<T, 7 + Task::kObservationSize> observation;
+    std::array<T, Task::kGoalSize> achieved;
+    Outcome<T> outcome;
+  };
 
+  [[nodiscard]] int end_of(int block) const { return std::min((block + 1) * W, num_envs_); }
+  void reset_block(int block, StepWorkspace<T>& ws, std::span<const std::uint8_t> mask,
+                   std::span<const std::uint64_t> seeds);
+  void start_episode(Block& block, int lane, NumpyRandom& random);
   void step_block(int block, StepWorkspace<T>& ws, std::span<const float> action);
-  void write_row(int world);
+  void simulate(Block& block, StepWorkspace<T>& ws);
+  [[nodiscard]] View look(Block& block, StepWorkspace<T>& ws) const;
+  void write_row(int world, const View& view);
+  [[nodiscard]] std::size_t bytes_of_world() const;
 
   EnvSpec spec_;
-  PandaRobot robot_;
-  ReachTask task_;
+  Task task_;
+  Goals goals_;
   EnvOptions options_;
   int num_envs_;
+  Model scene_;
+  Arm arm_;
+  std::vector<Object> objects_;
   System<R> system_;
   Params<R> params_;  ///< the same for all worlds
+  State<T> start_;    ///< the arm as every episode begins
   std::vector<Block> blocks_;
   std::vector<World> worlds_;
-  HandState<T> start_;                        ///< the hand as every episode begins
-  std::vector<StepWorkspace<T>> workspaces_;  ///< one for each worker
   ThreadPool pool_;
+  std::vector<StepWorkspace<T>> workspaces_;  ///< one for each worker
   std::vector<float> observation_, achieved_goal_, desired_goal_, reward_;
   std::vector<std::uint8_t> is_success_, terminated_, truncated_;
 };

@@ -1,8 +1,8 @@
-#include "manyhands/model/io/mjcf_mass.h"
+#include "manyhands/model/solids.h"
 
 #include <numbers>
 
-namespace manyhands::io {
+namespace manyhands {
 
 namespace {
 
@@ -149,4 +149,4 @@ Inertial sum(const Inertial& a, const Inertial& b) {
   return {mass, com, a.inertia + parallel_axes(a.mass, a.com - com) + b.inertia + parallel_axes(b.mass, b.com - com)};
 }
 
-}  // namespace manyhands::io
+}  // namespace manyhands

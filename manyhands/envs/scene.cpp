@@ -1,0 +1,59 @@
+#include "manyhands/envs/scene.h"
+
+#include "manyhands/base/assets.h"
+#include "manyhands/model/compose.h"
+#include "manyhands/model/io/urdf.h"
+#include "manyhands/model/solids.h"
+
+namespace manyhands {
+
+namespace {
+
+constexpr double kFrictionOfTables = 0.5;
+
+void add_surroundings(ModelBuilder& builder, const Table& table) {
+  Geom floor{.name = "plane", .link = builder.world(), .shape = {.type = ShapeType::kPlane}};
+  floor.X_LG.p = {0, 0, -table.height};
+  floor.surface.lateral_friction = kFrictionOfTables;
+  floor.rgba = {0.15f, 0.15f, 0.15f, 1};
+  builder.add_geom(floor);
+  Geom top{.name = "table",
+           .link = builder.world(),
+           .shape = {.type = ShapeType::kBox, .size = {table.length / 2, table.width / 2, table.height / 2}}};
+  top.X_LG.p = {table.x_offset, 0, -table.height / 2};
+  top.surface.lateral_friction = kFrictionOfTables;
+  top.rgba = {0.95f, 0.95f, 0.95f, 1};
+  builder.add_geom(top);
+}
+
+void add_object(ModelBuilder& builder, const ObjectSpec& object) {
+  const Inertial solid = solid_of(object.shape);
+  const LinkId link = builder.add_link(object.name, scaled(solid, object.mass / solid.mass));
+  builder.add_joint(
+      {.name = object.name + "_joint", .type = JointType::kFloating, .parent = builder.world(), .child = link});
+  Geom geom{.name = object.name, .link = link, .shape = object.shape, .rgba = object.rgba};
+  geom.surface.lateral_friction = object.friction;
+  builder.add_geom(geom);
+}
+
+}  // namespace
+
+Model load_arm(const ArmSpec& spec) {
+  UrdfOptions options;
+  options.base_pose = spec.X_WA;
+  options.load_meshes = false;
+  return load_urdf(asset_path(spec.asset), options).model;
+}
+
+Model task_scene(const ArmSpec& arm, const Table& table, std::span<const ObjectSpec> objects) {
+  ModelBuilder builder = builder_of(load_arm(arm));
+  // Hung on the world before the objects are, so that its numbers come first.
+  const LinkId base(1);
+  builder.place_root(base, Transform<double>::identity());
+  builder.add_joint({.name = "arm_base", .parent = builder.world(), .child = base, .X_PF = arm.X_WA});
+  add_surroundings(builder, table);
+  for (const ObjectSpec& object : objects) add_object(builder, object);
+  return builder.build();
+}
+
+}  // namespace manyhands

@@ -1,0 +1,279 @@
+// Bodies of TaskBatch, included by the files that instantiate it.
+#pragma once
+
+#include <cstring>
+
+#include "manyhands/base/hash.h"
+#include "manyhands/envs/task_batch.h"
+
+namespace manyhands {
+
+namespace internal {
+
+inline std::uint64_t fresh_seed(std::random_device& device) {
+  return (static_cast<std::uint64_t>(device()) << 32) | device();
+}
+
+inline void check_size(std::size_t size, std::size_t expected, const char* what) {
+  if (size != expected) {
+    throw std::invalid_argument(std::string(what) + " has " + std::to_string(size) + " numbers; expected " +
+                                std::to_string(expected));
+  }
+}
+
+inline std::size_t rows(int n, int columns) { return static_cast<std::size_t>(n) * static_cast<std::size_t>(columns); }
+
+/// The hand's part of an observation: position, velocity and, with a gripper, the fingers' width.
+template <Number T>
+MANYHANDS_INLINE std::size_t write_hand(const HandState<T>& hand, bool has_gripper, T* row) {
+  write_point(hand.p, row);
+  write_point(hand.v, row + 3);
+  row[6] = hand.open_width;
+  return has_gripper ? 7 : 6;
+}
+
+template <class Task>
+EnvSpec complete(EnvSpec spec, const Arm& arm, const EnvOptions& options) {
+  spec.observation_dim = (Task::kHasGripper ? 7 : 6) + static_cast<int>(Task::kObservationSize);
+  spec.goal_dim = static_cast<int>(Task::kGoalSize);
+  spec.action_dim = action_size(arm);
+  spec.max_episode_steps = Task::kMaxEpisodeSteps;
+  spec.dt = options.time_step * options.n_substeps;
+  return spec;
+}
+
+template <class Task>
+Model scene_of(const ArmSpec& arm, const Task& task) {
+  const auto objects = task.objects();
+  return task_scene(arm, task.table(), objects);
+}
+
+}  // namespace internal
+
+template <Number T, TaskLike Task>
+TaskBatch<T, Task>::TaskBatch(EnvSpec spec, const ArmSpec& arm, ArmControl control, Reward reward, int num_envs,
+                              const EnvOptions& options, const Task& task)
+    : task_(task),
+      goals_{reward, options.distance_threshold > 0 ? options.distance_threshold : Task::kDistanceThreshold},
+      options_(options),
+      num_envs_(num_envs),
+      scene_(internal::scene_of(arm, task)),
+      arm_(arm, scene_, control, Task::kHasGripper),
+      system_(scene_),
+      params_(scene_),
+      start_(scene_, system_.contact_numbers()),
+      pool_(std::min(choose_num_threads(options.num_threads), (num_envs + W - 1) / W)) {
+  spec_ = internal::complete<Task>(std::move(spec), arm_, options);
+  set_arm_motors(arm_, params_);
+  for (const ObjectSpec& object : task.objects()) {
+    const BodyId id = scene_.link(scene_.link_id(object.name)).body;
+    const Body& body = scene_.body(id);
+    objects_.push_back({id.index(), static_cast<std::size_t>(body.iq), static_cast<std::size_t>(body.iv)});
+  }
+  for (int k = 0; k < W; ++k) reset_arm(arm_, start_, k);
+  blocks_.assign(internal::rows((num_envs + W - 1) / W, 1), Block{start_, {}, {}});
+  for (int worker = 0; worker < pool_.num_threads(); ++worker) workspaces_.emplace_back(system_);
+  std::random_device device;
+  for (int i = 0; i < num_envs; ++i) worlds_.push_back({NumpyRandom(internal::fresh_seed(device)), 0});
+  observation_.resize(internal::rows(num_envs, spec_.observation_dim));
+  achieved_goal_.resize(internal::rows(num_envs, spec_.goal_dim));
+  desired_goal_ = achieved_goal_;
+  reward_.resize(internal::rows(num_envs, 1));
+  is_success_.resize(reward_.size());
+  terminated_ = truncated_ = is_success_;
+  for (Block& block : blocks_) {
+    for (int k = 0; k < W; ++k) start_episode(block, k, worlds_[0].random);
+  }
+  reset({}, {});
+}
+
+template <Number T, TaskLike Task>
+void TaskBatch<T, Task>::reset(std::span<const std::uint8_t> mask, std::span<const std::uint64_t> seeds) {
+  if (!mask.empty()) internal::check_size(mask.size(), worlds_.size(), "the reset mask");
+  if (!seeds.empty()) internal::check_size(seeds.size(), worlds_.size(), "the list of seeds");
+  pool_.for_each(static_cast<int>(blocks_.size()), [&](int block, int worker) {
+    reset_block(block, workspaces_[static_cast<std::size_t>(worker)], mask, seeds);
+  });
+}
+
+template <Number T, TaskLike Task>
+void TaskBatch<T, Task>::reset_block(int b, StepWorkspace<T>& ws, std::span<const std::uint8_t> mask,
+                                     std::span<const std::uint64_t> seeds) {
+  Block& block = blocks_[static_cast<std::size_t>(b)];
+  const auto starts = [&](int i) { return mask.empty() || mask[static_cast<std::size_t>(i)] != 0; };
+  bool any_starts = false;
+  for (int i = b * W; i < end_of(b); ++i) {
+    if (!starts(i)) continue;
+    const auto row = static_cast<std::size_t>(i);
+    any_starts = true;
+    World& world = worlds_[row];
+    if (!seeds.empty()) world.random = NumpyRandom(seeds[row]);
+    world.steps = 0;
+    start_episode(block, i % W, world.random);
+  }
+  if (!any_starts) return;
+  const View view = look(block, ws);
+  for (int i = b * W; i < end_of(b); ++i) {
+    if (!starts(i)) continue;
+    const auto row = static_cast<std::size_t>(i);
+    reward_[row] = 0;
+    terminated_[row] = truncated_[row] = 0;
+    write_row(i, view);
+  }
+}
+
+template <Number T, TaskLike Task>
+void TaskBatch<T, Task>::start_episode(Block& block, int lane, NumpyRandom& random) {
+  copy_lane(start_, lane, block.state, lane);
+  const TaskStart<Task::kGoalSize, Task::kObjects> start = task_.draw(random);
+  for (std::size_t i = 0; i < Task::kGoalSize; ++i)
+    set_lane(block.goal[i], lane, static_cast<R>(static_cast<float>(start.goal[i])));
+  for (std::size_t k = 0; k < Task::kObjects; ++k) {
+    const Vec3<double>& p = start.objects[k];
+    const std::array pose{p.x, p.y, p.z, 0.0, 0.0, 0.0, 1.0};
+    for (std::size_t i = 0; i < pose.size(); ++i)
+      set_lane(block.state.q()[objects_[k].iq + i], lane, static_cast<R>(pose[i]));
+  }
+}
+
+template <Number T, TaskLike Task>
+void TaskBatch<T, Task>::step(std::span<const float> action) {
+  internal::check_size(action.size(), internal::rows(num_envs_, spec_.action_dim), "the action");
+  for (std::size_t i = 0; i < action.size(); ++i) {
+    if (is_finite(action[i])) continue;
+    throw std::invalid_argument("the action of world " +
+                                std::to_string(i / static_cast<std::size_t>(spec_.action_dim)) +
+                                " is not a finite number");
+  }
+  pool_.for_each(static_cast<int>(blocks_.size()), [&](int block, int worker) {
+    step_block(block, workspaces_[static_cast<std::size_t>(worker)], action);
+  });
+}
+
+template <Number T, TaskLike Task>
+void TaskBatch<T, Task>::step_block(int b, StepWorkspace<T>& ws, std::span<const float> action) {
+  Block& block = blocks_[static_cast<std::size_t>(b)];
+  std::array<T, Arm::kMostActions> lanes{};
+  for (int i = b * W; i < end_of(b); ++i) {
+    const float* row = &action[internal::rows(i, spec_.action_dim)];
+    for (int k = 0; k < spec_.action_dim; ++k)
+      set_lane(lanes[static_cast<std::size_t>(k)], i % W, static_cast<R>(row[k]));
+  }
+  apply_action(arm_, system_.tree, params_, block.hand, lanes.data(), block.state, ws.dynamics);
+  simulate(block, ws);
+  const View view = look(block, ws);
+  for (int i = b * W; i < end_of(b); ++i) {
+    const auto row = static_cast<std::size_t>(i);
+    reward_[row] = static_cast<float>(lane(view.outcome.reward, i % W));
+    terminated_[row] = options_.terminate_on_success && lane(view.outcome.success, i % W);
+    truncated_[row] = ++worlds_[row].steps >= spec_.max_episode_steps;
+    write_row(i, view);
+  }
+}
+
+template <Number T, TaskLike Task>
+void TaskBatch<T, Task>::simulate(Block& block, StepWorkspace<T>& ws) {
+  for (int k = 0; k < options_.n_substeps; ++k) {
+    for (const Object& object : objects_)
+      apply_drag(params_.inertia[object.body], block.state.v() + object.iv, block.state.tau() + object.iv);
+    manyhands::step(system_, params_, static_cast<R>(options_.time_step), block.state, ws);
+  }
+}
+
+/// Sets the block's hand, too.
+template <Number T, TaskLike Task>
+auto TaskBatch<T, Task>::look(Block& block, StepWorkspace<T>& ws) const -> View {
+  View view;
+  block.hand = observe_hand(arm_, system_.tree, block.state, ws.dynamics);
+  std::array<ObjectState<T>, Task::kObjects> objects;
+  for (std::size_t k = 0; k < Task::kObjects; ++k)
+    objects[k] = observe_object(block.state.q() + objects_[k].iq, block.state.v() + objects_[k].iv);
+  T* row = view.observation.data();
+  task_.observe(objects, row + internal::write_hand(block.hand, Task::kHasGripper, row));
+  task_.achieve(block.hand, objects, view.achieved.data());
+  view.outcome = judge(goals_, task_.distance(view.achieved.data(), block.goal.data()));
+  return view;
+}
+
+template <Number T, TaskLike Task>
+void TaskBatch<T, Task>::write_row(int i, const View& view) {
+  const auto write = [&](const T* from, int count, std::vector<float>& to) {
+    float* row = &to[internal::rows(i, count)];
+    for (int k = 0; k < count; ++k) row[k] = static_cast<float>(lane(from[k], i % W));
+  };
+  write(view.observation.data(), spec_.observation_dim, observation_);
+  write(view.achieved.data(), spec_.goal_dim, achieved_goal_);
+  write(blocks_[static_cast<std::size_t>(i / W)].goal.data(), spec_.goal_dim, desired_goal_);
+  is_success_[static_cast<std::size_t>(i)] = lane(view.outcome.success, i % W);
+}
+
+template <Number T, TaskLike Task>
+void TaskBatch<T, Task>::compute_reward(std::span<const float> achieved_goal, std::span<const float> desired_goal,
+                                        std::span<float> reward) const {
+  internal::check_size(achieved_goal.size(), Task::kGoalSize * reward.size(), "the achieved goal");
+  internal::check_size(desired_goal.size(), Task::kGoalSize * reward.size(), "the desired goal");
+  for (std::size_t i = 0; i < reward.size(); ++i) {
+    const std::size_t row = Task::kGoalSize * i;
+    reward[i] = judge(goals_, task_.distance(&achieved_goal[row], &desired_goal[row])).reward;
+  }
+}
+
+template <Number T, TaskLike Task>
+std::uint64_t TaskBatch<T, Task>::state_hash() const {
+  Hash hash;
+  for (int i = 0; i < num_envs_; ++i) {
+    const State<T>& state = blocks_[static_cast<std::size_t>(i / W)].state;
+    for (const T& number : state.numbers()) hash.add(lane(number, i % W));
+  }
+  return hash.value();
+}
+
+/// World by world: state, goal, random stream and step count, as bytes.
+template <Number T, TaskLike Task>
+std::size_t TaskBatch<T, Task>::bytes_of_world() const {
+  return (start_.numbers().size() + Task::kGoalSize) * sizeof(R) + sizeof(NumpyRandom::State) + sizeof(std::int32_t);
+}
+
+template <Number T, TaskLike Task>
+std::vector<std::uint8_t> TaskBatch<T, Task>::snapshot() const {
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(bytes_of_world() * worlds_.size());
+  const auto put = [&](const auto& value) {
+    const auto* first = reinterpret_cast<const std::uint8_t*>(&value);
+    bytes.insert(bytes.end(), first, first + sizeof(value));
+  };
+  for (int i = 0; i < num_envs_; ++i) {
+    const Block& block = blocks_[static_cast<std::size_t>(i / W)];
+    const World& world = worlds_[static_cast<std::size_t>(i)];
+    for (const T& number : block.state.numbers()) put(lane(number, i % W));
+    for (const T& number : block.goal) put(lane(number, i % W));
+    put(world.random.state());
+    put(static_cast<std::int32_t>(world.steps));
+  }
+  return bytes;
+}
+
+template <Number T, TaskLike Task>
+void TaskBatch<T, Task>::restore(std::span<const std::uint8_t> snapshot) {
+  internal::check_size(snapshot.size(), bytes_of_world() * worlds_.size(), "the snapshot");
+  const std::uint8_t* from = snapshot.data();
+  const auto take = [&](auto value) {
+    std::memcpy(&value, from, sizeof(value));
+    from += sizeof(value);
+    return value;
+  };
+  for (int i = 0; i < num_envs_; ++i) {
+    Block& block = blocks_[static_cast<std::size_t>(i / W)];
+    World& world = worlds_[static_cast<std::size_t>(i)];
+    for (T& number : block.state.numbers()) set_lane(number, i % W, take(R{}));
+    for (T& number : block.goal) set_lane(number, i % W, take(R{}));
+    world.random = NumpyRandom(take(NumpyRandom::State{}));
+    world.steps = take(std::int32_t{});
+  }
+  for (int b = 0; b < static_cast<int>(blocks_.size()); ++b) {
+    const View view = look(blocks_[static_cast<std::size_t>(b)], workspaces_[0]);
+    for (int i = b * W; i < end_of(b); ++i) write_row(i, view);
+  }
+}
+
+}  // namespace manyhands
