@@ -1,0 +1,62 @@
+"""What the six environments share: a Panda at a table."""
+
+from abc import abstractmethod
+from typing import ClassVar
+
+from numpy.typing import ArrayLike
+
+from manyhands.panda_gym.envs.core import RobotTaskEnv, Task
+from manyhands.panda_gym.envs.robots.panda import Panda
+from manyhands.panda_gym.pybullet import PyBullet
+
+BASE_POSITION = (-0.6, 0.0, 0.0)
+
+
+class PandaTaskEnv(RobotTaskEnv):
+    """reward_type: "sparse" or "dense"; control_type: "ee", displacements of the hand, or "joints".
+
+    `render`, or a bool in the first place, asks for panda-gym 2 and the old gym, see `RobotTaskEnv`. A step takes
+    n_substeps times 2 ms.
+    """
+
+    block_gripper: ClassVar[bool]
+
+    def __init__(
+        self,
+        render_mode: str | bool | None = "rgb_array",
+        reward_type: str = "sparse",
+        control_type: str = "ee",
+        renderer: str = "Tiny",
+        render_width: int = 720,
+        render_height: int = 480,
+        render_target_position: ArrayLike | None = None,
+        render_distance: float = 1.4,
+        render_yaw: float = 45,
+        render_pitch: float = -30,
+        render_roll: float = 0,
+        *,
+        render: bool | None = None,
+        n_substeps: int = 20,
+        terminate_on_success: bool = True,
+        joint_forces: ArrayLike | None = None,
+    ) -> None:
+        """Raises ValueError on an unknown mode, renderer or type."""
+        mode = "rgb_array" if render_mode is None else render_mode
+        sim = PyBullet(mode, n_substeps, renderer=renderer, render=render)
+        robot = Panda(sim, self.block_gripper, BASE_POSITION, control_type, joint_forces=joint_forces)
+        super().__init__(
+            robot,
+            self.make_task(sim, robot, reward_type),
+            render_width,
+            render_height,
+            render_target_position,
+            render_distance,
+            render_yaw,
+            render_pitch,
+            render_roll,
+            terminate_on_success=terminate_on_success,
+        )
+
+    @abstractmethod
+    def make_task(self, sim: PyBullet, robot: Panda, reward_type: str) -> Task:
+        """The task, its objects in `sim`."""

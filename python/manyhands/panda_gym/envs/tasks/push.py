@@ -1,0 +1,40 @@
+"""Push a cube to a place on the table, with closed fingers."""
+
+import numpy as np
+
+from manyhands.panda_gym.envs.tasks.goal_task import GREEN, GoalTask, square
+from manyhands.panda_gym.pybullet import PyBullet
+from manyhands.panda_gym.rotations import Array
+
+
+class Push(GoalTask):
+    """Goal (3): where the cube's centre should be. Observes the cube (12)."""
+
+    def __init__(
+        self,
+        sim: PyBullet,
+        reward_type: str = "sparse",
+        distance_threshold: float = 0.05,
+        goal_xy_range: float = 0.3,
+        obj_xy_range: float = 0.3,
+    ) -> None:
+        super().__init__(sim, reward_type, distance_threshold)
+        self.object_size = 0.04
+        self.goal_range_low, self.goal_range_high = square(goal_xy_range)
+        self.obj_range_low, self.obj_range_high = square(obj_xy_range)
+        self._rest = np.array([0.0, 0.0, self.object_size / 2])
+        with sim.no_rendering():
+            self.create_surroundings()
+            self.create_cube("", self.object_size, 1.0, GREEN, [self._rest, self._rest])
+
+    def reset(self) -> None:
+        self.goal = self._rest + self.draw(self.goal_range_low, self.goal_range_high)
+        start = self._rest + self.draw(self.obj_range_low, self.obj_range_high)
+        self.put("target", self.goal)
+        self.put("object", start)
+
+    def get_obs(self) -> Array:
+        return self.object_state()
+
+    def get_achieved_goal(self) -> Array:
+        return self.sim.get_base_position("object")
