@@ -1,0 +1,14 @@
+// Reach: straight to the goal.
+#pragma once
+
+#include "manyhands/envs/experts/hand.h"
+
+namespace manyhands::experts {
+
+struct Reach {
+  static constexpr const char* kTask = "Reach";
+
+  [[nodiscard]] HandAction act(const float* row, const float* goal) { return {aim(point(row), point(goal))}; }
+};
+
+}  // namespace manyhands::experts
