@@ -12,6 +12,7 @@ void bind_collision(nanobind::module_& m);     // after bind_model
 void bind_world(nanobind::module_& m);         // after bind_model
 void bind_batch_worlds(nanobind::module_& m);  // after bind_model
 void bind_envs(nanobind::module_& m);
+void bind_experts(nanobind::module_& m);  // after bind_envs
 void bind_learn(nanobind::module_& m);
 
 }  // namespace manyhands

@@ -95,7 +95,7 @@ TEST(MakeExpert, RefusesWhatItDoesNotKnow) {
   }
   const auto envs = make_env_batch("PandaPush-v3", 2);
   std::vector<float> action(6), short_action(5);
-  EXPECT_THROW(make_expert("PandaSlide-v3")->act(*envs, action), std::invalid_argument);
+  EXPECT_THROW(make_expert("PandaStack-v3")->act(*envs, action), std::invalid_argument);
   EXPECT_THROW(make_expert("PandaPush-v3")->act(*envs, short_action), std::invalid_argument);
 }
 

@@ -17,29 +17,32 @@ namespace {
 template <class Policy>
 class PolicyExpert final : public Expert {
  public:
-  explicit PolicyExpert(std::string id) : id_(std::move(id)) {}
+  using Expert::act;
 
-  void act(const EnvBatch& envs, std::span<float> action) override {
-    const EnvSpec& spec = envs.spec();
-    if (spec.id != id_) throw std::invalid_argument("the expert of " + id_ + " cannot act in " + spec.id);
-    const auto n = static_cast<std::size_t>(envs.num_envs()), columns = static_cast<std::size_t>(spec.action_dim);
-    if (action.size() != n * columns) {
-      throw std::invalid_argument(id_ + ": the actions have length " + std::to_string(action.size()) + ", expected " +
-                                  std::to_string(n * columns));
-    }
+  void act(std::span<const float> observation, std::span<const float> desired_goal, std::span<float> action) override {
+    const std::size_t n = action.size() / Policy::kActions;
+    check("observations", observation.size(), n * Policy::kObservation);
+    check("desired goals", desired_goal.size(), n * Policy::kGoal);
+    check("actions", action.size(), n * Policy::kActions);
     worlds_.resize(n);
     for (std::size_t i = 0; i < n; ++i) {
-      const HandAction next = worlds_[i].act(&envs.observation()[i * static_cast<std::size_t>(spec.observation_dim)],
-                                             &envs.desired_goal()[i * static_cast<std::size_t>(spec.goal_dim)]);
+      const experts::HandAction next =
+          worlds_[i].act(&observation[i * Policy::kObservation], &desired_goal[i * Policy::kGoal]);
       const std::array parts{next.move.x, next.move.y, next.move.z, next.grip};
-      for (std::size_t k = 0; k < columns; ++k) action[i * columns + k] = std::clamp(parts[k], -1.0f, 1.0f);
+      for (std::size_t k = 0; k < Policy::kActions; ++k)
+        action[i * Policy::kActions + k] = std::clamp(parts[k], -1.0f, 1.0f);
     }
   }
 
- private:
-  using HandAction = experts::HandAction;
+  [[nodiscard]] int action_dim() const override { return Policy::kActions; }
 
-  std::string id_;
+ private:
+  static void check(const std::string& what, std::size_t length, std::size_t expected) {
+    if (length == expected) return;
+    throw std::invalid_argument("the expert of " + std::string(Policy::kTask) + ": the " + what + " have length " +
+                                std::to_string(length) + ", expected " + std::to_string(expected));
+  }
+
   std::vector<Policy> worlds_;
 };
 
@@ -71,7 +74,7 @@ std::unique_ptr<Expert> make_expert(const std::string& id) {
   std::unique_ptr<Expert> made;
   for_each_policy([&]<class Policy>(const Policy& policy) {
     for (const std::string& known : ids_of(policy.kTask)) {
-      if (known == id) made = std::make_unique<PolicyExpert<Policy>>(id);
+      if (known == id) made = std::make_unique<PolicyExpert<Policy>>();
     }
   });
   if (made) return made;

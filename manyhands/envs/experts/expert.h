@@ -10,15 +10,21 @@
 
 namespace manyhands {
 
-/// Acts in every world of a batch, from what is observed. Made for one batch: it may remember where each world is in
-/// its plan, and begins anew where an episode begins.
+/// Acts in n worlds of one task from what is observed, here or in panda-gym. It may remember where each world is in its
+/// plan, and begins anew where an episode begins: where the hand is at rest to the last bit.
 class Expert {
  public:
   virtual ~Expert() = default;
 
-  /// Writes the next actions (n, action_dim), each in [-1, 1]. Throws std::invalid_argument if `envs` are of another id
-  /// than the expert, or on a wrong length.
-  virtual void act(const EnvBatch& envs, std::span<float> action) = 0;
+  /// Writes the next actions (n, action_dim), each in [-1, 1], from rows (n, observation_dim) and goals (n, goal_dim).
+  /// Throws std::invalid_argument on lengths that do not fit.
+  virtual void act(std::span<const float> observation, std::span<const float> desired_goal,
+                   std::span<float> action) = 0;
+
+  /// The same for a batch of the expert's task.
+  void act(const EnvBatch& envs, std::span<float> action) { act(envs.observation(), envs.desired_goal(), action); }
+
+  [[nodiscard]] virtual int action_dim() const = 0;
 };
 
 /// The ids that `make_expert` knows: every task under end-effector control.

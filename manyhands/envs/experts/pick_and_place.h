@@ -7,6 +7,7 @@ namespace manyhands::experts {
 
 struct PickAndPlace {
   static constexpr const char* kTask = "PickAndPlace";
+  static constexpr std::size_t kObservation = 19, kGoal = 3, kActions = 4;
 
   [[nodiscard]] HandAction act(const float* row, const float* goal) {
     const Point hand = point(row), cube = point(row + 7);

@@ -9,6 +9,7 @@ namespace manyhands::experts {
 
 struct Push {
   static constexpr const char* kTask = "Push";
+  static constexpr std::size_t kObservation = 18, kGoal = 3, kActions = 3;
 
   [[nodiscard]] HandAction act(const float* row, const float* goal) {
     const Point hand = point(row), cube = point(row + 6);

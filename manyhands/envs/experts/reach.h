@@ -7,6 +7,7 @@ namespace manyhands::experts {
 
 struct Reach {
   static constexpr const char* kTask = "Reach";
+  static constexpr std::size_t kObservation = 6, kGoal = 3, kActions = 3;
 
   [[nodiscard]] HandAction act(const float* row, const float* goal) { return {aim(point(row), point(goal))}; }
 };

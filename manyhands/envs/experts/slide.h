@@ -9,6 +9,7 @@ namespace manyhands::experts {
 
 struct Slide {
   static constexpr const char* kTask = "Slide";
+  static constexpr std::size_t kObservation = 18, kGoal = 3, kActions = 3;
 
   [[nodiscard]] HandAction act(const float* row, const float* goal) {
     const Point hand = point(row), puck = point(row + 6), to_goal = point(goal) - puck;

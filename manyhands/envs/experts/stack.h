@@ -8,6 +8,7 @@ namespace manyhands::experts {
 
 struct Stack {
   static constexpr const char* kTask = "Stack";
+  static constexpr std::size_t kObservation = 31, kGoal = 6, kActions = 4;
 
   [[nodiscard]] HandAction act(const float* row, const float* goal) {
     const Point hand = point(row), first = point(row + 7), second = point(row + 19), place = point(goal);

@@ -1,0 +1,39 @@
+"""The scripted experts through Python: one environment and many."""
+
+import gymnasium
+import numpy as np
+import pytest
+
+from manyhands.envs import Expert
+
+
+def test_expert_solves_a_vector_of_environments():
+    envs = gymnasium.make_vec("PandaPickAndPlace-v3", num_envs=50, num_threads=2, autoreset_mode="Disabled")
+    expert = Expert("PandaPickAndPlace-v3")
+    observation, _ = envs.reset(seed=3)
+    solved = np.zeros(50, bool)
+    for _ in range(50):
+        observation, _, terminated, _, _ = envs.unwrapped.step(expert(observation))
+        solved |= terminated
+        if terminated.any():
+            observation, _ = envs.reset(options={"reset_mask": terminated})
+    assert solved.all()
+
+
+def test_expert_acts_in_one_environment_as_in_many():
+    env = gymnasium.make("PandaPush-v3")
+    many = gymnasium.make_vec("PandaPush-v3", num_envs=2)
+    one, _ = env.reset(seed=9)
+    both, _ = many.reset(seed=[8, 9])
+    action = Expert("PandaPush-v3")(one)
+    assert action.shape == (3,)
+    assert action.dtype == np.float32
+    assert np.array_equal(action, Expert("PandaPush-v3")(both)[1])
+
+
+def test_expert_refuses_what_it_cannot_do():
+    with pytest.raises(ValueError, match="PandaReachDense-v3"):
+        Expert("PandaReachJoints-v3")
+    observation, _ = gymnasium.make("PandaReach-v3").reset(seed=0)
+    with pytest.raises(ValueError, match="observations have length"):
+        Expert("PandaPush-v3")(observation)
