@@ -369,7 +369,7 @@ def test_look_ahead_of_version_3() -> None:
     """The best of five sampled actions, as its pages show it."""
     env = gymnasium.make("PandaReachDense-v3").unwrapped
     env.action_space.seed(0)
-    observation, _ = env.reset(seed=0)
+    env.reset(seed=0)
     rewards = []
     for _ in range(15):
         state_id = env.save_state()

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from manyhands import dynamics
-from manyhands._core import Model
+from manyhands._core import Model, dynamics
 from manyhands.panda_gym import rotations
 from manyhands.panda_gym.rotations import Array
 
@@ -26,8 +25,7 @@ def improve(
     iq, iv = [i for i, _ in joints], [i for _, i in joints]
     for _ in range(ITERATIONS):
         p, r = dynamics.frame_pose(model, q, link)
-        turn = rotations.rotation_vector(rotations.multiply(quaternion, rotations.conjugate(r)))
-        error = np.concatenate([turn, position - p])
+        error = np.array([*rotations.rotation_between(r, quaternion), *(position - p)])
         J = dynamics.jacobian(model, q, link)[:, iv]
         q[iq] += J.T @ np.linalg.solve(J @ J.T + _DAMPING, error)
         if error[3:] @ error[3:] <= NEAR_ENOUGH**2:
