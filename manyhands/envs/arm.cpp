@@ -35,6 +35,7 @@ Arm::Arm(const ArmSpec& spec, const Model& scene, ArmControl control_, bool has_
       fingers(dofs_of(scene, spec.fingers)),
       neutral(spec.neutral),
       max_force(spec.max_force),
+      tips(spec.tips),
       hand(scene.frame_id(spec.hand)),
       chain(scene, hand),
       ik(panda_gym_ik()) {

@@ -20,6 +20,7 @@ struct ArmSpec {
   Transform<double> X_WA = Transform<double>::identity();
   std::vector<std::string> joints, fingers;
   std::string hand;               ///< the frame between the finger tips, z away from the hand
+  double tips = 0;                ///< how far the finger tips reach beyond it [m]
   std::vector<double> neutral;    ///< where every episode starts [rad or m]
   std::vector<double> max_force;  ///< of the motors [N m or N]
 };
@@ -35,6 +36,7 @@ struct Arm {
   bool has_gripper;                          ///< else the fingers stay closed
   std::vector<std::size_t> joints, fingers;  ///< their dofs, the same in q and v
   std::vector<double> neutral, max_force;    ///< of `joints`, then of `fingers`
+  double tips;                               ///< how far they reach beyond the hand's frame [m]
   FrameId hand;
   IkChain chain;  ///< of the hand
   IkSettings ik;
@@ -75,6 +77,14 @@ void reset_arm(const Arm& arm, State<T>& state, int lane) {
     set_lane(state.q()[arm.dof(i)], lane, static_cast<R>(arm.neutral[i]));
     set_lane(state.target_q()[arm.dof(i)], lane, static_cast<R>(arm.neutral[i]));
   }
+}
+
+/// Where the hand is at the configuration q.
+template <Number T>
+MANYHANDS_INLINE Vec3<T> hand_position(const Arm& arm, const Tree<real_t<T>>& tree, const T* q, Workspace<T>& ws) {
+  for (const std::size_t b : arm.chain.bodies) place(tree, b, q, ws);
+  const std::size_t b = arm.chain.body.index();
+  return ws.R_WB[b] * broadcast<T>(broadcast<real_t<T>>(arm.chain.X_BF.p)) + ws.p_OB[b] + ws.p_WO[b];
 }
 
 /// The hand at the state's present q and v.

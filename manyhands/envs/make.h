@@ -21,7 +21,8 @@ struct EnvOptions {
 /// The ids that `make_env_batch` knows, for example "PandaReachDense-v3".
 [[nodiscard]] std::vector<std::string> env_ids();
 
-/// The steps after which an episode of the environment `id` is truncated. Throws std::invalid_argument on an unknown id.
+/// The steps after which an episode of the environment `id` is truncated. Throws std::invalid_argument on an unknown
+/// id.
 [[nodiscard]] int max_episode_steps(const std::string& id);
 
 /// `num_envs` worlds of the environment `id`, reset with fresh random streams.

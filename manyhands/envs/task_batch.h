@@ -11,7 +11,8 @@
 
 namespace manyhands {
 
-/// Worlds live in blocks of W = width_v<T> lanes; a worker of the pool takes one block through the whole step.
+/// Worlds live in blocks of W = width_v<T> lanes. A block takes as long as its slowest world, so before each step those
+/// whose arm will touch something, as far as one can tell, are gathered in blocks of their own.
 template <Number T, TaskLike Task>
 class TaskBatch final : public EnvBatch {
  public:
@@ -43,11 +44,14 @@ class TaskBatch final : public EnvBatch {
   struct Block {
     State<T> state;
     std::array<T, Task::kGoalSize> goal;
-    HandState<T> hand;  ///< at the end of the last step
+    HandState<T> hand;            ///< at the end of the last step
+    std::array<int, W> worlds;    ///< in its lanes; -1: none
+    std::array<bool, W> touches;  ///< whether the lane's arm touches something, or is about to
   };
   struct World {
     NumpyRandom random;
-    int steps;  ///< of the present episode
+    int steps;        ///< of the present episode
+    int block, lane;  ///< where it lives
   };
   struct Object {
     std::size_t body, iq, iv;
@@ -59,14 +63,28 @@ class TaskBatch final : public EnvBatch {
     Outcome<T> outcome;
   };
 
-  [[nodiscard]] int end_of(int block) const { return std::min((block + 1) * W, num_envs_); }
+  /// Calls visit(world, lane) for every world of the block.
+  template <class Visit>
+  void for_each_world(const Block& block, Visit&& visit) const {
+    for (int k = 0; k < W; ++k) {
+      if (block.worlds[static_cast<std::size_t>(k)] >= 0) visit(block.worlds[static_cast<std::size_t>(k)], k);
+    }
+  }
+  [[nodiscard]] const Block& block_of(const World& world) const {
+    return blocks_[static_cast<std::size_t>(world.block)];
+  }
+  void regroup();
+  void exchange(std::size_t full, std::size_t sparse);
+  static void swap_lanes(Block& a, int lane_a, Block& b, int lane_b);
   void reset_block(int block, StepWorkspace<T>& ws, std::span<const std::uint8_t> mask,
                    std::span<const std::uint64_t> seeds);
   void start_episode(Block& block, int lane, NumpyRandom& random);
-  void step_block(int block, StepWorkspace<T>& ws, std::span<const float> action);
+  void act(Block& block, StepWorkspace<T>& ws, std::span<const float> action);
+  void step_block(Block& block, StepWorkspace<T>& ws);
   void simulate(Block& block, StepWorkspace<T>& ws);
   [[nodiscard]] View look(Block& block, StepWorkspace<T>& ws) const;
-  void write_row(int world, const View& view);
+  void foresee_touches(Block& block, Workspace<T>& ws) const;
+  void write_row(int world, int lane, const View& view, const Block& block);
   [[nodiscard]] std::size_t bytes_of_world() const;
 
   EnvSpec spec_;
@@ -77,10 +95,13 @@ class TaskBatch final : public EnvBatch {
   Model scene_;
   Arm arm_;
   std::vector<Object> objects_;
+  std::vector<std::size_t> arm_manifolds_;  ///< of the arm with anything, in the memory of contacts
   System<R> system_;
   Params<R> params_;  ///< the same for all worlds
   State<T> start_;    ///< the arm as every episode begins
   std::vector<Block> blocks_;
+  std::vector<int> touching_;       ///< (blocks) worlds whose arm touches something
+  std::vector<std::size_t> mixed_;  ///< scratch: blocks in which the arm touches in some worlds only
   std::vector<World> worlds_;
   ThreadPool pool_;
   std::vector<StepWorkspace<T>> workspaces_;  ///< one for each worker

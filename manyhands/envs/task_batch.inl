@@ -1,6 +1,8 @@
 // Bodies of TaskBatch, included by the files that instantiate it.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstring>
 
 #include "manyhands/base/hash.h"
@@ -70,11 +72,25 @@ TaskBatch<T, Task>::TaskBatch(EnvSpec spec, const ArmSpec& arm, ArmControl contr
     const Body& body = scene_.body(id);
     objects_.push_back({id.index(), static_cast<std::size_t>(body.iq), static_cast<std::size_t>(body.iv)});
   }
+  for (const ColliderPair& pair : system_.colliders.pairs) {
+    const int a = system_.tree.last_dof[system_.colliders.geoms[pair.a].body],
+              b = system_.tree.last_dof[system_.colliders.geoms[pair.b].body];
+    const int joints = static_cast<int>(arm_.neutral.size());
+    if ((a < 0 || a >= joints) && (b < 0 || b >= joints)) continue;
+    for (std::size_t k = 0; k < pair.manifolds; ++k) arm_manifolds_.push_back(pair.manifold + k);
+  }
   for (int k = 0; k < W; ++k) reset_arm(arm_, start_, k);
-  blocks_.assign(internal::rows((num_envs + W - 1) / W, 1), Block{start_, {}, {}});
+  Block empty{start_, {}, {}, {}, {}};
+  empty.worlds.fill(-1);
+  blocks_.assign(internal::rows((num_envs + W - 1) / W, 1), empty);
+  touching_.resize(blocks_.size());
+  mixed_.reserve(blocks_.size());
   for (int worker = 0; worker < pool_.num_threads(); ++worker) workspaces_.emplace_back(system_);
   std::random_device device;
-  for (int i = 0; i < num_envs; ++i) worlds_.push_back({NumpyRandom(internal::fresh_seed(device)), 0});
+  for (int i = 0; i < num_envs; ++i) {
+    worlds_.push_back({NumpyRandom(internal::fresh_seed(device)), 0, i / W, i % W});
+    blocks_[static_cast<std::size_t>(i / W)].worlds[static_cast<std::size_t>(i % W)] = i;
+  }
   observation_.resize(internal::rows(num_envs, spec_.observation_dim));
   achieved_goal_.resize(internal::rows(num_envs, spec_.goal_dim));
   desired_goal_ = achieved_goal_;
@@ -102,29 +118,30 @@ void TaskBatch<T, Task>::reset_block(int b, StepWorkspace<T>& ws, std::span<cons
   Block& block = blocks_[static_cast<std::size_t>(b)];
   const auto starts = [&](int i) { return mask.empty() || mask[static_cast<std::size_t>(i)] != 0; };
   bool any_starts = false;
-  for (int i = b * W; i < end_of(b); ++i) {
-    if (!starts(i)) continue;
+  for_each_world(block, [&](int i, int lane) {
+    if (!starts(i)) return;
     const auto row = static_cast<std::size_t>(i);
     any_starts = true;
     World& world = worlds_[row];
     if (!seeds.empty()) world.random = NumpyRandom(seeds[row]);
     world.steps = 0;
-    start_episode(block, i % W, world.random);
-  }
+    start_episode(block, lane, world.random);
+  });
   if (!any_starts) return;
   const View view = look(block, ws);
-  for (int i = b * W; i < end_of(b); ++i) {
-    if (!starts(i)) continue;
+  for_each_world(block, [&](int i, int lane) {
+    if (!starts(i)) return;
     const auto row = static_cast<std::size_t>(i);
     reward_[row] = 0;
     terminated_[row] = truncated_[row] = 0;
-    write_row(i, view);
-  }
+    write_row(i, lane, view, block);
+  });
 }
 
 template <Number T, TaskLike Task>
 void TaskBatch<T, Task>::start_episode(Block& block, int lane, NumpyRandom& random) {
   copy_lane(start_, lane, block.state, lane);
+  block.touches[static_cast<std::size_t>(lane)] = false;
   const TaskStart<Task::kGoalSize, Task::kObjects> start = task_.draw(random);
   for (std::size_t i = 0; i < Task::kGoalSize; ++i)
     set_lane(block.goal[i], lane, static_cast<R>(static_cast<float>(start.goal[i])));
@@ -145,30 +162,118 @@ void TaskBatch<T, Task>::step(std::span<const float> action) {
                                 std::to_string(i / static_cast<std::size_t>(spec_.action_dim)) +
                                 " is not a finite number");
   }
-  pool_.for_each(static_cast<int>(blocks_.size()), [&](int block, int worker) {
-    step_block(block, workspaces_[static_cast<std::size_t>(worker)], action);
+  const auto for_each_block = [&](auto&& body) {
+    pool_.for_each(static_cast<int>(blocks_.size()), [&](int block, int worker) {
+      body(blocks_[static_cast<std::size_t>(block)], workspaces_[static_cast<std::size_t>(worker)]);
+    });
+  };
+  for_each_block([&](Block& block, StepWorkspace<T>& ws) { act(block, ws, action); });
+  regroup();
+  for_each_block([&](Block& block, StepWorkspace<T>& ws) { step_block(block, ws); });
+}
+
+/// Gathers the worlds whose arm touches something in as few blocks as hold them, by exchanging them for worlds whose
+/// arm is free. No world's numbers depend on where it lives.
+template <Number T, TaskLike Task>
+void TaskBatch<T, Task>::regroup() {
+  mixed_.clear();
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    touching_[b] = static_cast<int>(std::ranges::count(blocks_[b].touches, true));
+    if (touching_[b] > 0 && touching_[b] < W) mixed_.push_back(b);
+  }
+  std::ranges::sort(mixed_, [&](std::size_t a, std::size_t b) {
+    return touching_[a] != touching_[b] ? touching_[a] > touching_[b] : a < b;
   });
+  for (std::size_t i = 0, j = mixed_.size(); i + 1 < j;) {
+    const std::size_t full = mixed_[i], sparse = mixed_[j - 1];
+    exchange(full, sparse);
+    if (touching_[full] == W) ++i;
+    if (touching_[sparse] == 0) --j;
+  }
+}
+
+/// Moves touching worlds from the second block to the first, until the one is full of them or the other has none.
+template <Number T, TaskLike Task>
+void TaskBatch<T, Task>::exchange(std::size_t full, std::size_t sparse) {
+  Block &to = blocks_[full], &from = blocks_[sparse];
+  int free = 0;
+  for (int k = 0; k < W && touching_[full] < W; ++k) {
+    if (!from.touches[static_cast<std::size_t>(k)]) continue;
+    while (to.touches[static_cast<std::size_t>(free)]) ++free;
+    swap_lanes(to, free, from, k);
+    for (const auto& [b, lane] : {std::pair{full, free}, std::pair{sparse, k}}) {
+      const int world = blocks_[b].worlds[static_cast<std::size_t>(lane)];
+      if (world < 0) continue;
+      worlds_[static_cast<std::size_t>(world)].block = static_cast<int>(b);
+      worlds_[static_cast<std::size_t>(world)].lane = lane;
+    }
+    ++touching_[full];
+    --touching_[sparse];
+  }
 }
 
 template <Number T, TaskLike Task>
-void TaskBatch<T, Task>::step_block(int b, StepWorkspace<T>& ws, std::span<const float> action) {
-  Block& block = blocks_[static_cast<std::size_t>(b)];
+void TaskBatch<T, Task>::swap_lanes(Block& a, int lane_a, Block& b, int lane_b) {
+  constexpr std::size_t kUsed = offsetof(RememberedManifold<T>, used) / sizeof(T);
+  const auto swap_numbers = [&](T& x, T& y) {
+    const R kept = lane(x, lane_a);
+    set_lane(x, lane_a, lane(y, lane_b));
+    set_lane(y, lane_b, kept);
+  };
+  const std::size_t memory = a.state.numbers().size() - a.state.contacts().size();
+  for (std::size_t i = 0; i < memory; ++i) swap_numbers(a.state.numbers()[i], b.state.numbers()[i]);
+  for (std::size_t i = 0; i < a.state.contacts().size(); i += kManifoldNumbers<T>) {
+    T *in_a = &a.state.contacts()[i], *in_b = &b.state.contacts()[i];  // a manifold that is not used is all zeros
+    if (lane(in_a[kUsed], lane_a) == 0 && lane(in_b[kUsed], lane_b) == 0) continue;
+    for (std::size_t k = 0; k < kManifoldNumbers<T>; ++k) swap_numbers(in_a[k], in_b[k]);
+  }
+  for (std::size_t i = 0; i < Task::kGoalSize; ++i) swap_numbers(a.goal[i], b.goal[i]);
+  for (Vec3<T> HandState<T>::* part : {&HandState<T>::p, &HandState<T>::v}) {
+    swap_numbers((a.hand.*part).x, (b.hand.*part).x);
+    swap_numbers((a.hand.*part).y, (b.hand.*part).y);
+    swap_numbers((a.hand.*part).z, (b.hand.*part).z);
+  }
+  swap_numbers(a.hand.open_width, b.hand.open_width);
+  std::swap(a.worlds[static_cast<std::size_t>(lane_a)], b.worlds[static_cast<std::size_t>(lane_b)]);
+  std::swap(a.touches[static_cast<std::size_t>(lane_a)], b.touches[static_cast<std::size_t>(lane_b)]);
+}
+
+/// The arm touches something if it did in the last step, or if its fingers are to come near the table.
+template <Number T, TaskLike Task>
+void TaskBatch<T, Task>::foresee_touches(Block& block, Workspace<T>& ws) const {
+  constexpr double kNear = 0.005;  // [m]
+  const Vec3<T> goal = hand_position(arm_, system_.tree, block.state.target_q(), ws);
+  const T lowest = min(block.hand.p.z, goal.z);
+  const auto low = lowest < T(static_cast<R>(arm_.tips + kNear));
+  const std::span<const RememberedManifold<T>> memory = remembered(block.state.contacts());
+  T used(R(0));
+  for (const std::size_t manifold : arm_manifolds_) used = max(used, memory[manifold].used);
+  for (int k = 0; k < W; ++k) block.touches[static_cast<std::size_t>(k)] = lane(low, k) || lane(used, k) > 0;
+}
+
+template <Number T, TaskLike Task>
+void TaskBatch<T, Task>::act(Block& block, StepWorkspace<T>& ws, std::span<const float> action) {
   std::array<T, Arm::kMostActions> lanes{};
-  for (int i = b * W; i < end_of(b); ++i) {
+  for_each_world(block, [&](int i, int lane) {
     const float* row = &action[internal::rows(i, spec_.action_dim)];
     for (int k = 0; k < spec_.action_dim; ++k)
-      set_lane(lanes[static_cast<std::size_t>(k)], i % W, static_cast<R>(row[k]));
-  }
+      set_lane(lanes[static_cast<std::size_t>(k)], lane, static_cast<R>(row[k]));
+  });
   apply_action(arm_, system_.tree, params_, block.hand, lanes.data(), block.state, ws.dynamics);
+  if constexpr (W > 1) foresee_touches(block, ws.dynamics);
+}
+
+template <Number T, TaskLike Task>
+void TaskBatch<T, Task>::step_block(Block& block, StepWorkspace<T>& ws) {
   simulate(block, ws);
   const View view = look(block, ws);
-  for (int i = b * W; i < end_of(b); ++i) {
+  for_each_world(block, [&](int i, int k) {
     const auto row = static_cast<std::size_t>(i);
-    reward_[row] = static_cast<float>(lane(view.outcome.reward, i % W));
-    terminated_[row] = options_.terminate_on_success && lane(view.outcome.success, i % W);
+    reward_[row] = static_cast<float>(lane(view.outcome.reward, k));
+    terminated_[row] = options_.terminate_on_success && lane(view.outcome.success, k);
     truncated_[row] = ++worlds_[row].steps >= spec_.max_episode_steps;
-    write_row(i, view);
-  }
+    write_row(i, k, view, block);
+  });
 }
 
 template <Number T, TaskLike Task>
@@ -196,15 +301,15 @@ auto TaskBatch<T, Task>::look(Block& block, StepWorkspace<T>& ws) const -> View 
 }
 
 template <Number T, TaskLike Task>
-void TaskBatch<T, Task>::write_row(int i, const View& view) {
+void TaskBatch<T, Task>::write_row(int i, int at, const View& view, const Block& block) {
   const auto write = [&](const T* from, int count, std::vector<float>& to) {
     float* row = &to[internal::rows(i, count)];
-    for (int k = 0; k < count; ++k) row[k] = static_cast<float>(lane(from[k], i % W));
+    for (int k = 0; k < count; ++k) row[k] = static_cast<float>(lane(from[k], at));
   };
   write(view.observation.data(), spec_.observation_dim, observation_);
   write(view.achieved.data(), spec_.goal_dim, achieved_goal_);
-  write(blocks_[static_cast<std::size_t>(i / W)].goal.data(), spec_.goal_dim, desired_goal_);
-  is_success_[static_cast<std::size_t>(i)] = lane(view.outcome.success, i % W);
+  write(block.goal.data(), spec_.goal_dim, desired_goal_);
+  is_success_[static_cast<std::size_t>(i)] = lane(view.outcome.success, at);
 }
 
 template <Number T, TaskLike Task>
@@ -221,9 +326,8 @@ void TaskBatch<T, Task>::compute_reward(std::span<const float> achieved_goal, st
 template <Number T, TaskLike Task>
 std::uint64_t TaskBatch<T, Task>::state_hash() const {
   Hash hash;
-  for (int i = 0; i < num_envs_; ++i) {
-    const State<T>& state = blocks_[static_cast<std::size_t>(i / W)].state;
-    for (const T& number : state.numbers()) hash.add(lane(number, i % W));
+  for (const World& world : worlds_) {
+    for (const T& number : block_of(world).state.numbers()) hash.add(lane(number, world.lane));
   }
   return hash.value();
 }
@@ -242,11 +346,9 @@ std::vector<std::uint8_t> TaskBatch<T, Task>::snapshot() const {
     const auto* first = reinterpret_cast<const std::uint8_t*>(&value);
     bytes.insert(bytes.end(), first, first + sizeof(value));
   };
-  for (int i = 0; i < num_envs_; ++i) {
-    const Block& block = blocks_[static_cast<std::size_t>(i / W)];
-    const World& world = worlds_[static_cast<std::size_t>(i)];
-    for (const T& number : block.state.numbers()) put(lane(number, i % W));
-    for (const T& number : block.goal) put(lane(number, i % W));
+  for (const World& world : worlds_) {
+    for (const T& number : block_of(world).state.numbers()) put(lane(number, world.lane));
+    for (const T& number : block_of(world).goal) put(lane(number, world.lane));
     put(world.random.state());
     put(static_cast<std::int32_t>(world.steps));
   }
@@ -262,17 +364,16 @@ void TaskBatch<T, Task>::restore(std::span<const std::uint8_t> snapshot) {
     from += sizeof(value);
     return value;
   };
-  for (int i = 0; i < num_envs_; ++i) {
-    Block& block = blocks_[static_cast<std::size_t>(i / W)];
-    World& world = worlds_[static_cast<std::size_t>(i)];
-    for (T& number : block.state.numbers()) set_lane(number, i % W, take(R{}));
-    for (T& number : block.goal) set_lane(number, i % W, take(R{}));
+  for (World& world : worlds_) {
+    Block& block = blocks_[static_cast<std::size_t>(world.block)];
+    for (T& number : block.state.numbers()) set_lane(number, world.lane, take(R{}));
+    for (T& number : block.goal) set_lane(number, world.lane, take(R{}));
     world.random = NumpyRandom(take(NumpyRandom::State{}));
     world.steps = take(std::int32_t{});
   }
-  for (int b = 0; b < static_cast<int>(blocks_.size()); ++b) {
-    const View view = look(blocks_[static_cast<std::size_t>(b)], workspaces_[0]);
-    for (int i = b * W; i < end_of(b); ++i) write_row(i, view);
+  for (Block& block : blocks_) {
+    const View view = look(block, workspaces_[0]);
+    for_each_world(block, [&](int i, int lane) { write_row(i, lane, view, block); });
   }
 }
 
