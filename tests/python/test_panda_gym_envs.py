@@ -269,10 +269,10 @@ def test_success_terminates_unless_told_otherwise() -> None:
         assert type(reward) is float
 
 
-def test_fewer_substeps_make_a_shorter_step() -> None:
-    env = make("Push", n_substeps=10)
+def test_other_steps_and_thresholds() -> None:
+    env = make("Push", n_substeps=5, time_step=0.004, distance_threshold=0.5)
     env.reset(seed=0)
-    env.step(np.zeros(3))
+    assert env.step(np.zeros(3))[2]
     assert env.sim.world.time == pytest.approx(0.02)
     assert env.metadata["render_fps"] == pytest.approx(50)
 

@@ -1,5 +1,6 @@
 """The drop-in's arm and objects move as panda-gym's: numbers measured on panda-gym 3.0.7."""
 
+from collections.abc import Callable
 from typing import Any
 
 import gymnasium
@@ -127,3 +128,53 @@ def test_joints_control() -> None:
     for angles in expected:
         env.step(np.ones(7))
         np.testing.assert_allclose([env.robot.get_joint_angle(i) for i in range(7)], angles, atol=2e-3)
+
+
+def steps_to_success(env: Any, seed: int, policy: Callable[[Any], Any]) -> int:
+    """At most 50."""
+    obs, _ = env.reset(seed=seed)
+    for t in range(1, 51):
+        obs, _, terminated, _, _ = env.step(policy(obs))
+        if terminated:
+            return t
+    pytest.fail(f"seed {seed} was not solved")
+
+
+def test_the_manuals_policy_is_as_fast() -> None:
+    """1 to 8 steps in panda-gym, 5.4 in the mean."""
+    env = make("Reach")
+    lengths = [
+        steps_to_success(env, seed, lambda obs: 5 * (obs["desired_goal"] - obs["observation"][:3]))
+        for seed in range(40)
+    ]
+    assert max(lengths) <= 8 + 2
+    assert np.mean(lengths) == pytest.approx(5.4, abs=0.5)
+
+
+class Grasp:
+    """Hovers above the cube, goes down, closes the gripper, carries."""
+
+    def __init__(self) -> None:
+        self.phase, self.steps = "hover", 0
+
+    def __call__(self, obs: Any) -> Any:
+        hand, cube = obs["observation"][:3], obs["observation"][7:10]
+        above = cube - hand
+        above[2] += 0.06 if self.phase == "hover" else 0.0
+        self.steps += 1
+        limit = {"hover": 12, "descend": 8, "close": 4}.get(self.phase, 1000)
+        phase = self.phase
+        if self.steps >= limit:
+            self.phase, self.steps = {"hover": "descend", "descend": "close", "close": "carry"}[phase], 0
+        if phase in ("hover", "descend"):
+            return np.append(np.clip(10 * above, -1, 1), 1.0)
+        move = 10 * (obs["desired_goal"] - cube) if phase == "carry" else np.zeros(3)
+        return np.append(np.clip(move, -1, 1), -1.0)
+
+
+def test_a_cube_is_grasped_and_carried_as_fast() -> None:
+    """Ten of ten in panda-gym, in 26 to 30 steps each, of which 24 before it carries."""
+    env = make("PickAndPlace")
+    lengths = [steps_to_success(env, seed, Grasp()) for seed in range(10)]
+    assert min(lengths) >= 26 - 2
+    assert max(lengths) <= 30 + 2

@@ -5,8 +5,9 @@ from typing import ClassVar
 
 from numpy.typing import ArrayLike
 
-from manyhands.panda_gym.envs.core import RobotTaskEnv, Task
+from manyhands.panda_gym.envs.core import RobotTaskEnv
 from manyhands.panda_gym.envs.robots.panda import Panda
+from manyhands.panda_gym.envs.tasks.goal_task import GoalTask
 from manyhands.panda_gym.pybullet import PyBullet
 
 BASE_POSITION = (-0.6, 0.0, 0.0)
@@ -16,7 +17,8 @@ class PandaTaskEnv(RobotTaskEnv):
     """reward_type: "sparse" or "dense"; control_type: "ee", displacements of the hand, or "joints".
 
     `render`, or a bool in the first place, asks for panda-gym 2 and the old gym, see `RobotTaskEnv`. A step takes
-    n_substeps times 2 ms.
+    n_substeps of time_step [s]. distance_threshold: success is nearer than this; 0: what the task says. joint_forces:
+    see `Panda`.
     """
 
     block_gripper: ClassVar[bool]
@@ -37,16 +39,21 @@ class PandaTaskEnv(RobotTaskEnv):
         *,
         render: bool | None = None,
         n_substeps: int = 20,
+        time_step: float = 0.002,
         terminate_on_success: bool = True,
+        distance_threshold: float = 0.0,
         joint_forces: ArrayLike | None = None,
     ) -> None:
         """Raises ValueError on an unknown mode, renderer or type."""
         mode = "rgb_array" if render_mode is None else render_mode
-        sim = PyBullet(mode, n_substeps, renderer=renderer, render=render)
+        sim = PyBullet(mode, n_substeps, renderer=renderer, render=render, timestep=time_step)
         robot = Panda(sim, self.block_gripper, BASE_POSITION, control_type, joint_forces=joint_forces)
+        task = self.make_task(sim, robot, reward_type)
+        if distance_threshold:
+            task.distance_threshold = distance_threshold
         super().__init__(
             robot,
-            self.make_task(sim, robot, reward_type),
+            task,
             render_width,
             render_height,
             render_target_position,
@@ -58,5 +65,5 @@ class PandaTaskEnv(RobotTaskEnv):
         )
 
     @abstractmethod
-    def make_task(self, sim: PyBullet, robot: Panda, reward_type: str) -> Task:
+    def make_task(self, sim: PyBullet, robot: Panda, reward_type: str) -> GoalTask:
         """The task, its objects in `sim`."""
