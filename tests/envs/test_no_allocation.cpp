@@ -143,8 +143,9 @@ TEST(NoAllocation, InAWorldInContact) {
   }
 }
 
-/// Where sweeps do not do and the solver factors large matrices: a heavy cube on light ones that are kicked to and fro.
-/// A few of them make a small system, which sliding leaves without symmetry; many a sparse one.
+/// Where sweeps do not do and the solver factors large matrices: a heavy cube on light ones that are kicked to and fro,
+/// and its upper half off the lower. A few make a small system, which sliding leaves without symmetry; many a sparse
+/// one.
 TEST(NoAllocation, InNewtonSteps) {
   for (const int cubes : {4, 12}) {
     ModelBuilder builder("pressed");
@@ -160,6 +161,7 @@ TEST(NoAllocation, InNewtonSteps) {
     const auto shake = [&] {
       for (const double kick : {0.1, -0.1, -0.1, 0.1}) {
         for (int i = 0; i < cubes; ++i) state.v()[6 * i + 3] += i % 2 == 0 ? kick : -kick;
+        for (int i = cubes / 2; i < cubes; ++i) state.v()[6 * i + 5] += 0.05;
         for (int n = 0; n < 50; ++n) {
           step(system, params, 0.002, state, ws);
           newton_steps += ws.contacts.newton.steps();

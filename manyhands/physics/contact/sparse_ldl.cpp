@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 namespace manyhands::internal {
 
@@ -74,6 +73,9 @@ void SparseLdl::find_tree() {
   for (std::size_t k = 0; k < n; ++k) L_begin_[k + 1] += L_begin_[k];
   L_rows_.resize(L_begin_.back());
   L_.resize(L_rows_.size());
+  const auto count = [&](std::size_t k) { return L_begin_[k + 1] - L_begin_[k]; };
+  joined_.assign(n, false);
+  for (std::size_t k = 0; k + 1 < n; ++k) joined_[k] = index(parent_[k]) == k + 1 && count(k) == count(k + 1) + 1;
 }
 
 /// The columns in which row k of L has entries, as they must be eliminated: path_ from the result to its end. Column k
@@ -94,27 +96,60 @@ std::size_t SparseLdl::find_row(int k) {
   return top;
 }
 
+void SparseLdl::append(std::size_t i, double y, Row& row) {
+  const double l = y / D_[i];
+  row.D = std::fma(-l, y, row.D);
+  row.size += std::abs(l * y);
+  L_rows_[L_end_[i]] = row.k;
+  L_[L_end_[i]++] = l;
+}
+
+void SparseLdl::eliminate(std::size_t i, Row& row) {
+  const double y_i = take(i);
+  for (std::size_t p = L_begin_[i]; p < L_end_[i]; ++p) {
+    double& y = y_[index(L_rows_[p])];
+    y = std::fma(-L_[p], y_i, y);
+  }
+  append(i, y_i, row);
+}
+
+void SparseLdl::eliminate_three(std::size_t i, Row& row) {
+  const double *L_0 = &L_[L_begin_[i]], *L_1 = &L_[L_begin_[i + 1]], *L_2 = &L_[L_begin_[i + 2]];
+  const double y_0 = take(i), y_1 = std::fma(-L_0[0], y_0, take(i + 1));
+  const double y_2 = std::fma(-L_1[0], y_1, std::fma(-L_0[1], y_0, take(i + 2)));
+  const int* rows = &L_rows_[L_begin_[i + 2]];
+  const std::size_t count = L_end_[i + 2] - L_begin_[i + 2];
+  for (std::size_t p = 0; p < count; ++p) {
+    double& y = y_[index(rows[p])];
+    y = std::fma(-L_2[p], y_2, std::fma(-L_1[p + 1], y_1, std::fma(-L_0[p + 2], y_0, y)));
+  }
+  append(i, y_0, row);
+  append(i + 1, y_1, row);
+  append(i + 2, y_2, row);
+}
+
+/// Whether the next three columns of the path follow each other and have the same rows below.
+bool SparseLdl::are_alike(std::size_t step) const {
+  if (step + 2 >= path_.size()) return false;
+  const int i = path_[step];
+  return path_[step + 1] == i + 1 && path_[step + 2] == i + 2 && joined_[index(i)] && joined_[index(i) + 1];
+}
+
 bool SparseLdl::factor() {
   mark_.assign(index(n_), -1);
   L_end_.assign(L_begin_.begin(), L_begin_.end());
   for (int k = 0; k < n_; ++k) {
-    const std::size_t top = find_row(k);
-    double D = std::exchange(y_[index(k)], 0), size = std::abs(D);
-    for (std::size_t step = top; step < path_.size(); ++step) {
-      const auto i = index(path_[step]);
-      const double y = std::exchange(y_[i], 0);
-      for (std::size_t p = L_begin_[i]; p < L_end_[i]; ++p) {
-        double& to = y_[index(L_rows_[p])];
-        to = std::fma(-L_[p], y, to);
-      }
-      const double l = y / D_[i];
-      D = std::fma(-l, y, D);
-      size += std::abs(l * y);
-      L_rows_[L_end_[i]] = k;
-      L_[L_end_[i]++] = l;
+    std::size_t step = find_row(k);
+    const double diagonal = take(index(k));
+    Row row{k, diagonal, std::abs(diagonal)};
+    while (step < path_.size()) {
+      const bool alike = are_alike(step);
+      const std::size_t i = index(path_[step]);
+      alike ? eliminate_three(i, row) : eliminate(i, row);
+      step += alike ? 3 : 1;
     }
-    if (!(std::abs(D) > kLeastPivot * size) || !std::isfinite(size)) return false;
-    D_[index(k)] = D;
+    if (!(std::abs(row.D) > kLeastPivot * row.size) || !std::isfinite(row.size)) return false;
+    D_[index(k)] = row.D;
   }
   return true;
 }
