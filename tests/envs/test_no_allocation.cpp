@@ -143,6 +143,40 @@ TEST(NoAllocation, InAWorldInContact) {
   }
 }
 
+/// Where sweeps do not do and the solver factors large matrices: a heavy cube on light ones that are kicked to and fro,
+/// and its upper half off the lower. A few make a small system, which sliding leaves without symmetry; many a sparse
+/// one.
+TEST(NoAllocation, InNewtonSteps) {
+  for (const int cubes : {4, 12}) {
+    ModelBuilder builder("pressed");
+    testing::add_floor(builder);
+    for (int i = 0; i < cubes; ++i)
+      testing::add_cube(builder, "cube" + std::to_string(i), {0, 0, 0.02 + 0.04 * i}, i + 1 == cubes ? 10 : 0.1);
+    const Model model = builder.build();
+    const System<double> system(model);
+    const Params<double> params(model);
+    State<double> state(model, system.contact_numbers());
+    StepWorkspace<double> ws(system);
+    int newton_steps = 0;
+    const auto shake = [&] {
+      for (const double kick : {0.1, -0.1, -0.1, 0.1}) {
+        for (int i = 0; i < cubes; ++i) state.v()[6 * i + 3] += i % 2 == 0 ? kick : -kick;
+        for (int i = cubes / 2; i < cubes; ++i) state.v()[6 * i + 5] += 0.05;
+        for (int n = 0; n < 50; ++n) {
+          step(system, params, 0.002, state, ws);
+          newton_steps += ws.contacts.newton.steps();
+        }
+      }
+    };
+    shake();
+    newton_steps = 0;
+    const Watch watch;
+    shake();
+    EXPECT_EQ(watch.stop(), 0) << cubes << " cubes";
+    EXPECT_GT(newton_steps, 50) << cubes << " cubes";
+  }
+}
+
 TEST(NoAllocation, InABatchInContact) {
   for (const auto& model : {testing::stack(3), testing::panda_and_cube()}) {
     for (const int lanes : {1, 4, 8, 16}) {

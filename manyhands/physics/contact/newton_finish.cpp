@@ -1,6 +1,7 @@
 #include "manyhands/physics/contact/newton_finish.h"
 
 #include "manyhands/physics/contact/contact_solver.h"
+#include "manyhands/physics/contact/law_residual.h"
 #include "manyhands/physics/contact/newton_system.h"
 
 namespace manyhands {

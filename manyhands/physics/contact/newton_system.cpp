@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "manyhands/physics/contact/law_residual.h"
 #include "manyhands/physics/dynamics/ltdl.h"
 
 namespace manyhands::internal {
@@ -18,42 +19,6 @@ constexpr std::size_t kMostGeneral = 60;
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 double length(double a, double b) { return std::sqrt(a * a + b * b); }
-
-/// What resists an impulse along the tangents: the mean of G_tt's diagonal.
-double tangent_size(const ContactStiffness<double>& G) {
-  const double coupling = (G.slope_1 * G.slope_1 + G.slope_2 * G.slope_2) * G.normal;
-  return 0.5 * (G.sigma_1 + G.sigma_2 + coupling);
-}
-
-/// |G y - P(G y - u)|, P onto the disc of the given radius (times G).
-double disc_residual(double G, double y_1, double y_2, double u_1, double u_2, double radius) {
-  const double a = G * y_1 - u_1, b = G * y_2 - u_2, size = length(a, b), rim = G * std::max(radius, 0.0);
-  const double scale = size > rim ? rim / size : 1;
-  return length(G * y_1 - scale * a, G * y_2 - scale * b);
-}
-
-double torsion_residual(const ContactProblem& problem, const ContactTorsion<double>& torsion, double n) {
-  const Vec u =
-      torsion.offset + multiply_rows(problem.tree, torsion.rows, problem.contacts.store, problem.joints.dv.data());
-  const Vec& m = torsion.impulse;
-  const double G = 1 / torsion.spin_inverse, most = G * torsion.spinning * n;
-  const double spin = std::abs(G * m.x - std::clamp(G * m.x - u.x, -most, most));
-  const double size = 0.5 * (torsion.stiffness.sigma_1 + torsion.stiffness.sigma_2);
-  const double roll = disc_residual(size, m.y, m.z, u.y, u.z, torsion.rolling * n);
-  return std::max(torsion.spinning * spin, torsion.rolling * roll);
-}
-
-double point_residual(const ContactProblem& problem, const ContactPoint<double>& point) {
-  const ContactSet<double>& set = problem.contacts;
-  if (!(point.stiffness.normal_inverse > 0)) return 0;
-  Vec u = point.offset + multiply_rows(problem.tree, point.rows, set.store, problem.joints.dv.data());
-  u.x += point.softness * point.impulse.x;
-  const Vec& y = point.impulse;
-  const double signorini = std::abs(std::min(point.stiffness.normal * y.x, u.x));
-  double worst = std::max(signorini, disc_residual(tangent_size(point.stiffness), y.y, y.z, u.y, u.z, y.x));
-  if (point.torsion >= 0) worst = std::max(worst, torsion_residual(problem, set.torsions[index(point.torsion)], y.x));
-  return worst;
-}
 
 /// Rows 2 and 3 of the law: P(trial) onto a disc of radius `ratio` n, where d n / d u_n = -give_n.
 void project(double trial_1, double trial_2, double n, double ratio, double give, double give_n, MultiplierLaw& law) {
@@ -74,6 +39,8 @@ void project(double trial_1, double trial_2, double n, double ratio, double give
   law.on_normal.z = ratio * give_n * d_2;
 }
 
+bool slides(const MultiplierLaw& law) { return law.on_normal.x != 0 || law.on_normal.y != 0 || law.on_normal.z != 0; }
+
 /// J W of one loop's rows: its diagonal.
 Vec loop_size(const ContactProblem& problem, const RowBlock& rows) {
   const RowStore<double>& store = problem.loops.store;
@@ -89,13 +56,6 @@ Vec loop_size(const ContactProblem& problem, const RowBlock& rows) {
 }
 
 }  // namespace
-
-double law_residual(const ContactProblem& problem) {
-  double worst = 0;
-  for (const ContactPoint<double>& point : problem.contacts.points)
-    worst = std::max(worst, point_residual(problem, point));
-  return worst;
-}
 
 int NewtonSystem::root(int cluster) {
   while (island_[index(cluster)] != cluster) cluster = island_[index(cluster)];
@@ -130,79 +90,86 @@ void NewtonSystem::choose_islands(const ContactProblem& problem, double toleranc
     if (takes_part(problem.loops.blocks[i].rows)) loops_.push_back(i);
 }
 
-void NewtonSystem::find_columns(const ContactProblem& problem) {
-  column_.assign(index(problem.tree.nv), -1);
+void NewtonSystem::find_dofs(const ContactProblem& problem) {
+  takes_part_.assign(index(problem.tree.nv), false);
   const auto mark = [&](const RowBlock& rows) {
-    for (int i = rows.begin_a; i < rows.end_a; ++i) column_[index(i)] = 0;
-    for (int i = rows.begin_b; i < rows.end_b; ++i) column_[index(i)] = 0;
+    std::fill(takes_part_.begin() + rows.begin_a, takes_part_.begin() + rows.end_a, true);
+    std::fill(takes_part_.begin() + rows.begin_b, takes_part_.begin() + rows.end_b, true);
   };
   for (const std::size_t i : points_) mark(problem.contacts.points[i].rows);
   for (const std::size_t i : loops_) mark(problem.loops.blocks[i].rows);
-  dofs_.clear();
-  for (std::size_t i = 0; i < column_.size(); ++i) {
-    if (column_[i] < 0) continue;
-    column_[i] = static_cast<int>(dofs_.size());
-    dofs_.push_back(i);
-  }
+  for (std::size_t i = 0; i < takes_part_.size(); ++i)
+    if (takes_part_[i]) key_.push_back(i);
+  key_.push_back(takes_part_.size());
 }
 
 std::size_t NewtonSystem::pair_of(const RowBlock& rows) {
-  if (pairs_.empty() || pairs_.back().rows.body_a != rows.body_a || pairs_.back().rows.body_b != rows.body_b) {
-    pairs_.push_back({.rows = rows});
+  const bool same =
+      !pair_rows_.empty() && pair_rows_.back().body_a == rows.body_a && pair_rows_.back().body_b == rows.body_b;
+  if (!same) {
+    pair_rows_.push_back(rows);
     key_.push_back(rows.body_a);
     key_.push_back(rows.body_b);
   }
-  return pairs_.size() - 1;
+  return pair_rows_.size() - 1;
 }
 
 void NewtonSystem::choose(const ContactProblem& problem, double tolerance) {
   choose_islands(problem, tolerance);
-  find_columns(problem);
-  key_ = dofs_;
-  pairs_.clear();
+  key_.clear();
+  find_dofs(problem);
+  pair_rows_.clear();
   point_pair_.clear();
   loop_pair_.clear();
   for (const std::size_t i : points_) point_pair_.push_back(pair_of(problem.contacts.points[i].rows));
   for (const std::size_t i : loops_) loop_pair_.push_back(pair_of(problem.loops.blocks[i].rows));
-  find_pattern(problem);
-}
-
-void NewtonSystem::find_pattern(const ContactProblem& problem) {
-  std::size_t slots = 0;
-  for (Pair& pair : pairs_) {
-    pair.first_slot = slots;
-    visit_rows<double>(problem.tree, pair.rows, [&](std::size_t, std::size_t, double) { ++pair.count; });
-    slots += pair.count * pair.count;
-  }
   if (key_ == last_key_) return;
   last_key_ = key_;
-  symmetric_ready_ = general_ready_ = false;
-  const auto visit_entries = [&](auto&& mass, auto&& contact) {
-    for (const std::size_t i : dofs_) {
-      for (int j = static_cast<int>(i); j >= 0; j = problem.tree.dof_parent[index(j)]) {
-        mass(column_[i], column_[index(j)]);
-        mass(column_[index(j)], column_[i]);
-      }
+  find_columns(problem.tree);
+  find_pattern(problem.tree);
+}
+
+/// Trees in the order of minimum degree, each from its leaves: within a tree that fills nothing in.
+void NewtonSystem::find_columns(const Tree<double>& tree) {
+  node_.assign(takes_part_.size(), -1);
+  trees_.clear();
+  for (std::size_t i = 0; i < takes_part_.size(); ++i) {
+    if (!takes_part_[i] || index(tree.root_dof[i]) != i) continue;
+    node_[i] = static_cast<int>(trees_.size());
+    trees_.push_back(i);
+  }
+  order_.reset(static_cast<int>(trees_.size()));
+  for (const RowBlock& rows : pair_rows_) {
+    const int a = tree.last_dof[rows.body_a], b = tree.last_dof[rows.body_b];
+    if (a >= 0 && b >= 0) order_.connect(node_[index(tree.root_dof[index(a)])], node_[index(tree.root_dof[index(b)])]);
+  }
+  dofs_.clear();
+  column_.assign(takes_part_.size(), -1);
+  for (const int node : order_.find_order()) {
+    const std::size_t first = trees_[index(node)];
+    for (std::size_t i = index(tree.end_dof[first]); i-- > first;) {
+      column_[i] = static_cast<int>(dofs_.size());
+      dofs_.push_back(i);
     }
-    const auto visit = [&](const Pair& pair, auto&& body) {
-      visit_rows<double>(problem.tree, pair.rows, [&](std::size_t, std::size_t i, double) { body(column_[i]); });
-    };
-    for (const Pair& pair : pairs_) visit(pair, [&](int i) { visit(pair, [&](int j) { contact(i, j); }); });
-  };
-  std::vector<Eigen::Triplet<double>> entries;
-  const auto enter = [&](int i, int j) { entries.emplace_back(i, j, 0.0); };
-  visit_entries(enter, enter);
-  const auto n = static_cast<Eigen::Index>(dofs_.size());
-  H_.resize(n, n);
-  H_.setFromTriplets(entries.begin(), entries.end());
-  const auto slot = [&](int i, int j) {
-    const int *rows = H_.innerIndexPtr(), *columns = H_.outerIndexPtr();
-    return std::lower_bound(rows + columns[j], rows + columns[j + 1], i) - rows;
-  };
-  mass_slots_.clear();
-  slots_.clear();
-  visit_entries([&](int i, int j) { mass_slots_.push_back(slot(i, j)); },
-                [&](int i, int j) { slots_.push_back(slot(i, j)); });
+  }
+}
+
+void NewtonSystem::find_pattern(const Tree<double>& tree) {
+  entries_.clear();
+  for (const std::size_t i : dofs_) {
+    for (int j = static_cast<int>(i); j >= 0; j = tree.dof_parent[index(j)])
+      entries_.push_back({column_[i], column_[index(j)]});
+  }
+  pairs_.clear();
+  pair_columns_.clear();
+  for (const RowBlock& rows : pair_rows_) {
+    const std::size_t first = pair_columns_.size();
+    visit_rows<double>(tree, rows, [&](std::size_t, std::size_t i, double) { pair_columns_.push_back(column_[i]); });
+    pairs_.push_back({first, entries_.size(), pair_columns_.size() - first});
+    for (std::size_t i = first; i < pair_columns_.size(); ++i)
+      for (std::size_t j = first; j <= i; ++j) entries_.push_back({pair_columns_[i], pair_columns_[j]});
+  }
+  H_.set_pattern(static_cast<int>(dofs_.size()), entries_, slots_);
 }
 
 void NewtonSystem::keep(const ContactProblem& problem) {
@@ -253,9 +220,7 @@ void NewtonSystem::evaluate(const ContactProblem& problem, const std::vector<dou
   loop_change_.assign(loops_.size(), Vec::zero());
   slides_ = false;
   const bool follows = dofs_.size() <= kMostGeneral;
-  const auto note_sliding = [&](const MultiplierLaw& law) {
-    slides_ = slides_ || (follows && (law.on_normal.x != 0 || law.on_normal.y != 0 || law.on_normal.z != 0));
-  };
+  const auto note_sliding = [&](const MultiplierLaw& law) { slides_ = slides_ || (follows && slides(law)); };
   for (std::size_t k = 0; k < points_.size(); ++k) {
     const ContactPoint<double>& point = set.points[points_[k]];
     const Yield& give = point_yield_[k];
@@ -324,46 +289,27 @@ double NewtonSystem::find_defect(const ContactProblem& problem, const std::vecto
 void NewtonSystem::assemble(const ContactProblem& problem) {
   const Tree<double>& tree = problem.tree;
   const ContactSet<double>& set = problem.contacts;
-  double* H = H_.valuePtr();
-  std::fill_n(H, H_.nonZeros(), 0.0);
-  auto slot = mass_slots_.begin();
+  const std::span<double> H = H_.values();
+  std::fill(H.begin(), H.end(), 0.0);
+  auto slot = slots_.begin();
   for (const std::size_t i : dofs_) {
     const double* row = problem.dynamics.M.data() + tree.M_row[i];
-    for (int j = static_cast<int>(i); j >= 0; j = tree.dof_parent[index(j)], slot += 2) {
-      if (index(j) == i) {
-        H[slot[0]] = row[i] + problem.joints.spring[i];
-      } else {
-        H[slot[0]] = H[slot[1]] = row[j];
-      }
-    }
+    H[*slot++] = row[i] + problem.joints.spring[i];
+    for (int j = tree.dof_parent[i]; j >= 0; j = tree.dof_parent[index(j)]) H[*slot++] = row[j];
   }
   const auto add = [&](const Pair& pair, const Vec* J, const Mat3<double>& A) {
-    const Eigen::Index* to = &slots_[pair.first_slot];
+    const std::size_t* to = &slots_[pair.first_slot];
     for (std::size_t i = 0; i < pair.count; ++i) {
       const Vec row = J[i].x * A.x + J[i].y * A.y + J[i].z * A.z;
-      for (std::size_t j = 0; j < pair.count; ++j) H[*to++] += dot(row, J[j]);
-    }
-  };
-  const auto follow_normal = [&](const Pair& pair, const Vec* J, const Vec* normal, const Vec& on_normal) {
-    if (!slides_) return;
-    const Eigen::Index* to = &slots_[pair.first_slot];
-    for (std::size_t i = 0; i < pair.count; ++i) {
-      const double row = dot(J[i], on_normal);
-      for (std::size_t j = 0; j < pair.count; ++j) H[*to++] += row * normal[j].x;
+      for (std::size_t j = 0; j <= i; ++j) H[*to++] += dot(row, J[j]);
     }
   };
   for (std::size_t k = 0; k < points_.size(); ++k) {
-    const MultiplierLaw& law = point_law_[k];
-    if (!(law.impulse.x > 0)) continue;
+    if (!(point_law_[k].impulse.x > 0)) continue;
     const ContactPoint<double>& point = set.points[points_[k]];
     const Pair& pair = pairs_[point_pair_[k]];
-    const Vec* J = &set.store.J[point.rows.J];
-    add(pair, J, law.slope);
-    follow_normal(pair, J, J, law.on_normal);
-    if (point.torsion < 0) continue;
-    const Vec* turning = &set.store.J[set.torsions[index(point.torsion)].rows.J];
-    add(pair, turning, torsion_law_[k].slope);
-    follow_normal(pair, turning, J, torsion_law_[k].on_normal);
+    add(pair, &set.store.J[point.rows.J], point_law_[k].slope);
+    if (point.torsion >= 0) add(pair, &set.store.J[set.torsions[index(point.torsion)].rows.J], torsion_law_[k].slope);
   }
   for (std::size_t k = 0; k < loops_.size(); ++k) {
     const Vec& give = loop_yield_[k];
@@ -372,16 +318,40 @@ void NewtonSystem::assemble(const ContactProblem& problem) {
   }
 }
 
-bool NewtonSystem::solve() {
-  const auto with = [&](auto& factors, bool& ready) {
-    if (!ready) factors.analyzePattern(H_);
-    ready = true;
-    factors.factorize(H_);
-    if (factors.info() != Eigen::Success) return false;
-    step_ = factors.solve(rhs_);
-    return step_.allFinite();
+/// H with all that friction follows.
+void NewtonSystem::assemble_general(const ContactProblem& problem) {
+  general_.reset(static_cast<int>(dofs_.size()));
+  H_.visit([&](int i, int j, double value) { general_.at(i, j) = general_.at(j, i) = value; });
+  const ContactSet<double>& set = problem.contacts;
+  const auto follow = [&](const Pair& pair, const Vec* J, const Vec* normal, const Vec& on_normal) {
+    const int* columns = &pair_columns_[pair.first_column];
+    for (std::size_t i = 0; i < pair.count; ++i) {
+      const double row = dot(J[i], on_normal);
+      for (std::size_t j = 0; j < pair.count; ++j) general_.at(columns[i], columns[j]) += row * normal[j].x;
+    }
   };
-  return slides_ ? with(general_, general_ready_) : with(symmetric_, symmetric_ready_);
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    if (!(point_law_[k].impulse.x > 0)) continue;
+    const ContactPoint<double>& point = set.points[points_[k]];
+    const Pair& pair = pairs_[point_pair_[k]];
+    const Vec* J = &set.store.J[point.rows.J];
+    if (slides(point_law_[k])) follow(pair, J, J, point_law_[k].on_normal);
+    if (point.torsion >= 0 && slides(torsion_law_[k]))
+      follow(pair, &set.store.J[set.torsions[index(point.torsion)].rows.J], J, torsion_law_[k].on_normal);
+  }
+}
+
+bool NewtonSystem::solve(const ContactProblem& problem) {
+  assemble(problem);
+  step_.resize(dofs_.size());
+  for (std::size_t i = 0; i < dofs_.size(); ++i) step_[i] = defect_[dofs_[i]];
+  if (slides_) {
+    assemble_general(problem);
+    return general_.solve(step_);
+  }
+  if (!H_.factor()) return false;
+  H_.solve(step_);
+  return std::all_of(step_.begin(), step_.end(), [](double x) { return std::isfinite(x); });
 }
 
 void NewtonSystem::outer_step(const ContactProblem& problem, double softness, int most_factorisations) {
@@ -389,14 +359,11 @@ void NewtonSystem::outer_step(const ContactProblem& problem, double softness, in
   x_.assign(problem.joints.dv.size(), 0);
   double before = find_defect(problem, x_);
   for (int k = 0; k < most_factorisations && before > 0; ++k) {
-    assemble(problem);
-    rhs_.resize(static_cast<Eigen::Index>(dofs_.size()));
-    for (std::size_t i = 0; i < dofs_.size(); ++i) rhs_[static_cast<Eigen::Index>(i)] = defect_[dofs_[i]];
-    if (!solve()) break;
+    if (!solve(problem)) break;
     double best = std::numeric_limits<double>::infinity(), best_length = 0, at = 0;
     for (double fraction = 1; fraction > 0.02; fraction *= 0.5) {
       trial_ = x_;
-      for (std::size_t i = 0; i < dofs_.size(); ++i) trial_[dofs_[i]] += fraction * step_[static_cast<Eigen::Index>(i)];
+      for (std::size_t i = 0; i < dofs_.size(); ++i) trial_[dofs_[i]] += fraction * step_[i];
       const double norm = find_defect(problem, trial_);
       at = fraction;
       if (norm < best) {
@@ -405,7 +372,7 @@ void NewtonSystem::outer_step(const ContactProblem& problem, double softness, in
       }
       if (norm < (1 - 0.1 * fraction) * before) break;
     }
-    for (std::size_t i = 0; i < dofs_.size(); ++i) x_[dofs_[i]] += best_length * step_[static_cast<Eigen::Index>(i)];
+    for (std::size_t i = 0; i < dofs_.size(); ++i) x_[dofs_[i]] += best_length * step_[i];
     if (at != best_length) find_defect(problem, x_);
     const bool done = best < 1e-3 * before;
     before = best;

@@ -1,12 +1,14 @@
-// One outer step of the method of multipliers, and the residual that judges it. Internal to the contact solver.
+// One outer step of the method of multipliers. Internal to the contact solver.
 #pragma once
 
-#include <Eigen/Sparse>
 #include <vector>
 
 #include "manyhands/math/vec3.h"
+#include "manyhands/physics/contact/dense_lu.h"
 #include "manyhands/physics/contact/loops.h"
+#include "manyhands/physics/contact/minimum_degree.h"
 #include "manyhands/physics/contact/newton_finish.h"
+#include "manyhands/physics/contact/sparse_ldl.h"
 
 namespace manyhands::internal {
 
@@ -16,10 +18,6 @@ struct MultiplierLaw {
   Mat3<double> slope{Vec3<double>::zero(), Vec3<double>::zero(), Vec3<double>::zero()};  ///< -d impulse / d u, by rows
   Vec3<double> on_normal = Vec3<double>::zero();  ///< -d impulse / d u_n of the point, where sliding follows it
 };
-
-/// The worst violation of the law of contact [m/s]: |min(G n, u_n)|, |G y - P(G y - u_t)| with P onto the disc of
-/// radius G n, and the same of torsion, times its length.
-[[nodiscard]] double law_residual(const ContactProblem& problem);
 
 /// Newton's method on H x = J^T (impulses(J (dv + x)) - impulses(J dv)), where H = M + diag(spring) of the dofs in
 /// trees whose contacts have not settled, and impulses follow the law softened by r about their present values (the
@@ -39,23 +37,22 @@ class NewtonSystem {
   void outer_step(const ContactProblem& problem, double softness, int most_factorisations);
 
  private:
-  using SparseMatrix = Eigen::SparseMatrix<double>;
-
-  /// Rows of the system: a contact with its torsion, or a loop; `slots` counts its entries of the matrix.
+  /// Two bodies with rows between them: `count` columns of the system, and the slots of H's triangle among them.
   struct Pair {
-    RowBlock rows{};
-    std::size_t first_slot{}, count{};
+    std::size_t first_column{}, first_slot{}, count{};
   };
 
   void choose_islands(const ContactProblem& problem, double tolerance);
-  void find_columns(const ContactProblem& problem);
-  void find_pattern(const ContactProblem& problem);
+  void find_dofs(const ContactProblem& problem);
+  void find_columns(const Tree<double>& tree);
+  void find_pattern(const Tree<double>& tree);
   std::size_t pair_of(const RowBlock& rows);
   void find_yielding(const ContactProblem& problem, double softness);
   void evaluate(const ContactProblem& problem, const std::vector<double>& x);
   double find_defect(const ContactProblem& problem, const std::vector<double>& x);
   void assemble(const ContactProblem& problem);
-  bool solve();
+  void assemble_general(const ContactProblem& problem);
+  bool solve(const ContactProblem& problem);
   void apply(const ContactProblem& problem);
   int root(int cluster);
 
@@ -63,18 +60,25 @@ class NewtonSystem {
   std::vector<std::size_t> loops_;
   std::vector<int> island_;  ///< (nv) of a cluster's first dof: another in its island, nearer to the root
   std::vector<double> island_residual_;
-  std::vector<int> column_;        ///< (nv) of the dof in the system, or -1
-  std::vector<std::size_t> dofs_;  ///< its dofs
 
-  std::vector<std::size_t> key_, last_key_;  ///< what the pattern depends on
-  std::vector<Pair> pairs_;
+  std::vector<bool> takes_part_;  ///< (nv)
+  std::vector<RowBlock> pair_rows_;
   std::vector<std::size_t> point_pair_, loop_pair_;
-  std::vector<Eigen::Index> mass_slots_, slots_;
-  SparseMatrix H_;
-  Eigen::VectorXd rhs_, step_;
-  Eigen::SimplicialLDLT<SparseMatrix> symmetric_;
-  Eigen::SparseLU<SparseMatrix, Eigen::AMDOrdering<int>> general_;
-  bool symmetric_ready_ = false, general_ready_ = false;
+  std::vector<std::size_t> key_, last_key_;  ///< what all that follows depends on
+
+  std::vector<int> node_;           ///< (nv) of a tree's first dof: which of `trees_` it is
+  std::vector<std::size_t> trees_;  ///< their first dofs
+  MinimumDegree order_;
+  std::vector<std::size_t> dofs_;  ///< of the system, as they are eliminated
+  std::vector<int> column_;        ///< (nv) of the dof in the system, or -1
+  std::vector<Pair> pairs_;
+  std::vector<int> pair_columns_;
+  std::vector<SparseLdl::Entry> entries_;  ///< of the mass matrix, then of the pairs
+  std::vector<std::size_t> slots_;
+
+  SparseLdl H_;
+  DenseLu general_;
+  std::vector<double> step_;
   bool slides_ = false;  ///< some contact does, and H is not symmetric for it
 
   struct Yield {

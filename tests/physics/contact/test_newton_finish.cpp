@@ -92,7 +92,7 @@ Judged judge_first_step(const std::vector<double>& masses, unsigned seed, int ne
   sim.system.solver.newton_tolerance = 1e-8;
   std::mt19937 rng(seed);
   std::uniform_real_distribution<double> push(-0.05, 0.05);
-  testing::SceneBuilder scene;
+  testing::ProblemBuilder scene;
   for (std::size_t i = 0; i < masses.size(); ++i) {
     const Eigen::Vector3d velocity = seed == 0 ? Eigen::Vector3d::Zero() : Eigen::Vector3d(push(rng), push(rng), 0);
     for (int k = 0; k < 3; ++k) sim.state.v()[6 * static_cast<int>(i) + 3 + k] = velocity[k];

@@ -36,10 +36,10 @@ ReferenceProblem cube_on_slope(double slope, double heading, double mu) {
   const Eigen::Matrix3d R =
       (Eigen::AngleAxisd(heading, Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(slope, Eigen::Vector3d::UnitY()))
           .toRotationMatrix();
-  SceneBuilder scene;
+  ProblemBuilder scene;
   const int cube =
       scene.add_body(1, box_inertia(1, Eigen::Vector3d::Constant(0.1)), R * Eigen::Vector3d(0, 0, 0.05), R);
-  scene.add_patch(SceneBuilder::kWorld, cube, Eigen::Vector3d::Zero(), 0.05 * R.col(0), 0.05 * R.col(1), mu);
+  scene.add_patch(ProblemBuilder::kWorld, cube, Eigen::Vector3d::Zero(), 0.05 * R.col(0), 0.05 * R.col(1), mu);
   return scene.build();
 }
 
@@ -66,12 +66,12 @@ TEST_P(EverySolver, LetsACubeSlideDownASteeperSlope) {
 
 /// A ball of 2 kg and radius 0.1 m thrown along the ground at `speed`.
 ReferenceProblem thrown_ball(double speed, double mu) {
-  SceneBuilder scene;
+  ProblemBuilder scene;
   const double inertia = 0.4 * 2 * 0.01;
   const Eigen::Vector3d velocity = speed * Eigen::Vector3d(0.6, 0.8, 0);
   const int ball =
       scene.add_body(2, Eigen::Vector3d::Constant(inertia), {0, 0, 0.1}, Eigen::Matrix3d::Identity(), velocity);
-  scene.add_contact(SceneBuilder::kWorld, ball, {0, 0, 0}, Eigen::Vector3d::UnitZ(), mu);
+  scene.add_contact(ProblemBuilder::kWorld, ball, {0, 0, 0}, Eigen::Vector3d::UnitZ(), mu);
   return scene.build();
 }
 
@@ -95,7 +95,7 @@ TEST_P(EverySolver, BringsASlowBallToRolling) {
 /// Two balls meet head on: they part at e times the speed of approach, and the momentum stays.
 TEST_P(EverySolver, ObeysNewtonsLawOfImpact) {
   for (const double ratio : {1e-4, 0.3, 1.0, 1e4}) {
-    SceneBuilder scene;
+    ProblemBuilder scene;
     const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), inertia = Eigen::Vector3d::Ones();
     const int left = scene.add_body(1, inertia, -0.1 * x, Eigen::Matrix3d::Identity(), 2 * x);
     const int right = scene.add_body(ratio, ratio * inertia, 0.1 * x, Eigen::Matrix3d::Identity(), -3 * x);

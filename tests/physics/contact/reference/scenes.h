@@ -14,7 +14,7 @@ inline constexpr double kGravity = 9.81;  // [m/s^2]
 
 /// Builds a problem of free bodies, each with 6 dofs about its centre of mass (angular part first, world frame), and of
 /// single joints. Body kWorld does not move.
-class SceneBuilder {
+class ProblemBuilder {
  public:
   static constexpr int kWorld = -1;
 
@@ -118,17 +118,17 @@ inline Eigen::Vector3d box_inertia(double mass, const Eigen::Vector3d& sides) {
 
 /// A cube of 1 kg and 0.1 m on the ground: 4 contacts for 6 dofs.
 inline ReferenceProblem box_on_ground(const Eigen::Vector3d& velocity, const Eigen::Vector3d& spin, double mu = 0.5) {
-  SceneBuilder scene;
+  ProblemBuilder scene;
   const Eigen::Vector3d sides = Eigen::Vector3d::Constant(0.1);
   const int box = scene.add_body(1, box_inertia(1, sides), {0, 0, 0.05}, Eigen::Matrix3d::Identity(), velocity, spin);
-  scene.add_patch(SceneBuilder::kWorld, box, {0, 0, 0}, {0.05, 0, 0}, {0, 0.05, 0}, mu);
+  scene.add_patch(ProblemBuilder::kWorld, box, {0, 0, 0}, {0.05, 0, 0}, {0, 0.05, 0}, mu);
   return scene.build();
 }
 
 /// Cubes of 4 cm on each other, the masses from the ground up.
 inline ReferenceProblem tower(const std::vector<double>& masses, double mu = 0.6) {
-  SceneBuilder scene;
-  int below = SceneBuilder::kWorld;
+  ProblemBuilder scene;
+  int below = ProblemBuilder::kWorld;
   double z = 0;
   for (const double mass : masses) {
     const int cube = scene.add_body(mass, box_inertia(mass, Eigen::Vector3d::Constant(0.04)), {0, 0, z + 0.02});
@@ -145,8 +145,8 @@ inline ReferenceProblem brick_wall(int rows, int columns, double mu = 0.6) {
     int body;
     double from, to;
   };
-  SceneBuilder scene;
-  std::vector<Brick> below{{SceneBuilder::kWorld, -1, 0.2 * columns + 1}};
+  ProblemBuilder scene;
+  std::vector<Brick> below{{ProblemBuilder::kWorld, -1, 0.2 * columns + 1}};
   for (int row = 0; row < rows; ++row) {
     std::vector<Brick> course;
     const double z = 0.1 * row;
@@ -169,14 +169,14 @@ inline ReferenceProblem brick_wall(int rows, int columns, double mu = 0.6) {
 
 /// A dry half-circle arch: wedges between radii of 0.9 and 1.2 m, 0.3 m deep, both feet on the ground.
 inline ReferenceProblem arch(int stones, double mu = 0.7) {
-  SceneBuilder scene;
+  ProblemBuilder scene;
   constexpr double kInner = 0.9, kOuter = 1.2, kDepth = 0.3, kDensity = 2000;
   const double wedge = M_PI / stones;
   const auto radial = [](double angle) { return Eigen::Vector3d(-std::cos(angle), 0, std::sin(angle)); };
   const Eigen::Vector3d y(0, 0.5 * kDepth, 0);
-  int before = SceneBuilder::kWorld;
+  int before = ProblemBuilder::kWorld;
   for (int i = 0; i <= stones; ++i) {
-    int stone = SceneBuilder::kWorld;
+    int stone = ProblemBuilder::kWorld;
     if (i < stones) {
       const double area = 0.5 * wedge * (kOuter * kOuter - kInner * kInner), mass = kDensity * kDepth * area;
       const double centre = 2.0 / 3 * std::sin(wedge / 2) / (wedge / 2) * (std::pow(kOuter, 3) - std::pow(kInner, 3)) /
@@ -196,7 +196,7 @@ inline ReferenceProblem arch(int stones, double mu = 0.7) {
 
 /// n^3 spheres of 10 kg and 0.1 m radius in a grid, each moved by up to 0.2 mm; those nearer than 0.5 mm are contacts.
 inline ReferenceProblem sphere_pile(int n, double mu = 0.5) {
-  SceneBuilder scene;
+  ProblemBuilder scene;
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> uniform(-0.0002, 0.0002), speed(-0.05, 0.05);
   std::vector<std::pair<int, Eigen::Vector3d>> spheres;
@@ -208,7 +208,7 @@ inline ReferenceProblem sphere_pile(int n, double mu = 0.5) {
   }
   for (const auto& [b, p_B] : spheres) {
     if (p_B[2] < 0.1005) {
-      scene.add_contact(SceneBuilder::kWorld, b, {p_B[0], p_B[1], 0}, Eigen::Vector3d::UnitZ(), mu, p_B[2] - 0.1);
+      scene.add_contact(ProblemBuilder::kWorld, b, {p_B[0], p_B[1], 0}, Eigen::Vector3d::UnitZ(), mu, p_B[2] - 0.1);
     }
     for (const auto& [a, p_A] : spheres) {
       if (a >= b) break;
@@ -221,15 +221,15 @@ inline ReferenceProblem sphere_pile(int n, double mu = 0.5) {
 
 /// A peg of 0.5 kg pressed down and askew between two walls: friction alone can hold it, in many ways.
 inline ReferenceProblem peg_jam(double mu = 1.5) {
-  SceneBuilder scene;
+  ProblemBuilder scene;
   const Eigen::Vector3d sides(0.04, 0.04, 0.12);
   const int peg =
       scene.add_body(0.5, box_inertia(0.5, sides), {0, 0, 0}, Eigen::Matrix3d::Identity(), {0, 0, -0.3}, {0, 2.0, 0});
   for (const double y : {-0.02, 0.02}) {
-    scene.add_contact(SceneBuilder::kWorld, peg, {-0.02, y, -0.06}, Eigen::Vector3d::UnitX(), mu);
-    scene.add_contact(SceneBuilder::kWorld, peg, {-0.02, y, 0.02}, Eigen::Vector3d::UnitX(), mu);
-    scene.add_contact(SceneBuilder::kWorld, peg, {0.02, y, 0.06}, -Eigen::Vector3d::UnitX(), mu);
-    scene.add_contact(SceneBuilder::kWorld, peg, {0.02, y, -0.02}, -Eigen::Vector3d::UnitX(), mu);
+    scene.add_contact(ProblemBuilder::kWorld, peg, {-0.02, y, -0.06}, Eigen::Vector3d::UnitX(), mu);
+    scene.add_contact(ProblemBuilder::kWorld, peg, {-0.02, y, 0.02}, Eigen::Vector3d::UnitX(), mu);
+    scene.add_contact(ProblemBuilder::kWorld, peg, {0.02, y, 0.06}, -Eigen::Vector3d::UnitX(), mu);
+    scene.add_contact(ProblemBuilder::kWorld, peg, {0.02, y, -0.02}, -Eigen::Vector3d::UnitX(), mu);
   }
   return scene.build();
 }
@@ -237,7 +237,7 @@ inline ReferenceProblem peg_jam(double mu = 1.5) {
 /// A cube of 1 kg between two pads of `finger_mass` that slide along x on a wrist of 0.1 kg (held by a stiff motor in z
 /// and sliding freely in y), pressed together by saturated motors of `grip` newtons: 8 contacts.
 inline ReferenceProblem slide_grasp(double finger_mass = 0.02, double grip = 20, double mu = 0.8) {
-  SceneBuilder scene;
+  ProblemBuilder scene;
   const double h = kStep;
   Eigen::Matrix4d M = Eigen::Vector4d(finger_mass, finger_mass, 0.1, 0.1).asDiagonal();  // left, right, wrist y, z
   M(2, 2) += 2 * finger_mass;
@@ -260,7 +260,7 @@ inline ReferenceProblem slide_grasp(double finger_mass = 0.02, double grip = 20,
 
 /// The same cube between two hinged fingers (links of 0.1 and 0.02 kg, saturated motors) on a wrist free to slide in y.
 inline ReferenceProblem hinge_grasp(double torque = 1.2, double mu = 0.8) {
-  SceneBuilder scene;
+  ProblemBuilder scene;
   const double h = kStep;
   // Per finger: hinges along y at heights 0.10 and 0.05 m; point masses at 0.075 and 0.025 m.
   const auto motion = [](const Eigen::Vector3d& p) {
