@@ -1,5 +1,6 @@
 """The drop-in's environments: all ids, panda-gym's seeds and numbers, and its faults mended."""
 
+import copy
 import time
 import warnings
 from collections.abc import Iterator
@@ -184,6 +185,20 @@ def test_save_step_reset_restore_step_gives_the_same_bits(task: str) -> None:
         env.restore_state(state)
     with pytest.raises(KeyError):
         env.remove_state(state)
+
+
+def test_a_copy_goes_its_own_way() -> None:
+    env = make("Push")
+    pressed_into(env, 1)
+    state = env.save_state()
+    twin = copy.deepcopy(env)
+    assert twin.sim.world is not env.sim.world
+    assert twin.robot.sim is twin.task.sim is twin.sim
+    there, here = run(twin, 5)[-1], run(env, 5)[-1]
+    np.testing.assert_array_equal(there["observation"], here["observation"])
+    twin.sim.set_base_pose("target", np.ones(3), [0.0, 0.0, 0.0, 1.0])
+    assert not np.allclose(env.sim.get_base_position("target"), 1)
+    twin.restore_state(state)
 
 
 def test_a_saved_goal_is_a_copy() -> None:

@@ -1,10 +1,11 @@
 """What the names of a simulation stand for: robots from files, and single shapes."""
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -57,6 +58,10 @@ class Body:
     shape: tuple[ShapeName, tuple[float, ...]] | None = None
     """A single shape and its sizes, as ModelBuilder takes them."""
     look: Look = field(default_factory=Look)
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> "Body":
+        """Only `pose` ever changes, and that by another."""
+        return copy(self)
 
 
 def find_urdf(file_name: str) -> Path:
