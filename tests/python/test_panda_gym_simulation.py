@@ -247,6 +247,9 @@ def test_names_must_be_known_and_new(panda: PyBullet) -> None:
         panda.get_link_position("panda", 12)
     with pytest.raises(error, match="no joint -1"):
         panda.get_joint_angle("panda", -1)
+    for body, link in (("panda", -1), ("my_box", -1)):
+        with pytest.raises(error, match="no joint of body"):
+            panda.inverse_kinematics(body, link, [0, 0, 0], DOWN)
     with pytest.raises(error, match="2 joints, 1 target angles"):
         panda.control_joints("panda", [0, 1], [0.1], [1.0])
     with pytest.raises(error, match="no_such"):

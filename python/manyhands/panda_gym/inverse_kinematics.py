@@ -22,10 +22,10 @@ def improve(
     move. The updates equal (J^T J + 0.5 1)^-1 J^T e, with a smaller matrix.
     """
     q = q.copy()
-    iq, iv = [i for i, _ in joints], [i for _, i in joints]
+    iq, iv = np.array(joints).T
     for _ in range(ITERATIONS):
         p, r = dynamics.frame_pose(model, q, link)
-        error = np.array([*rotations.rotation_between(r, quaternion), *(position - p)])
+        error = np.array(rotations.rotation_between(r, quaternion) + (position - p).tolist())
         J = dynamics.jacobian(model, q, link)[:, iv]
         q[iq] += J.T @ np.linalg.solve(J @ J.T + _DAMPING, error)
         if error[3:] @ error[3:] <= NEAR_ENOUGH**2:

@@ -178,13 +178,12 @@ class Simulation:
     def reach(self, body: str, link: int, position: ArrayLike, quaternion: Array) -> Array:
         """PyBullet's inverse kinematics: positions of all movable joints that bring the link's frame closer to the
         pose; see `inverse_kinematics.improve`."""
-        known, name = self.bodies[body], self.link_name(body, link)
-        if known.model is None or name == known.links[0]:
+        known, name, movable = self.bodies[body], self.link_name(body, link), self.movable_joints(body)
+        if known.model is None or name == known.links[0] or not movable:
             raise error(f"no joint of body {body!r} moves link {link}")
         p_WB, r_WB = self.frame(body, -1)
         to_base = rotations.conjugate(r_WB)
         place = {f"{body}/{joint.name}": (joint.iq, joint.iv) for joint in known.model.joints}
-        movable = self.movable_joints(body)
         joints = [place[self._joint_name(body, joint)] for joint in movable]
         q = known.model.neutral_configuration()
         for (iq, _), joint in zip(joints, movable, strict=True):
