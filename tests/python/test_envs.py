@@ -25,8 +25,11 @@ def make(name: str, **kwargs: Any) -> PandaEnv:
 
 def test_all_reach_ids_are_registered() -> None:
     gymnasium.register_envs(manyhands)
-    assert set(IDS) >= {"PandaReach-v3", "PandaReachDense-v3", "PandaReachJoints-v3", "PandaReachJointsDense-v3"}
+    tasks = ("Reach", "Push", "Slide", "PickAndPlace", "Stack", "Flip")
+    variants = ("", "Joints", "Dense", "JointsDense")
+    assert set(IDS) == {f"Panda{task}{variant}-v3" for task in tasks for variant in variants}
     assert set(IDS) <= set(gymnasium.registry)
+    assert all(gymnasium.spec(name).max_episode_steps == (100 if "Stack" in name else 50) for name in IDS)
 
 
 @pytest.mark.parametrize("name", IDS)
@@ -47,8 +50,12 @@ def test_registered_limit_is_that_of_the_task(name: str) -> None:
 @pytest.mark.parametrize("name", IDS)
 def test_spaces_are_those_of_panda_gym(name: str) -> None:
     env = make(name)
-    assert env.action_space == gymnasium.spaces.Box(-1, 1, (7 if "Joints" in name else 3,), np.float32)
-    sizes = {"observation": 6, "achieved_goal": 3, "desired_goal": 3}
+    grips = any(task in name for task in ("PickAndPlace", "Stack", "Flip"))
+    assert env.action_space == gymnasium.spaces.Box(-1, 1, ((7 if "Joints" in name else 3) + grips,), np.float32)
+    observed = {"Reach": 6, "Push": 18, "Slide": 18, "PickAndPlace": 19, "Stack": 31, "Flip": 20}
+    goal = 6 if "Stack" in name else 4 if "Flip" in name else 3
+    (seen,) = (size for task, size in observed.items() if task in name)
+    sizes = {"observation": seen, "achieved_goal": goal, "desired_goal": goal}
     boxes = {key: gymnasium.spaces.Box(-10, 10, (size,), np.float32) for key, size in sizes.items()}
     assert env.observation_space == gymnasium.spaces.Dict(boxes)
     assert env.metadata["render_fps"] == 25
