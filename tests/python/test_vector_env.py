@@ -125,7 +125,8 @@ def test_a_world_is_the_single_environment_whatever_the_batch_and_threads(name: 
     for count, threads in ((1, 1), (5, 1), (37, 2)):
         env = native(name, count, num_threads=threads, autoreset_mode=AutoresetMode.DISABLED)
         world = count // 2
-        obs, _ = env.reset(seed=[204 + i - world for i in range(count)])
+        first = 100 if "Reach" in name else 204  # seeds whose world does not succeed at once
+        obs, _ = env.reset(seed=[first + i - world for i in range(count)])
         rng = np.random.default_rng(4)
         rows = [obs["observation"][world], obs["desired_goal"][world]]
         for _ in range(20):

@@ -3,6 +3,7 @@
 #include <array>
 #include <stdexcept>
 
+#include "manyhands/envs/experts/flip.h"
 #include "manyhands/envs/experts/pick_and_place.h"
 #include "manyhands/envs/experts/push.h"
 #include "manyhands/envs/experts/reach.h"
@@ -54,6 +55,7 @@ void for_each_policy(Visit&& visit) {
   visit(experts::Push{});
   visit(experts::PickAndPlace{});
   visit(experts::Stack{});
+  visit(experts::Flip{});
 }
 
 std::vector<std::string> ids_of(const std::string& task) {

@@ -8,6 +8,7 @@
 #include "manyhands/physics/collision/collide_cylinder.h"
 #include "manyhands/physics/collision/collide_general.h"
 #include "manyhands/physics/collision/collide_sphere.h"
+#include "manyhands/physics/collision/face_of_box.h"
 
 namespace manyhands {
 
@@ -29,6 +30,20 @@ std::size_t collide_lane_by_lane(const Colliders<real_t<T>>& colliders, const Co
     most = std::max(most, count);
   });
   return most;
+}
+
+/// A cylinder over the inside of a box's face meets a half-space; elsewhere it is a general pair.
+template <Number T>
+std::size_t collide_cylinder_box(const Colliders<real_t<T>>& colliders, const ColliderPair& pair, mask_t<T> near,
+                                 T margin, const Vec3<T>& size_A, const Transform<T>& X_WA, const Vec3<T>& size_B,
+                                 const Transform<T>& X_WB, std::array<Manifold<T>, 4>& found) {
+  const T radius = sqrt(fma(size_A.x, size_A.x, size_A.y * size_A.y));
+  const FaceOfBox<T> face = face_below(X_WA.p, radius, size_B, X_WB);
+  const Manifold<T> flat = collide_cylinder_plane(size_A, X_WA, size_B, face.X_W, margin);
+  const auto general = near & !face.is_all;
+  if (any(general)) collide_lane_by_lane(colliders, pair, general, margin, size_A, X_WA, size_B, X_WB, found);
+  found[0] = select(face.is_all, flat, found[0]);
+  return 1;
 }
 
 }  // namespace internal
@@ -61,6 +76,10 @@ MANYHANDS_INLINE std::size_t collide_pair(const Colliders<real_t<T>>& colliders,
       break;
     case kCylinder:
       if (b.type == kPlane) MANYHANDS_COLLIDE(collide_cylinder_plane);
+      if (b.type == kBox) {
+        return internal::collide_cylinder_box(colliders, pair, near, margin, size_A, X_WG[pair.a], size_B, X_WG[pair.b],
+                                              found);
+      }
       break;
     case kBox:
       if (b.type == kBox) MANYHANDS_COLLIDE(collide_box_box);

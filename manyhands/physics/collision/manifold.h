@@ -46,6 +46,17 @@ MANYHANDS_INLINE void copy_to_lane(const Manifold<real_t<T>>& from, Manifold<T>&
   }
 }
 
+/// a where m, else b.
+template <Number T>
+MANYHANDS_INLINE Manifold<T> select(mask_t<T> m, const Manifold<T>& a, const Manifold<T>& b) {
+  Manifold<T> chosen{.normal = select(m, a.normal, b.normal)};
+  for (std::size_t i = 0; i < kManifoldPoints; ++i) {
+    chosen.p[i] = select(m, a.p[i], b.p[i]);
+    chosen.phi[i] = select(m, a.phi[i], b.phi[i]);
+  }
+  return chosen;
+}
+
 /// The same contact seen from B: normal and order of the shapes reversed.
 template <Number T>
 MANYHANDS_INLINE Manifold<T> swapped(Manifold<T> m) {

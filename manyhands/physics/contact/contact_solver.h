@@ -216,6 +216,25 @@ MANYHANDS_INLINE void find_joint_impulses(const T* stances, JointConstraints<T>&
   }
 }
 
+/// How urgently a dof should leave its stance: the overload of a motor that holds, else a little.
+template <Number T>
+MANYHANDS_INLINE T urgency(const T* stances, std::size_t i, const JointConstraints<T>& jc) {
+  using R = real_t<T>;
+  const T zero(R(0)), tiny(R(1e-6)), little(R(2));
+  const T overload = abs(jc.impulse[i]) / max(jc.max_impulse[i], tiny);
+  return select(jc.better[i] == stances[i], zero, select(stances[i] == T(R(kHeld)), overload, little));
+}
+
+/// Moves the most urgent dof of each world, or the several that are equally so. Against contacts that have not settled
+/// all motors seem overloaded: if they gave way together, the arm would be thrown about.
+template <Number T>
+MANYHANDS_INLINE void move_worst_stances(mask_t<T> moved, T* stances, const JointConstraints<T>& jc) {
+  T worst(real_t<T>(0));
+  for (std::size_t i = 0; i < jc.dv.size(); ++i) worst = max(worst, urgency(stances, i, jc));
+  for (std::size_t i = 0; i < jc.dv.size(); ++i)
+    stances[i] = select(moved & (urgency(stances, i, jc) >= worst), jc.better[i], stances[i]);
+}
+
 }  // namespace internal
 
 /// dv of all dofs, and the impulses of contacts, loops, motors and limits, after `prepare_contacts`; the number of
@@ -259,7 +278,7 @@ MANYHANDS_INLINE int solve_constraints(const Tree<real_t<T>>& tree, const Solver
     if (none(moved)) continue;
     pivots = select(moved, pivots + one, pivots);
     left = select(moved, max(left, batch), left);
-    for (std::size_t i = 0; i < jc.dv.size(); ++i) stances[i] = select(moved, jc.better[i], stances[i]);
+    internal::move_worst_stances(moved, stances, jc);
     set.kept_dv = jc.dv;
     internal::gather_impulses(tree, set, loops, jc);
     internal::solve_stances(tree, stances, ws, jc);
