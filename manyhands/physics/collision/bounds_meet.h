@@ -40,8 +40,8 @@ MANYHANDS_INLINE mask_t<T> sphere_meets_box(const Vec3<T>& p, T r, const Vec3<T>
   return squared_norm(out) < r * r;
 }
 
-/// Whether the sphere (p, r) comes nearer than r to the box around the shape, in whose axes it lies. True of spheres and
-/// surfaces, which have none.
+/// Whether the sphere (p, r) comes nearer than r to the box around the shape, in whose axes it lies. True of spheres
+/// and surfaces, which have none.
 template <Number T>
 MANYHANDS_INLINE mask_t<T> sphere_meets_box_of(const Vec3<T>& p, T r, const Collider<real_t<T>>& geom,
                                                const Vec3<T>& size, const Transform<T>& X) {
@@ -71,14 +71,15 @@ MANYHANDS_INLINE mask_t<T> bounds_meet(const Colliders<real_t<T>>& colliders, co
   const auto size = [&](const Collider<real_t<T>>& geom) { return broadcast<T>(params.geom_size[geom.geom]); };
   const auto in_box_of_A = [&] { return internal::sphere_meets_box_of(X_B.p, reach_B, a, size(a), X_A); };
   const auto in_box_of_B = [&] { return internal::sphere_meets_box_of(X_A.p, reach_A, b, size(b), X_B); };
-  // Against boxes, which may be tables, spheres say little; else they are the cheapest question.
-  if (b.type == ShapeType::kBox) {
-    const auto meets = in_box_of_B();
-    return any(meets) ? meets & in_box_of_A() : meets;
+  // Spheres are the cheapest question, but say nothing of boxes of the world, which may be tables.
+  const auto wide = [](const Collider<real_t<T>>& geom) { return geom.body == 0 && geom.type == ShapeType::kBox; };
+  if (!wide(a) && !wide(b)) {
+    const T reach = reach_A + radius[pair.b];
+    const auto meets = squared_norm(X_B.p - X_A.p) < reach * reach;
+    return any(meets) ? meets & in_box_of_A() & in_box_of_B() : meets;
   }
-  const T reach = reach_A + radius[pair.b];
-  const auto meets = squared_norm(X_B.p - X_A.p) < reach * reach;
-  return any(meets) ? meets & in_box_of_A() & in_box_of_B() : meets;
+  const auto meets = wide(b) ? in_box_of_B() : in_box_of_A();
+  return any(meets) ? meets & (wide(b) ? in_box_of_A() : in_box_of_B()) : meets;
 }
 
 }  // namespace manyhands

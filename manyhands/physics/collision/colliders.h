@@ -29,7 +29,7 @@ struct Collider {
   std::shared_ptr<const ConvexPolyhedron> hull{};     ///< of a convex shape
   std::shared_ptr<const TriangleMesh> mesh{};         ///< of a mesh
   std::shared_ptr<const HeightField> height_field{};  ///< of a height field
-  R radius{};  ///< of a sphere about the origin that holds the mesh, hull or height field [m]
+  R radius{};                ///< of a sphere about the origin that holds the mesh, hull or height field [m]
   Vec3<R> centre{}, half{};  ///< of the box along the geom's axes that holds the hull [m]
 };
 
