@@ -9,6 +9,7 @@
 
 #include "manyhands/base/assets.h"
 #include "manyhands/envs/panda.h"
+#include "manyhands/model/compose.h"
 #include "manyhands/model/io/urdf.h"
 
 namespace benchmarks {
@@ -69,7 +70,15 @@ inline manyhands::Model contact_model(int cubes) {
             name + "_joint' type='floating'><parent link='panda_link0'/><child link='" + name + "'/></joint>";
   }
   text.insert(text.rfind("</robot>"), more);
-  return manyhands::load_urdf_string(text, "contact scene", file.parent_path()).model;
+  // In one file they would be one robot, whose links do not touch each other: that holds of the arm's alone.
+  const manyhands::Model arm = manyhands::load_urdf(file).model;
+  const manyhands::Model all =
+      manyhands::load_urdf_string(text, "contact scene", file.parent_path(), {.self_collision = true}).model;
+  manyhands::ModelBuilder builder = manyhands::builder_of(all);
+  manyhands::PartMap map;
+  for (const manyhands::Link& link : arm.links()) map.links.push_back(all.link_id(link.name).value());
+  manyhands::exclude_self_collision(builder, arm, map);
+  return builder.build();
 }
 
 /// Puts the hand, pointing down, with its grasp target at given places, from the neutral pose.

@@ -3,6 +3,7 @@
 
 #include <span>
 
+#include "manyhands/physics/collision/bounds.h"
 #include "manyhands/physics/collision/colliders.h"
 #include "manyhands/physics/dynamics/workspace.h"
 
@@ -39,6 +40,23 @@ MANYHANDS_INLINE mask_t<T> sphere_meets_box(const Vec3<T>& p, T r, const Vec3<T>
   return squared_norm(out) < r * r;
 }
 
+/// Whether the sphere (p, r) comes nearer than r to the box around the shape, in whose axes it lies. True of spheres
+/// and surfaces, which have none.
+template <Number T>
+MANYHANDS_INLINE mask_t<T> sphere_meets_box_of(const Vec3<T>& p, T r, const Collider<real_t<T>>& geom,
+                                               const Vec3<T>& size, const Transform<T>& X) {
+  switch (geom.type) {
+    case ShapeType::kBox:
+    case ShapeType::kCapsule:
+    case ShapeType::kCylinder:
+      return sphere_meets_box(p, r, half_extents(geom.type, size), X);
+    case ShapeType::kConvex:
+      return sphere_meets_box(p, r, broadcast<T>(geom.half), {X.R, X * broadcast<T>(geom.centre)});
+    default:
+      return true;
+  }
+}
+
 }  // namespace internal
 
 /// Whether the pair's shapes may be nearer to each other than `margin`.
@@ -51,14 +69,17 @@ MANYHANDS_INLINE mask_t<T> bounds_meet(const Colliders<real_t<T>>& colliders, co
   const T reach_A = radius[pair.a] + margin, reach_B = radius[pair.b] + margin;
   if (b.type == ShapeType::kPlane) return dot(X_B.R.z, X_A.p - X_B.p) < reach_A;
   const auto size = [&](const Collider<real_t<T>>& geom) { return broadcast<T>(params.geom_size[geom.geom]); };
-  if (b.type == ShapeType::kBox) {
-    const auto meets = internal::sphere_meets_box(X_A.p, reach_A, size(b), X_B);
-    if (a.type != ShapeType::kBox) return meets;
-    return meets & internal::sphere_meets_box(X_B.p, reach_B, size(a), X_A);
+  const auto in_box_of_A = [&] { return internal::sphere_meets_box_of(X_B.p, reach_B, a, size(a), X_A); };
+  const auto in_box_of_B = [&] { return internal::sphere_meets_box_of(X_A.p, reach_A, b, size(b), X_B); };
+  // Spheres are the cheapest question, but say nothing of boxes of the world, which may be tables.
+  const auto wide = [](const Collider<real_t<T>>& geom) { return geom.body == 0 && geom.type == ShapeType::kBox; };
+  if (!wide(a) && !wide(b)) {
+    const T reach = reach_A + radius[pair.b];
+    const auto meets = squared_norm(X_B.p - X_A.p) < reach * reach;
+    return any(meets) ? meets & in_box_of_A() & in_box_of_B() : meets;
   }
-  if (a.type == ShapeType::kBox) return internal::sphere_meets_box(X_B.p, reach_B, size(a), X_A);
-  const T reach = reach_A + radius[pair.b];
-  return squared_norm(X_B.p - X_A.p) < reach * reach;
+  const auto meets = wide(b) ? in_box_of_B() : in_box_of_A();
+  return any(meets) ? meets & (wide(b) ? in_box_of_A() : in_box_of_B()) : meets;
 }
 
 }  // namespace manyhands

@@ -19,14 +19,15 @@ struct Touch {
 template <Number T>
 struct CollisionWorkspace {
   explicit CollisionWorkspace(const Colliders<real_t<T>>& colliders)
-      : X_WG(colliders.geoms.size(), Transform<T>::identity()), radius(X_WG.size()), sweep(X_WG.size()) {
+      : X_WG(colliders.geoms.size(), Transform<T>::identity()), radius(X_WG.size()), ahead(X_WG.size()) {
     touches.reserve(colliders.num_manifolds);
   }
 
   std::vector<Transform<T>> X_WG;  ///< (colliders)
   std::vector<T> radius;           ///< of the bounding sphere about the geom's origin [m]
-  std::vector<T> sweep;            ///< how far its surface may move in the step [m]
+  std::vector<T> ahead;            ///< how far ahead of its surface contacts are looked for [m]
   std::vector<Touch<T>> touches;
+  std::array<Manifold<T>, 4> found;  ///< scratch: of one pair
 };
 
 namespace internal {
@@ -43,13 +44,11 @@ MANYHANDS_INLINE void place_collider(const Collider<real_t<T>>& geom, const Para
   X_WG.R = geom.turned ? X_WB.R * broadcast<T>(geom.X_BG.R) : X_WB.R;
   X_WG.p = X_WB.R * broadcast<T>(geom.X_BG.p) + X_WB.p;
   cw.radius[g] = bounding_radius(geom, broadcast<T>(params.geom_size[geom.geom]));
-  if (geom.body == 0) {
-    cw.sweep[g] = T(real_t<T>(0));
-    return;
-  }
+  cw.ahead[g] = T(geom.margin + real_t<T>(kContactMargin / 2));
+  if (geom.body == 0) return;
   const Motion<T>& V = ws.V[geom.body];
   const Vec3<T> v = V.v + cross(V.w, X_WG.p - ws.p_WO[geom.body]);
-  cw.sweep[g] = T(h) * fma(norm(V.w), cw.radius[g], norm(v));
+  cw.ahead[g] = fma(T(h), fma(norm(V.w), cw.radius[g], norm(v)), cw.ahead[g]);  // and its motion in the step
 }
 
 }  // namespace internal
@@ -72,21 +71,19 @@ MANYHANDS_INLINE void collide(const Colliders<real_t<T>>& colliders, std::span<c
   const T far(std::numeric_limits<R>::infinity());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const ColliderPair& pair = pairs[i];
-    const T margin = T(R(internal::kContactMargin)) + (cw.sweep[pair.a] + cw.sweep[pair.b]);
-    const R skin = colliders.geoms[pair.a].margin + colliders.geoms[pair.b].margin;
-    const auto near = bounds_meet(colliders, pair, params, margin + T(skin), cw.X_WG, cw.radius);
+    const T margin = cw.ahead[pair.a] + cw.ahead[pair.b];
+    const auto near = bounds_meet(colliders, pair, params, margin, cw.X_WG, cw.radius);
     if (none(near)) continue;
-    std::array<Manifold<T>, 4> found;
-    const std::size_t count = collide_pair(colliders, pair, params, near, margin + T(skin), cw.X_WG, found);
+    const R skin = colliders.geoms[pair.a].margin + colliders.geoms[pair.b].margin;
+    const std::size_t count = collide_pair(colliders, pair, params, near, margin, cw.X_WG, cw.found);
     for (std::size_t k = 0; k < count; ++k) {
       mask_t<T> touching(false);
-      for (T& phi : found[k].phi) {
-        phi = phi - T(skin);
+      for (T& phi : cw.found[k].phi) {
         const auto touches = near & (phi < margin);
-        phi = select(touches, phi, far);
+        phi = select(touches, phi - T(skin), far);
         touching = touching | touches;
       }
-      if (any(touching)) cw.touches.push_back({i, pair.manifold + k, found[k]});
+      if (any(touching)) cw.touches.push_back({i, pair.manifold + k, cw.found[k]});
     }
   }
 }

@@ -36,6 +36,10 @@ void add_surface(const Model& model, const Geom& geom, Collider<R>& collider) {
     collider.hull = std::make_shared<ConvexPolyhedron>(
         convex_polyhedron(std::span<const Vec3<float>>(model.meshes()[geom.shape.mesh.index()].vertices)));
     collider.radius = static_cast<R>(collider.hull->bound);
+    Bounds box;
+    for (const Vec3<double>& p : collider.hull->vertices) box.include(p);
+    collider.centre = broadcast<R>(0.5 * (box.low + box.high));
+    collider.half = broadcast<R>(0.5 * (box.high - box.low));
   } else if (collider.type == ShapeType::kMesh) {
     collider.mesh = std::make_shared<TriangleMesh>(model.meshes()[geom.shape.mesh.index()]);
     collider.radius = static_cast<R>(collider.mesh->bound());

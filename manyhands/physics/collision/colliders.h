@@ -29,7 +29,8 @@ struct Collider {
   std::shared_ptr<const ConvexPolyhedron> hull{};     ///< of a convex shape
   std::shared_ptr<const TriangleMesh> mesh{};         ///< of a mesh
   std::shared_ptr<const HeightField> height_field{};  ///< of a height field
-  R radius{};  ///< of a sphere about the origin that holds the mesh, hull or height field [m]
+  R radius{};                ///< of a sphere about the origin that holds the mesh, hull or height field [m]
+  Vec3<R> centre{}, half{};  ///< of the box along the geom's axes that holds the hull [m]
 };
 
 /// Two geoms that may touch: A stands before B in the order sphere, capsule, cylinder, box, convex, plane, mesh, height

@@ -21,8 +21,8 @@ class PairFinder {
       const bool by_size = geom.type < ShapeType::kMesh;
       const Vec3<R> ball{cw.radius[g], cw.radius[g], cw.radius[g]};
       const Aabb<R> box = world_bounds(geom.type, by_size ? Vec3<R>(params.geom_size[geom.geom]) : ball, cw.X_WG[g]);
-      const double reach = cw.sweep[g] + geom.margin + internal::kContactMargin / 2;
-      bounds_[g] = grown(Aabb<double>{broadcast<double>(box.low), broadcast<double>(box.high)}, reach);
+      const double ahead = cw.ahead[g];
+      bounds_[g] = grown(Aabb<double>{broadcast<double>(box.low), broadcast<double>(box.high)}, ahead);
     }
     pairs_.clear();
     for (const NearPair& near : phase_.update(bounds_)) {

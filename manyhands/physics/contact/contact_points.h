@@ -4,9 +4,9 @@
 #include <variant>
 
 #include "manyhands/physics/collision/collide.h"
+#include "manyhands/physics/contact/contact_patch.h"
 #include "manyhands/physics/contact/coulomb.h"
 #include "manyhands/physics/contact/newton_finish.h"
-#include "manyhands/physics/contact/row_block.h"
 
 namespace manyhands {
 
@@ -15,32 +15,33 @@ namespace manyhands {
 /// strong: the cone is |y| <= normal whatever the friction.
 template <Number T>
 struct ContactPoint {
+  ContactPoint() {}  // NOLINT: to add a point shall not clear what is written next
+
   std::size_t pair{}, manifold{}, index{};
-  RowBlock rows{};
-  Vec3<T> p{}, normal{}, e_1{}, e_2{};
-  T phi{};
-  T target{};        ///< the least normal velocity after the step
-  T bounces{};       ///< 1 where restitution asks for the target
-  T softness{};      ///< what a soft surface adds to G_nn [1/kg]
-  Vec3<T> offset{};  ///< J v less the target: the velocity is offset + J dv
-  ContactStiffness<T> stiffness{};
-  int torsion = -1;     ///< its row of torsional friction, if it has one
-  Vec3<T> impulse{};    ///< [N s]
-  Vec3<T> closed_at{};  ///< the impulse at which the loops were closed
+  std::size_t patch{};  ///< index in ContactSet::patches
+  RowBlock rows{};      ///< the patch's linear ones
+  Vec3<T> p, normal, e_1, e_2;
+  Vec3<T> lever;  ///< from the patch's origin, in its axes
+  T phi;
+  T bounces;       ///< 1 where restitution asks for the target
+  T softness;      ///< what a soft surface adds to G_nn [1/kg]
+  Vec3<T> offset;  ///< J v less what the point asks for: the velocity is offset + J dv
+  ContactStiffness<T> stiffness;
+  int torsion = -1;  ///< its row of torsional friction, if it has one
+  Vec3<T> impulse;   ///< [N s]
 };
 
 /// What resists spinning about the normal and rolling across it at one contact point: impulses are moments.
 template <Number T>
 struct ContactTorsion {
   std::size_t point{};
-  RowBlock rows{};
+  RowBlock rows{};          ///< the patch's angular ones
   T spinning{}, rolling{};  ///< moment per normal force [m]
   Vec3<T> t_1{}, t_2{};
   Vec3<T> offset{};
   T spin_inverse{};
   ContactStiffness<T> stiffness{};
-  Vec3<T> impulse{};    ///< (about the normal, about t_1, about t_2) [N m s]
-  Vec3<T> closed_at{};  ///< the impulse at which the loops were closed
+  Vec3<T> impulse{};  ///< (about the normal, about t_1, about t_2) [N m s]
 };
 
 /// A touching surface's numbers, those of its two geoms combined.
@@ -56,19 +57,39 @@ struct CombinedSurface {
 /// All contact points of a step.
 template <Number T>
 struct ContactSet {
-  explicit ContactSet(const Colliders<real_t<T>>& colliders, int nv) {
+  explicit ContactSet(const Colliders<real_t<T>>& colliders, int nv)
+      : store(nv), free_dv(static_cast<std::size_t>(nv)), kept_dv(free_dv) {
+    patches.reserve(colliders.num_manifolds);
     points.reserve(kManifoldPoints * colliders.num_manifolds);
-    store.x.resize(static_cast<std::size_t>(nv));
-    free_dv.resize(static_cast<std::size_t>(nv));
-    kept_dv = free_dv;
   }
 
-  std::vector<ContactPoint<T>> points;
+  std::vector<ContactPatch<T>> patches;
+  std::vector<ContactPoint<T>> points;  ///< by patches
   std::vector<ContactTorsion<T>> torsions;
   RowStore<T> store;
   std::vector<T> free_dv;  ///< (nv) velocity change without contacts; only where something bounces
   std::vector<T> kept_dv;  ///< (nv) scratch
   std::conditional_t<std::same_as<T, double>, NewtonFinish, std::monostate> newton;
 };
+
+/// All that acts on a patch at present.
+template <Number T>
+MANYHANDS_INLINE Force<T> patch_force(const ContactSet<T>& set, const ContactPatch<T>& patch) {
+  Force<T> sum = Force<T>::zero();
+  for (std::size_t i = patch.first; i < patch.first + patch.count; ++i) {
+    const ContactPoint<T>& point = set.points[i];
+    sum = sum + force_at(patch, point.lever, point.impulse);
+    if (point.torsion >= 0) sum.n += set.torsions[static_cast<std::size_t>(point.torsion)].impulse;
+  }
+  return sum;
+}
+
+/// J x of one point, for x over the dofs.
+template <Number T>
+MANYHANDS_INLINE Vec3<T> point_velocity(const Tree<real_t<T>>& tree, const ContactSet<T>& set,
+                                        const ContactPoint<T>& point, const T* x) {
+  const ContactPatch<T>& patch = set.patches[point.patch];
+  return velocity_at(patch, point.lever, patch_motion(tree, patch, set.store, x));
+}
 
 }  // namespace manyhands

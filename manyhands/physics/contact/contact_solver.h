@@ -22,9 +22,9 @@ inline constexpr int kSweepsPerPivot = 8;
 /// How often the joints' stances may change once contacts take part.
 inline constexpr int kMostContactPivots = 12;
 
-/// Turns the tangent rows of G = J W so that what resists sliding is diagonal; the angle's cosine and sine.
+/// The stiffness by G = J A J^T, the tangents turned so that what resists sliding is diagonal.
 template <Number T>
-MANYHANDS_INLINE ContactStiffness<T> diagonalise(const Mat3<T>& G, T softness, T& c, T& s) {
+MANYHANDS_INLINE ContactStiffness<T> diagonalise(const Mat3<T>& G, T softness) {
   using R = real_t<T>;
   const T zero(R(0)), one(R(1)), half(R(0.5)), tiny(std::numeric_limits<R>::min() * R(1e6));
   ContactStiffness<T> k;
@@ -38,77 +38,49 @@ MANYHANDS_INLINE ContactStiffness<T> diagonalise(const Mat3<T>& G, T softness, T
   const T d = half * (s_11 - s_22), r = sqrt(fma(d, d, s_12 * s_12));
   const auto turned = r > tiny;
   const T ratio = abs(d) / select(turned, r, one);
-  c = select(turned, sqrt(half * (one + ratio)), one);
-  s = select(turned, copysign(one, d) * s_12 / (max(r, tiny) * (c + c)), zero);
+  k.c = select(turned, sqrt(half * (one + ratio)), one);
+  k.s = select(turned, copysign(one, d) * s_12 / (max(r, tiny) * (k.c + k.c)), zero);
   const T mean = half * (s_11 + s_22), spread = copysign(r, d);
   k.sigma_1 = max(mean + spread, zero);
   k.sigma_2 = max(mean - spread, zero);
-  k.slope_1 = fma(c, slope_1, s * slope_2);
-  k.slope_2 = fma(c, slope_2, -(s * slope_1));
+  k.slope_1 = fma(k.c, slope_1, k.s * slope_2);
+  k.slope_2 = fma(k.c, slope_2, -(k.s * slope_1));
   return k;
 }
 
-/// Where the stiffness is that of the mask's worlds, else the one before.
+/// Y and the stiffness of every contact, for the stances whose factors are in ws.L. Of a world whose stances are still
+/// the same they come out the same.
 template <Number T>
-MANYHANDS_INLINE ContactStiffness<T> chosen(mask_t<T> m, const ContactStiffness<T>& a, const ContactStiffness<T>& b) {
-  return {select(m, a.normal, b.normal),   select(m, a.normal_inverse, b.normal_inverse),
-          select(m, a.slope_1, b.slope_1), select(m, a.slope_2, b.slope_2),
-          select(m, a.sigma_1, b.sigma_1), select(m, a.sigma_2, b.sigma_2)};
-}
-
-/// What a row of a contact's block does to it: W and G for the stances whose factors are in ws.L, and the turn that
-/// makes its basis diagonal.
-template <Number T>
-MANYHANDS_INLINE Mat3<T> answer(const Tree<real_t<T>>& tree, const Workspace<T>& ws, const LoopSet<T>& loops,
-                                const RowBlock& rows, Vec3<T>* Z, RowStore<T>& store) {
-  respond(tree, rows, ws, store);
-  if (!loops.x.empty()) eliminate_loops(tree, rows, loops, Z, store);
-  return multiply_response(tree, rows, store);
-}
-
-/// Turns a block's rows 2 and 3 and keeps its W in the worlds of the mask.
-template <Number T, class Block>
-MANYHANDS_INLINE void turn_block(const Tree<real_t<T>>& tree, mask_t<T> where, T c, T s, const LoopSet<T>& loops,
-                                 Vec3<T>* Z, Block& block, Vec3<T>& e_1, Vec3<T>& e_2, RowStore<T>& store) {
-  c = select(where, c, T(real_t<T>(1)));
-  s = select(where, s, T(real_t<T>(0)));
-  keep_response(block.rows, where, c, s, store);
-  turn_rows(tree, block.rows, c, s, store);
-  const Vec3<T> turned_1 = fma(c, e_1, s * e_2), turned_2 = fma(c, e_2, -s * e_1);
-  e_1 = turned_1;
-  e_2 = turned_2;
-  block.offset = turned_rows(block.offset, c, s);
-  block.impulse = turned_rows(block.impulse, c, s);
-  block.closed_at = block.impulse;
-  for (std::size_t i = 0; i < loops.x.size(); ++i) Z[i] = select(where, turned_rows(Z[i], c, s), loops.kept_Z[i]);
-}
-
-/// W, G and the basis of every contact in the worlds of the mask; the others keep theirs to the bit.
-template <Number T>
-MANYHANDS_INLINE void find_responses(const Tree<real_t<T>>& tree, const Workspace<T>& ws, mask_t<T> where,
-                                     LoopSet<T>& loops, ContactSet<T>& set) {
+MANYHANDS_INLINE void find_answers(const Tree<real_t<T>>& tree, const Workspace<T>& ws, LoopSet<T>& loops,
+                                   ContactSet<T>& set) {
   using R = real_t<T>;
   const T zero(R(0)), one(R(1)), tiny(std::numeric_limits<R>::min() * R(1e6));
   const std::size_t nl = loops.x.size();
-  loops.Z.resize(nl * (set.points.size() + set.torsions.size()));
+  loops.Z.resize(2 * nl * set.patches.size());
   Vec3<T>* Z = loops.Z.data();
-  T c, s;
-  for (ContactPoint<T>& point : set.points) {
-    std::copy_n(Z, nl, loops.kept_Z.begin());
-    const Mat3<T> G = answer(tree, ws, loops, point.rows, Z, set.store);
-    point.stiffness = chosen(where, diagonalise(G, point.softness, c, s), point.stiffness);
-    turn_block(tree, where, c, s, loops, Z, point, point.e_1, point.e_2, set.store);
+  const auto answer = [&](const RowBlock& rows) {
+    find_answer(tree, rows, ws, set.store);
+    if (nl > 0) eliminate_loops(rows, loops, Z, set.store);
     Z += nl;
+    return keep_answer(rows, set.store);
+  };
+  for (ContactPatch<T>& patch : set.patches) {
+    patch.G_vf = answer(patch.linear);
+    if (patch.turns) {
+      patch.G_wn = answer(patch.angular);
+      const std::array<Vec3<T>, 3> G_vn = multiply_answers(patch.linear, set.store, patch.angular, set.store.x);
+      patch.G_wf = {G_vn[0], G_vn[1], G_vn[2]};
+    }
+    patch.closed_at = patch_force(set, patch);
   }
+  for (ContactPoint<T>& point : set.points)
+    point.stiffness = diagonalise(point_answer(set.patches[point.patch], point.lever), point.softness);
   for (ContactTorsion<T>& torsion : set.torsions) {
-    std::copy_n(Z, nl, loops.kept_Z.begin());
-    const Mat3<T> G = answer(tree, ws, loops, torsion.rows, Z, set.store);
+    const Mat3<T>& G = set.patches[set.points[torsion.point].patch].G_wn;
     // Spinning and rolling are solved apart: turn the rolling rows by their own block of G alone.
     const Mat3<T> rolling{{one, zero, zero}, {zero, G.y.y, G.y.z}, {zero, G.z.y, G.z.z}};
-    torsion.stiffness = chosen(where, diagonalise(rolling, zero, c, s), torsion.stiffness);
-    torsion.spin_inverse = select(where, one / max(G.x.x, tiny), torsion.spin_inverse);
-    turn_block(tree, where, c, s, loops, Z, torsion, torsion.t_1, torsion.t_2, set.store);
-    Z += nl;
+    torsion.stiffness = diagonalise(rolling, zero);
+    torsion.spin_inverse = one / max(G.x.x, tiny);
   }
 }
 
@@ -116,60 +88,79 @@ MANYHANDS_INLINE void find_responses(const Tree<real_t<T>>& tree, const Workspac
 template <Number T>
 inline constexpr real_t<T> kResolved = std::same_as<real_t<T>, float> ? real_t<T>(3e-7) : real_t<T>(1e-14);
 
-/// Solves one contact given all others; how much its velocity changed by it.
+/// Solves one contact, which has the velocity u, given all others: the change of its impulse. `largest` is at least how
+/// much that changed its velocity.
 template <Number T>
-MANYHANDS_INLINE T relax(const Tree<real_t<T>>& tree, mask_t<T> active, ContactPoint<T>& point,
-                         const RowStore<T>& store, T* dv) {
-  Vec3<T> u = point.offset + multiply_rows(tree, point.rows, store, dv);
-  u.x = fma(point.softness, point.impulse.x, u.x);
-  const Vec3<T> next = select(active, solve_coulomb(point.stiffness, u, point.impulse), point.impulse);
-  const Vec3<T> change = next - point.impulse;
-  point.impulse = next;
-  apply_row_impulse(point.rows, store, change, dv);
-  // What an impulse of this size cannot resolve is no change.
+MANYHANDS_INLINE Vec3<T> relax(mask_t<T> active, Vec3<T> u, ContactPoint<T>& point, T& largest) {
   const ContactStiffness<T>& k = point.stiffness;
+  u.x = fma(point.softness, point.impulse.x, u.x);
+  const Vec3<T> before = k.turned(point.impulse), after = solve_coulomb(k, k.turned(u), before);
+  const Vec3<T> next = select(active, k.turned_back(after), point.impulse), change = next - point.impulse;
+  point.impulse = next;
+  // What an impulse of this size cannot resolve is no change.
+  const Vec3<T> turned = after - before;
   const T least = T(kResolved<T>) * next.x;
-  return max(k.normal * (abs(change.x) - least),
-             max(k.sigma_1 * (abs(change.y) - least), k.sigma_2 * (abs(change.z) - least)));
+  largest = max(max(largest, k.normal * (abs(turned.x) - least)),
+                max(k.sigma_1 * (abs(turned.y) - least), k.sigma_2 * (abs(turned.z) - least)));
+  return change;
 }
 
 /// The same for what resists spinning and rolling, limited by the normal impulse.
 template <Number T>
-MANYHANDS_INLINE T relax(const Tree<real_t<T>>& tree, mask_t<T> active, T normal_impulse, ContactTorsion<T>& torsion,
-                         const RowStore<T>& store, T* dv) {
-  const Vec3<T> u = torsion.offset + multiply_rows(tree, torsion.rows, store, dv);
+MANYHANDS_INLINE Vec3<T> relax(mask_t<T> active, T normal_impulse, const Vec3<T>& velocity,
+                               ContactTorsion<T>& torsion) {
+  const ContactStiffness<T>& k = torsion.stiffness;
+  const Vec3<T> u = k.turned(velocity);
   const T most = torsion.spinning * normal_impulse;
-  Vec3<T> next{clamp(fma(-u.x, torsion.spin_inverse, torsion.impulse.x), -most, most), torsion.impulse.y,
-               torsion.impulse.z};
-  solve_disc(torsion.stiffness, u.y, u.z, torsion.rolling * normal_impulse, next.y, next.z);
-  next = select(active, next, torsion.impulse);
+  Vec3<T> next = k.turned(torsion.impulse);
+  next.x = clamp(fma(-u.x, torsion.spin_inverse, next.x), -most, most);
+  solve_disc(k, u.y, u.z, torsion.rolling * normal_impulse, next.y, next.z);
+  next = select(active, k.turned_back(next), torsion.impulse);
   const Vec3<T> change = next - torsion.impulse;
   torsion.impulse = next;
-  apply_row_impulse(torsion.rows, store, change, dv);
-  return T(real_t<T>(0));
+  return change;
+}
+
+/// Solves the contacts of one patch in turn.
+template <Number T>
+MANYHANDS_INLINE void relax(mask_t<T> active, const ContactPatch<T>& patch, ContactSet<T>& set, T& largest) {
+  Motion<T> motion = patch.start + answered_motion(patch, set.store);
+  Force<T> change = Force<T>::zero();
+  const auto act = [&](const Force<T>& force) {
+    change = change + force;
+    motion = motion + own_answer(patch, force);
+  };
+  for (std::size_t i = patch.first; i < patch.first + patch.count; ++i) {
+    ContactPoint<T>& point = set.points[i];
+    const Vec3<T> u = point.offset + velocity_at(patch, point.lever, motion);
+    act(force_at(patch, point.lever, relax(active, u, point, largest)));
+    if (point.torsion < 0) continue;
+    ContactTorsion<T>& torsion = set.torsions[static_cast<std::size_t>(point.torsion)];
+    act({relax(active, point.impulse.x, torsion.offset + motion.w, torsion), Vec3<T>::zero()});
+  }
+  apply_patch_force(patch, change, set.store);
 }
 
 /// Sweeps over all contacts, always in the same order (orders that go back and forth converge more slowly, see
 /// docs/contact_solver.md), until every world has settled or used up its `budget` of sweeps, which counts down. How
 /// many sweeps there were.
 template <Number T>
-MANYHANDS_INLINE int sweep(const Tree<real_t<T>>& tree, T tolerance, T& budget, ContactSet<T>& set, T* dv,
-                           mask_t<T>& settled) {
+MANYHANDS_INLINE int sweep(const Tree<real_t<T>>& tree, const Workspace<T>& ws, T tolerance, T& budget,
+                           ContactSet<T>& set, T* dv, mask_t<T>& settled) {
   using R = real_t<T>;
   const T zero(R(0)), one(R(1));
   int sweeps = 0;
   settled = set.points.empty();
+  for (ContactPatch<T>& patch : set.patches) patch.start = patch_motion(tree, patch, set.store, dv);
+  begin_change(set.store);
   for (auto moving = budget > zero; any(moving); moving = (!settled) & (budget > zero)) {
     T largest = zero;
-    for (ContactPoint<T>& point : set.points) {
-      largest = max(largest, relax(tree, moving, point, set.store, dv));
-      if (point.torsion < 0) continue;
-      relax(tree, moving, point.impulse.x, set.torsions[static_cast<std::size_t>(point.torsion)], set.store, dv);
-    }
+    for (const ContactPatch<T>& patch : set.patches) relax(moving, patch, set, largest);
     settled = settled | (moving & (largest <= tolerance));
     budget = select(moving, budget - one, budget);
     ++sweeps;
   }
+  end_change(tree, ws, set.store, dv);
   return sweeps;
 }
 
@@ -177,16 +168,17 @@ MANYHANDS_INLINE int sweep(const Tree<real_t<T>>& tree, T tolerance, T& budget, 
 template <Number T>
 MANYHANDS_INLINE void follow_contacts(ContactSet<T>& set, LoopSet<T>& loops) {
   const std::size_t nl = loops.x.size();
+  if (nl == 0) return;
   const Vec3<T>* Z = loops.Z.data();
-  for (ContactPoint<T>& point : set.points) {
-    follow_contact(Z, point.impulse - point.closed_at, loops);
-    point.closed_at = point.impulse;
+  const auto follow = [&](const Vec3<T>& change) {
+    follow_contact(Z, change, loops);
     Z += nl;
-  }
-  for (ContactTorsion<T>& torsion : set.torsions) {
-    follow_contact(Z, torsion.impulse - torsion.closed_at, loops);
-    torsion.closed_at = torsion.impulse;
-    Z += nl;
+  };
+  for (ContactPatch<T>& patch : set.patches) {
+    const Force<T> force = patch_force(set, patch), change = force - patch.closed_at;
+    follow(change.f);
+    if (patch.turns) follow(change.n);
+    patch.closed_at = force;
   }
 }
 
@@ -195,12 +187,10 @@ template <Number T>
 MANYHANDS_INLINE void gather_impulses(const Tree<real_t<T>>& tree, const ContactSet<T>& set, const LoopSet<T>& loops,
                                       JointConstraints<T>& jc) {
   jc.rhs = jc.smooth;
-  const auto add = [&](const auto& blocks, const RowStore<T>& store) {
-    for (const auto& block : blocks) add_row_impulse(tree, block.rows, store, block.impulse, jc.rhs.data());
-  };
-  add(set.points, set.store);
-  add(set.torsions, set.store);
-  add(loops.blocks, loops.store);
+  for (const ContactPatch<T>& patch : set.patches)
+    add_patch_force(tree, patch, set.store, patch_force(set, patch), jc.rhs.data());
+  for (const LoopRows<T>& block : loops.blocks)
+    add_row_impulse(tree, block.rows, loops.store, block.impulse, jc.rhs.data());
 }
 
 /// The impulses of motors and limits at the present dv, in trees that touch: there every dof is pushed or gives way.
@@ -253,15 +243,16 @@ MANYHANDS_INLINE int solve_constraints(const Tree<real_t<T>>& tree, const Solver
   if constexpr (std::same_as<T, double>) set.newton.begin();
   for (int sweeps = 0;;) {
     if (any(moved)) {
-      internal::find_loop_responses(tree, ws, loops);
-      internal::find_responses(tree, ws, moved, loops, set);
-      internal::close_loops(tree, moved, loops, jc.dv.data());
+      find_roots(tree, ws);
+      internal::find_loop_answers(tree, ws, loops);
+      internal::find_answers(tree, ws, loops, set);
+      internal::close_loops(tree, ws, moved, loops, jc.dv.data());
       if constexpr (std::same_as<T, double>) set.newton.look_anew();
     }
     const T allowed = select(active, min(batch, left), zero);
     T budget = allowed;
     mask_t<T> settled;
-    sweeps += internal::sweep(tree, tolerance, budget, set, jc.dv.data(), settled);
+    sweeps += internal::sweep(tree, ws, tolerance, budget, set, jc.dv.data(), settled);
     if constexpr (std::same_as<T, double>) {
       if (!settled) settled = set.newton.finish(settings, {tree, ws, jc, loops, set}, sweeps);
     }

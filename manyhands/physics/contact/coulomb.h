@@ -1,6 +1,6 @@
 // One contact point, solved exactly: Signorini's law, Coulomb's cone and maximum dissipation, given all other impulses.
 //
-// In the basis of README.md (tangent rows scaled by friction, turned until what resists sliding is diagonal) a change
+// In the basis of README.md (tangent rows scaled by friction), turned until what resists sliding is diagonal, a change
 // of the impulse changes the contact's velocity by
 //     du_n = G_nn (dn + slope . dy),    du_t = sigma dy + slope du_n,
 // and the impulse (n, y) must satisfy  u_n >= 0, n >= 0, u_n n = 0, |y| <= n, and u_t = -kappa y with kappa >= 0 where
@@ -15,10 +15,19 @@ namespace manyhands {
 /// How one contact point gives way to its own impulse.
 template <Number T>
 struct ContactStiffness {
-  T normal{};              ///< G_nn [1/kg]
-  T normal_inverse{};      ///< 1 / G_nn
-  T slope_1{}, slope_2{};  ///< g / G_nn, where g couples the normal with the tangents
-  T sigma_1{}, sigma_2{};  ///< G_tt - g g^T / G_nn, diagonal [1/kg]
+  T normal;            ///< G_nn [1/kg]
+  T normal_inverse;    ///< 1 / G_nn
+  T slope_1, slope_2;  ///< g / G_nn, where g couples the normal with the tangents
+  T sigma_1, sigma_2;  ///< G_tt - g g^T / G_nn, diagonal [1/kg]
+  T c, s;              ///< of the angle by which the tangents are turned for that
+
+  /// From the contact's tangents to those in which the above is given, and back.
+  MANYHANDS_INLINE Vec3<T> turned(const Vec3<T>& a) const {
+    return {a.x, fma(c, a.y, s * a.z), fma(c, a.z, -(s * a.y))};
+  }
+  MANYHANDS_INLINE Vec3<T> turned_back(const Vec3<T>& a) const {
+    return {a.x, fma(c, a.y, -(s * a.z)), fma(c, a.z, s * a.y)};
+  }
 };
 
 namespace internal {
@@ -59,7 +68,8 @@ MANYHANDS_INLINE void slide(const ContactStiffness<T>& G, T h_1, T h_2, T rest, 
   });
 }
 
-/// The contact's impulse (n, y_1, y_2) that obeys its law, where the present one gives the velocity u.
+/// The contact's impulse (n, y_1, y_2) that obeys its law, where the present one gives the velocity u; along the turned
+/// tangents.
 template <Number T>
 MANYHANDS_INLINE Vec3<T> solve_coulomb(const ContactStiffness<T>& G, const Vec3<T>& u, const Vec3<T>& impulse) {
   using R = real_t<T>;
@@ -77,7 +87,8 @@ MANYHANDS_INLINE Vec3<T> solve_coulomb(const ContactStiffness<T>& G, const Vec3<
   return {select(closed, n, zero), select(closed, y_1, zero), select(closed, y_2, zero)};
 }
 
-/// y within a disc of the given radius that stops a rotation if it can: torsional or rolling friction.
+/// y, along the turned tangents, within a disc of the given radius that stops a rotation if it can: torsional or
+/// rolling friction.
 template <Number T>
 MANYHANDS_INLINE void solve_disc(const ContactStiffness<T>& G, T u_1, T u_2, T radius, T& y_1, T& y_2) {
   using R = real_t<T>;

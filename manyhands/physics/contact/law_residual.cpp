@@ -41,7 +41,7 @@ double tangent_size(const ContactStiffness<double>& G) {
 double point_residual(const ContactProblem& problem, const ContactPoint<double>& point) {
   const ContactSet<double>& set = problem.contacts;
   if (!(point.stiffness.normal_inverse > 0)) return 0;
-  Vec u = point.offset + multiply_rows(problem.tree, point.rows, set.store, problem.joints.dv.data());
+  Vec u = point.offset + point_velocity(problem.tree, set, point, problem.joints.dv.data());
   u.x += point.softness * point.impulse.x;
   const Vec& y = point.impulse;
   const double signorini = std::abs(std::min(point.stiffness.normal * y.x, u.x));

@@ -13,20 +13,21 @@ template <Number T>
 struct LoopRows {
   RowBlock rows{};
   std::size_t loop{};
-  std::size_t row{};     ///< the first of the three in the state's memory
+  std::size_t row{};    ///< the first of the three in the state's memory
+  std::size_t first{};  ///< the first of them among those of all loops that are not zero
+  [[nodiscard]] std::size_t count() const { return rows.single ? 1 : 3; }
   mask_t<T> acts{true};  ///< the worlds in which it does
   Vec3<T> offset{};      ///< J v less the velocity that closes the loop by the step's end
   Vec3<T> impulse{};     ///< [N s or N m s]
   T most{};              ///< of each component
 };
 
-/// All loops of a model: K = J A J^T over all their rows, and its factors.
+/// All loops of a model: K = J A J^T = Y Y^T over all their rows, and its factors.
 template <Number T>
 struct LoopSet {
   explicit LoopSet(const Tree<real_t<T>>& tree)
-      : K(tree.loop_rows * tree.loop_rows), pivot_inverse(tree.loop_rows), x(tree.loop_rows), kept_Z(tree.loop_rows) {
+      : store(tree.nv), K(tree.loop_rows * tree.loop_rows), pivot_inverse(tree.loop_rows), x(tree.loop_rows) {
     blocks.reserve(tree.loop_rows / 3);
-    store.x.resize(static_cast<std::size_t>(tree.nv));
   }
 
   std::vector<LoopRows<T>> blocks;
@@ -34,8 +35,7 @@ struct LoopSet {
   std::vector<T> K;              ///< (rows, rows) lower triangle: its factor L, K = L D L^T
   std::vector<T> pivot_inverse;  ///< (rows) 1 / D; 0 where a row says what others have said
   std::vector<T> x;              ///< (rows) scratch
-  std::vector<Vec3<T>> kept_Z;   ///< (rows) scratch
-  std::vector<Vec3<T>> Z;        ///< (points and torsions, rows) the loops' impulses per impulse of a contact
+  std::vector<Vec3<T>> Z;        ///< (rows of patches, rows) the loops' impulses per impulse of a contact
 };
 
 namespace internal {
@@ -80,16 +80,16 @@ MANYHANDS_INLINE void add_frame_rows(const Tree<real_t<T>>& tree, const Workspac
     return std::array<Vec3<T>, 3>{keep[0] ? X_A.R.x : none, keep[1] ? X_A.R.y : none, keep[2] ? X_A.R.z : none};
   };
   const T most = T(h * loop.max_force);
+  const RowBlock between = rows_between<T>(tree, a, b);
   {
     LoopRows<T>& block = set.blocks.emplace_back();
     block.loop = index;
     block.row = loop.row;
     block.most = most;
-    block.rows = add_row_block(tree, a, b, set.store);
+    block.rows = add_row_block(between, set.store);
     fill_point_rows(tree, ws, block.rows, X_B.p, axes(linear), set.store);
-    const Vec3<T> u = relative_velocity(ws, a, b, X_B.p);
-    const Vec3<T> gamma =
-        point_acceleration(ws, b, X_B.p) - point_acceleration(ws, a, X_B.p) - T(real_t<T>(2)) * cross(ws.V[a].w, u);
+    const auto [u, acceleration] = relative_motion(ws, a, b, X_B.p);
+    const Vec3<T> gamma = acceleration - T(real_t<T>(2)) * cross(ws.V[a].w, u);
     block.offset = masked(closing_offset(transpose_times(X_A.R, u), transpose_times(X_A.R, X_B.p - X_A.p),
                                          transpose_times(X_A.R, gamma), h),
                           linear);
@@ -99,7 +99,7 @@ MANYHANDS_INLINE void add_frame_rows(const Tree<real_t<T>>& tree, const Workspac
   block.loop = index;
   block.row = loop.row + 3;
   block.most = most;
-  block.rows = add_row_block(tree, a, b, set.store);
+  block.rows = add_row_block(between, set.store);
   fill_rotation_rows(tree, ws, block.rows, axes(angular), set.store);
   const Vec3<T> w = ws.V[b].w - ws.V[a].w;
   const Vec3<T> gamma = ws.A[b].w - ws.A[a].w - cross(ws.V[a].w, w);
@@ -133,7 +133,8 @@ MANYHANDS_INLINE void add_joint_row(const Tree<real_t<T>>& tree, const State<T>&
   block.loop = index;
   block.row = loop.row;
   block.most = T(h * loop.max_force);
-  block.rows = add_row_block(tree, loop.body_a, loop.body_b, set.store);
+  block.rows = add_row_block(rows_between<T>(tree, loop.body_a, loop.body_b), set.store);
+  block.rows.single = true;
   visit_rows<T>(tree, block.rows, [&](std::size_t entry, std::size_t i, R) {
     const T weight = i == loop.dof_a ? -ratio : i == loop.dof_b ? T(R(1)) : zero;
     set.store.J[entry] = {select(acts, weight, zero), zero, zero};
@@ -142,16 +143,19 @@ MANYHANDS_INLINE void add_joint_row(const Tree<real_t<T>>& tree, const State<T>&
   block.offset = {select(acts, offset, zero), zero, zero};
 }
 
-/// The three numbers of block i in an array over all rows.
+/// The three numbers of a block in an array over the rows of all blocks.
 template <Number T>
-MANYHANDS_INLINE Vec3<T> rows_of(const std::vector<T>& x, std::size_t i) {
-  return {x[3 * i], x[3 * i + 1], x[3 * i + 2]};
+MANYHANDS_INLINE Vec3<T> rows_of(const std::vector<T>& x, const LoopRows<T>& block) {
+  const T zero(real_t<T>(0)), *own = &x[block.first];
+  return block.rows.single ? Vec3<T>{own[0], zero, zero} : Vec3<T>{own[0], own[1], own[2]};
 }
 template <Number T>
-MANYHANDS_INLINE void set_rows(std::vector<T>& x, std::size_t i, const Vec3<T>& value) {
-  x[3 * i] = value.x;
-  x[3 * i + 1] = value.y;
-  x[3 * i + 2] = value.z;
+MANYHANDS_INLINE void set_rows(std::vector<T>& x, const LoopRows<T>& block, const Vec3<T>& value) {
+  T* own = &x[block.first];
+  own[0] = value.x;
+  if (block.rows.single) return;
+  own[1] = value.y;
+  own[2] = value.z;
 }
 
 /// K = L D L^T in place; a row that adds nothing to those before it gets no say.
@@ -198,8 +202,7 @@ template <Number T>
 MANYHANDS_INLINE void prepare_loops(const Tree<real_t<T>>& tree, real_t<T> h, State<T>& state, const Workspace<T>& ws,
                                     JointConstraints<T>& jc, LoopSet<T>& set) {
   set.blocks.clear();
-  set.store.J.clear();
-  set.store.W.clear();
+  set.store.clear();
   for (std::size_t i = 0; i < tree.loops.size(); ++i) {
     if (tree.loops[i].type == LoopType::kJoint || tree.loops[i].type == LoopType::kGear) {
       internal::add_joint_row(tree, state, h, i, jc, set);
@@ -207,33 +210,36 @@ MANYHANDS_INLINE void prepare_loops(const Tree<real_t<T>>& tree, real_t<T> h, St
       internal::add_frame_rows(tree, ws, h, i, set);
     }
   }
-  set.x.resize(3 * set.blocks.size());
+  set.x.clear();
   const std::span<T> memory = state.loops();
   for (LoopRows<T>& block : set.blocks) {
+    block.first = set.x.size();
+    set.x.resize(block.first + block.count());
     const T* old = &memory[block.row];
     block.impulse = select(block.acts, Vec3<T>{old[0], old[1], old[2]}, Vec3<T>::zero());
-    internal::couple(tree, block.rows, block.acts, block.impulse, set.store, jc);
+    internal::touch_trees(block.rows, block.acts, jc);
+    add_row_impulse(tree, block.rows, set.store, block.impulse, jc.rhs.data());
   }
   for (T& number : memory) number = T(real_t<T>(0));
 }
 
 namespace internal {
 
-/// W of every loop, and the factors of K, for the stances whose factors are in ws.L.
+/// Y of every loop, and the factors of K, for the stances whose factors are in ws.L.
 template <Number T>
-MANYHANDS_INLINE void find_loop_responses(const Tree<real_t<T>>& tree, const Workspace<T>& ws, LoopSet<T>& set) {
+MANYHANDS_INLINE void find_loop_answers(const Tree<real_t<T>>& tree, const Workspace<T>& ws, LoopSet<T>& set) {
   const std::size_t n = set.x.size();
   for (std::size_t j = 0; j < set.blocks.size(); ++j) {
-    const RowBlock& rows = set.blocks[j].rows;
-    respond(tree, rows, ws, set.store);
-    keep_response(rows, mask_t<T>(true), T(real_t<T>(1)), T(real_t<T>(0)), set.store);
-    for (std::size_t i = j; i < set.blocks.size(); ++i) {
-      const std::array<Vec3<T>, 3> K = multiply_shared_rows(tree, set.blocks[i].rows, set.store, rows, set.store.x);
-      for (std::size_t r = 0; r < 3; ++r) {
-        T* row = &set.K[(3 * i + r) * n + 3 * j];
-        row[0] = K[r].x;
-        if (i > j || r > 0) row[1] = K[r].y;
-        if (i > j || r > 1) row[2] = K[r].z;
+    const LoopRows<T>& block = set.blocks[j];
+    find_answer(tree, block.rows, ws, set.store);
+    keep_answer(block.rows, set.store);
+    for (std::size_t i = 0; i <= j; ++i) {
+      const LoopRows<T>& other = set.blocks[i];
+      const std::array<Vec3<T>, 3> K = multiply_answers(other.rows, set.store, block.rows, set.store.x);
+      for (std::size_t r = 0; r < other.count(); ++r) {
+        const std::array<T, 3> column{K[r].x, K[r].y, K[r].z};
+        for (std::size_t k = i < j ? 0 : r; k < block.count(); ++k)
+          set.K[(block.first + k) * n + other.first + r] = column[k];
       }
     }
   }
@@ -242,44 +248,42 @@ MANYHANDS_INLINE void find_loop_responses(const Tree<real_t<T>>& tree, const Wor
 
 /// Closes the loops at the present dv: their impulses change, and dv with them.
 template <Number T>
-MANYHANDS_INLINE void close_loops(const Tree<real_t<T>>& tree, mask_t<T> active, LoopSet<T>& set, T* dv) {
-  for (std::size_t i = 0; i < set.blocks.size(); ++i) {
-    const LoopRows<T>& block = set.blocks[i];
-    set_rows(set.x, i, -(block.offset + multiply_rows(tree, block.rows, set.store, dv)));
+MANYHANDS_INLINE void close_loops(const Tree<real_t<T>>& tree, const Workspace<T>& ws, mask_t<T> active,
+                                  LoopSet<T>& set, T* dv) {
+  if (set.blocks.empty()) return;
+  for (const LoopRows<T>& block : set.blocks) {
+    set_rows(set.x, block, -(block.offset + multiply_rows(tree, block.rows, set.store, dv)));
   }
   solve_loops(set, set.x.data());
-  for (std::size_t i = 0; i < set.blocks.size(); ++i) {
-    LoopRows<T>& block = set.blocks[i];
-    const Vec3<T> total = block.impulse + rows_of(set.x, i);
+  begin_change(set.store);
+  for (LoopRows<T>& block : set.blocks) {
+    const Vec3<T> total = block.impulse + rows_of(set.x, block);
     const Vec3<T> limited{clamp(total.x, -block.most, block.most), clamp(total.y, -block.most, block.most),
                           clamp(total.z, -block.most, block.most)};
     const Vec3<T> next = select(active, limited, block.impulse);
-    apply_row_impulse(block.rows, set.store, next - block.impulse, dv);
+    apply_row_impulse(block.rows, next - block.impulse, set.store);
     block.impulse = next;
   }
+  end_change(tree, ws, set.store, dv);
 }
 
-/// Takes the loops' answer to a contact's impulse off its W in store.x; Z (loop rows) keeps that answer. Right after
-/// `respond` for the contact.
+/// Takes the loops' answer to a contact's impulse off its Y in store.x; Z (loop rows) keeps that answer. Right after
+/// `find_answer` for the contact.
 template <Number T>
-MANYHANDS_INLINE void eliminate_loops(const Tree<real_t<T>>& tree, const RowBlock& rows, const LoopSet<T>& loops,
-                                      Vec3<T>* Z, RowStore<T>& store) {
-  for (std::size_t i = 0; i < loops.blocks.size(); ++i) {
-    const std::array<Vec3<T>, 3> H = multiply_shared_rows(tree, loops.blocks[i].rows, loops.store, rows, store.x);
-    std::ranges::copy(H, Z + 3 * i);
+MANYHANDS_INLINE void eliminate_loops(const RowBlock& rows, const LoopSet<T>& loops, Vec3<T>* Z, RowStore<T>& store) {
+  for (const LoopRows<T>& loop : loops.blocks) {
+    const std::array<Vec3<T>, 3> H = multiply_answers(loop.rows, loops.store, rows, store.x);
+    std::copy_n(H.begin(), loop.count(), Z + loop.first);
   }
   solve_loops(loops, Z);
-  for (std::size_t i = 0; i < loops.blocks.size(); ++i) {
-    const RowBlock& loop = loops.blocks[i].rows;
-    const Vec3<T>* W = &loops.store.W[loop.W];
-    const auto take = [&](int begin, int end) {
-      for (int k = begin; k < end; ++k, ++W) {
-        Vec3<T>& x = store.x[static_cast<std::size_t>(k)];
-        x = fma(-W->x, Z[3 * i], fma(-W->y, Z[3 * i + 1], fma(-W->z, Z[3 * i + 2], x)));
-      }
-    };
-    take(loop.begin_a, loop.end_a);
-    take(loop.begin_b, loop.end_b);
+  for (const LoopRows<T>& loop : loops.blocks) {
+    const Vec3<T>* own = Z + loop.first;
+    visit_answer(loop.rows, [&](std::size_t entry, std::size_t dof) {
+      const Vec3<T>& Y = loops.store.Y[entry];
+      Vec3<T>& x = store.x[dof];
+      x = fma(-Y.x, own[0], x);
+      if (!loop.rows.single) x = fma(-Y.y, own[1], fma(-Y.z, own[2], x));
+    });
   }
 }
 
@@ -296,9 +300,12 @@ MANYHANDS_INLINE void remember_loops(const LoopSet<T>& loops, std::span<T> memor
 /// What a change of a contact's impulse changes in the loops'.
 template <Number T>
 MANYHANDS_INLINE void follow_contact(const Vec3<T>* Z, const Vec3<T>& change, LoopSet<T>& loops) {
-  for (std::size_t i = 0; i < loops.blocks.size(); ++i) {
-    const Vec3<T> taken{dot(Z[3 * i], change), dot(Z[3 * i + 1], change), dot(Z[3 * i + 2], change)};
-    loops.blocks[i].impulse -= taken;
+  for (LoopRows<T>& loop : loops.blocks) {
+    const Vec3<T>* own = Z + loop.first;
+    loop.impulse.x -= dot(own[0], change);
+    if (loop.rows.single) continue;
+    loop.impulse.y -= dot(own[1], change);
+    loop.impulse.z -= dot(own[2], change);
   }
 }
 

@@ -41,16 +41,13 @@ void project(double trial_1, double trial_2, double n, double ratio, double give
 
 bool slides(const MultiplierLaw& law) { return law.on_normal.x != 0 || law.on_normal.y != 0 || law.on_normal.z != 0; }
 
-/// J W of one loop's rows: its diagonal.
+/// J A J^T of one loop's rows: its diagonal.
 Vec loop_size(const ContactProblem& problem, const RowBlock& rows) {
   const RowStore<double>& store = problem.loops.store;
   Vec G = Vec::zero();
-  visit_rows<double>(problem.tree, rows, [&](std::size_t entry, std::size_t dof, double) {
-    const int i = static_cast<int>(dof);
-    const bool in_a = i >= rows.begin_a && i < rows.end_a;
-    const int offset = in_a ? i - rows.begin_a : rows.end_a - rows.begin_a + i - rows.begin_b;
-    const Vec &J = store.J[entry], &W = store.W[rows.W + index(offset)];
-    G = G + Vec{J.x * W.x, J.y * W.y, J.z * W.z};
+  visit_answer(rows, [&](std::size_t entry, std::size_t) {
+    const Vec& Y = store.Y[entry];
+    G = G + Vec{Y.x * Y.x, Y.y * Y.y, Y.z * Y.z};
   });
   return G;
 }
@@ -225,11 +222,9 @@ void NewtonSystem::evaluate(const ContactProblem& problem, const std::vector<dou
     const ContactPoint<double>& point = set.points[points_[k]];
     const Yield& give = point_yield_[k];
     if (!(give.normal > 0)) continue;
-    const auto velocity = [&](const auto& block) {
-      return block.offset + multiply_rows(problem.tree, block.rows, set.store, problem.joints.dv.data()) +
-             multiply_rows(problem.tree, block.rows, set.store, x.data());
-    };
-    const Vec u = velocity(point);
+    const double* dv = problem.joints.dv.data();
+    const Vec u = point.offset + point_velocity(problem.tree, set, point, dv) +
+                  point_velocity(problem.tree, set, point, x.data());
     const Vec& y = point.impulse;
     const double n = y.x - give.normal * (u.x + point.softness * y.x);
     if (!(n > 0)) continue;
@@ -242,7 +237,8 @@ void NewtonSystem::evaluate(const ContactProblem& problem, const std::vector<dou
     if (point.torsion < 0) continue;
     const ContactTorsion<double>& torsion = set.torsions[index(point.torsion)];
     const Yield& turns = torsion_yield_[k];
-    const Vec w = velocity(torsion);
+    const Vec w = torsion.offset + multiply_rows(problem.tree, torsion.rows, set.store, dv) +
+                  multiply_rows(problem.tree, torsion.rows, set.store, x.data());
     const Vec& m = torsion.impulse;
     MultiplierLaw& turning = torsion_law_[k];
     const double spin = m.x - turns.normal * w.x, most = torsion.spinning * n;
@@ -273,7 +269,9 @@ double NewtonSystem::find_defect(const ContactProblem& problem, const std::vecto
   for (std::size_t i = 0; i < x.size(); ++i) defect_[i] = -(defect_[i] + problem.joints.spring[i] * x[i]);
   for (std::size_t k = 0; k < points_.size(); ++k) {
     const ContactPoint<double>& point = set.points[points_[k]];
-    add_row_impulse(problem.tree, point.rows, set.store, point_law_[k].impulse - point.impulse, defect_.data());
+    const ContactPatch<double>& patch = set.patches[point.patch];
+    add_patch_force(problem.tree, patch, set.store, force_at(patch, point.lever, point_law_[k].impulse - point.impulse),
+                    defect_.data());
     if (point.torsion < 0) continue;
     const ContactTorsion<double>& torsion = set.torsions[index(point.torsion)];
     add_row_impulse(problem.tree, torsion.rows, set.store, torsion_law_[k].impulse - torsion.impulse, defect_.data());
@@ -284,6 +282,17 @@ double NewtonSystem::find_defect(const ContactProblem& problem, const std::vecto
   double square = 0;
   for (const std::size_t i : dofs_) square += defect_[i] * defect_[i];
   return std::sqrt(square);
+}
+
+/// J of one point's own rows, by dofs; valid until the next call.
+const Vec* NewtonSystem::rows_of(const ContactSet<double>& set, const ContactPoint<double>& point, std::size_t count) {
+  const ContactPatch<double>& patch = set.patches[point.patch];
+  rows_.resize(std::max(rows_.size(), count));
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec w = patch.turns ? set.store.J[patch.angular.J + i] : Vec::zero();
+    rows_[i] = velocity_at(patch, point.lever, {w, set.store.J[patch.linear.J + i]});
+  }
+  return rows_.data();
 }
 
 void NewtonSystem::assemble(const ContactProblem& problem) {
@@ -308,7 +317,7 @@ void NewtonSystem::assemble(const ContactProblem& problem) {
     if (!(point_law_[k].impulse.x > 0)) continue;
     const ContactPoint<double>& point = set.points[points_[k]];
     const Pair& pair = pairs_[point_pair_[k]];
-    add(pair, &set.store.J[point.rows.J], point_law_[k].slope);
+    add(pair, rows_of(set, point, pair.count), point_law_[k].slope);
     if (point.torsion >= 0) add(pair, &set.store.J[set.torsions[index(point.torsion)].rows.J], torsion_law_[k].slope);
   }
   for (std::size_t k = 0; k < loops_.size(); ++k) {
@@ -334,7 +343,7 @@ void NewtonSystem::assemble_general(const ContactProblem& problem) {
     if (!(point_law_[k].impulse.x > 0)) continue;
     const ContactPoint<double>& point = set.points[points_[k]];
     const Pair& pair = pairs_[point_pair_[k]];
-    const Vec* J = &set.store.J[point.rows.J];
+    const Vec* J = rows_of(set, point, pair.count);
     if (slides(point_law_[k])) follow(pair, J, J, point_law_[k].on_normal);
     if (point.torsion >= 0 && slides(torsion_law_[k]))
       follow(pair, &set.store.J[set.torsions[index(point.torsion)].rows.J], J, torsion_law_[k].on_normal);
@@ -383,15 +392,20 @@ void NewtonSystem::outer_step(const ContactProblem& problem, double softness, in
 
 void NewtonSystem::apply(const ContactProblem& problem) {
   ContactSet<double>& set = problem.contacts;
-  const auto move = [&](auto& block, const Vec& impulse) {
-    apply_row_impulse(block.rows, set.store, impulse - block.impulse, problem.joints.dv.data());
-    block.impulse = impulse;
-  };
+  begin_change(set.store);
   for (std::size_t k = 0; k < points_.size(); ++k) {
     ContactPoint<double>& point = set.points[points_[k]];
-    move(point, point_law_[k].impulse);
-    if (point.torsion >= 0) move(set.torsions[index(point.torsion)], torsion_law_[k].impulse);
+    const ContactPatch<double>& patch = set.patches[point.patch];
+    Force<double> change = force_at(patch, point.lever, point_law_[k].impulse - point.impulse);
+    point.impulse = point_law_[k].impulse;
+    if (point.torsion >= 0) {
+      ContactTorsion<double>& torsion = set.torsions[index(point.torsion)];
+      change.n += torsion_law_[k].impulse - torsion.impulse;
+      torsion.impulse = torsion_law_[k].impulse;
+    }
+    apply_patch_force(patch, change, set.store);
   }
+  end_change(problem.tree, problem.dynamics, set.store, problem.joints.dv.data());
 }
 
 }  // namespace manyhands::internal

@@ -50,6 +50,7 @@ class NewtonSystem {
   void find_yielding(const ContactProblem& problem, double softness);
   void evaluate(const ContactProblem& problem, const std::vector<double>& x);
   double find_defect(const ContactProblem& problem, const std::vector<double>& x);
+  const Vec3<double>* rows_of(const ContactSet<double>& set, const ContactPoint<double>& point, std::size_t count);
   void assemble(const ContactProblem& problem);
   void assemble_general(const ContactProblem& problem);
   bool solve(const ContactProblem& problem);
@@ -88,6 +89,7 @@ class NewtonSystem {
   std::vector<Vec3<double>> loop_yield_;            ///< (loops that take part)
   std::vector<MultiplierLaw> point_law_, torsion_law_;
   std::vector<Vec3<double>> loop_change_;
+  std::vector<Vec3<double>> rows_;  ///< of one point
   std::vector<double> x_, trial_, defect_, kept_dv_;
   std::vector<Vec3<double>> kept_impulses_;
 };

@@ -1,4 +1,8 @@
 // Three rows of a Jacobian between two bodies, and what an impulse along them does to the velocities.
+//
+// With A = (M + springs)^-1 = B B^T of the factors in ws.L (B = L^-1 D^-1/2), an impulse f changes velocities by
+// dv = B y, y = Y^T f, where Y = J B: in the coordinates y inertia is 1, so that Y alone says what velocities do to the
+// rows and what the rows do to velocities, J A J^T = Y Y^T, and Y is no fuller than J but for common ancestors.
 #pragma once
 
 #include "manyhands/math/spatial.h"
@@ -7,47 +11,83 @@
 
 namespace manyhands {
 
-/// Where the three rows of one contact or loop lie: J over the dofs that move body B against body A, A M^-1 J^T over
-/// all dofs of their trees. Uniform.
+/// Where the three rows of one contact or loop lie: J over the dofs that move body B against body A, Y over all that
+/// answer. Uniform; valid while the tree lives.
 struct RowBlock {
   std::size_t body_a{}, body_b{};
-  int common = -1;         ///< the last dof that moves both bodies alike, or -1
-  std::size_t J{};         ///< first of its entries: A's dofs from the last to the root, then B's
-  std::size_t W{};         ///< first of its entries: A's tree's dofs, then B's tree's if it is another
-  int begin_a{}, end_a{};  ///< dofs of A's tree; empty for the world
-  int begin_b{}, end_b{};  ///< dofs of B's tree where it is another
+  int common = -1;                              ///< the last dof that moves both bodies alike, or -1
+  int begin_a{}, end_a{};                       ///< dofs of A's cluster of trees; empty for the world
+  int begin_b{}, end_b{};                       ///< dofs of B's cluster where it is another
+  std::size_t num_J{};                          ///< entries of J
+  std::size_t J{};                              ///< first of them: A's dofs from the last to the root, then B's
+  std::size_t Y{};                              ///< first of its entries
+  std::span<const int> answer_a{}, answer_b{};  ///< Y's dofs, leaves first
+  bool single{};                                ///< whether rows 2 and 3 are zero
 };
 
-/// Storage of the rows of many blocks: each entry holds the three rows' numbers of one dof.
+/// Storage of the rows of many blocks: each entry holds the three rows' numbers of one dof. What is past the used
+/// entries is left from earlier steps.
 template <Number T>
 struct RowStore {
-  std::vector<Vec3<T>> J, W;
-  std::vector<Vec3<T>> x;  ///< (nv) scratch
+  explicit RowStore(int nv) : x(static_cast<std::size_t>(nv)), y(x.size()) {}
+
+  void clear() { used_J = used_Y = 0; }
+
+  std::vector<Vec3<T>> J, Y;
+  std::size_t used_J{}, used_Y{};
+  std::vector<Vec3<T>> x;  ///< (nv) scratch: Y of one block
+  std::vector<T> y;        ///< (nv) change of the velocities, in the coordinates of Y
 };
 
-/// The rows' topology, with room for their numbers at the end of the store.
+/// The topology of rows between two bodies, without numbers.
 template <Number T>
-MANYHANDS_INLINE RowBlock add_row_block(const Tree<real_t<T>>& tree, std::size_t body_a, std::size_t body_b,
-                                        RowStore<T>& store) {
-  const auto parent = [&](int i) { return tree.dof_parent[static_cast<std::size_t>(i)]; };
-  RowBlock rows{.body_a = body_a, .body_b = body_b, .J = store.J.size(), .W = store.W.size()};
-  const int last_a = tree.last_dof[body_a], last_b = tree.last_dof[body_b];
-  int a = last_a, b = last_b;
-  while (a != b) (a > b ? a : b) = parent(a > b ? a : b);
-  rows.common = a;
-  std::size_t entries = 0;
-  for (int i = last_a; i != rows.common; i = parent(i)) ++entries;
-  for (int i = last_b; i != rows.common; i = parent(i)) ++entries;
-  store.J.resize(store.J.size() + entries);
-  if (last_a >= 0) {
-    rows.begin_a = tree.cluster_begin[static_cast<std::size_t>(last_a)];
-    rows.end_a = tree.cluster_end[static_cast<std::size_t>(last_a)];
+MANYHANDS_INLINE RowBlock rows_between(const Tree<real_t<T>>& tree, std::size_t body_a, std::size_t body_b) {
+  const auto path = [&](std::size_t body) {
+    const std::size_t begin = tree.path_begin[body];
+    return std::span<const int>(tree.path).subspan(begin, tree.path_begin[body + 1] - begin);
+  };
+  const auto all = [&](int begin, int end) {
+    return std::span<const int>(tree.dofs_from_leaves)
+        .subspan(static_cast<std::size_t>(tree.nv - end), static_cast<std::size_t>(end - begin));
+  };
+  RowBlock rows{.body_a = body_a, .body_b = body_b, .answer_a = path(body_a), .answer_b = path(body_b)};
+  rows.num_J = rows.answer_a.size() + rows.answer_b.size();
+  int a = tree.last_dof[body_a], b = tree.last_dof[body_b];
+  if (a >= 0) {
+    rows.begin_a = tree.cluster_begin[static_cast<std::size_t>(a)];
+    rows.end_a = tree.cluster_end[static_cast<std::size_t>(a)];
   }
-  if (last_b >= 0 && (last_a < 0 || tree.cluster_begin[static_cast<std::size_t>(last_b)] != rows.begin_a)) {
-    rows.begin_b = tree.cluster_begin[static_cast<std::size_t>(last_b)];
-    rows.end_b = tree.cluster_end[static_cast<std::size_t>(last_b)];
+  const bool joined = a >= 0 && b >= 0 && tree.cluster_begin[static_cast<std::size_t>(b)] == rows.begin_a;
+  if (b >= 0 && !joined) {
+    rows.begin_b = tree.cluster_begin[static_cast<std::size_t>(b)];
+    rows.end_b = tree.cluster_end[static_cast<std::size_t>(b)];
   }
-  store.W.resize(store.W.size() + static_cast<std::size_t>(rows.end_a - rows.begin_a + rows.end_b - rows.begin_b));
+  if (joined) {
+    for (rows.num_J = 0; a != b; ++rows.num_J) {
+      int& later = a > b ? a : b;
+      later = tree.dof_parent[static_cast<std::size_t>(later)];
+    }
+    rows.common = a;
+  }
+  // What both bodies share answers too, and loops spread an impulse over their whole cluster.
+  if (joined || !tree.loops.empty()) {
+    rows.answer_a = all(rows.begin_a, rows.end_a);
+    rows.answer_b = all(rows.begin_b, rows.end_b);
+  }
+  return rows;
+}
+
+/// The same rows with room for numbers at the end of the store.
+template <Number T>
+MANYHANDS_INLINE RowBlock add_row_block(RowBlock rows, RowStore<T>& store) {
+  const auto take = [](std::vector<Vec3<T>>& entries, std::size_t& used, std::size_t count) {
+    const std::size_t first = used;
+    used += count;
+    if (entries.size() < used) entries.resize(2 * used);
+    return first;
+  };
+  rows.J = take(store.J, store.used_J, rows.num_J);
+  rows.Y = take(store.Y, store.used_Y, rows.answer_a.size() + rows.answer_b.size());
   return rows;
 }
 
@@ -59,6 +99,14 @@ MANYHANDS_INLINE void visit_rows(const Tree<real_t<T>>& tree, const RowBlock& ro
     body(entry++, static_cast<std::size_t>(i), real_t<T>(-1));
   for (int i = tree.last_dof[rows.body_b]; i != rows.common; i = tree.dof_parent[static_cast<std::size_t>(i)])
     body(entry++, static_cast<std::size_t>(i), real_t<T>(1));
+}
+
+/// Calls body(entry of Y, dof).
+template <class Body>
+MANYHANDS_INLINE void visit_answer(const RowBlock& rows, Body&& body) {
+  std::size_t entry = rows.Y;
+  for (const int i : rows.answer_a) body(entry++, static_cast<std::size_t>(i));
+  for (const int i : rows.answer_b) body(entry++, static_cast<std::size_t>(i));
 }
 
 /// J x, for x over the dofs.
@@ -77,87 +125,97 @@ MANYHANDS_INLINE void add_row_impulse(const Tree<real_t<T>>& tree, const RowBloc
   visit_rows<T>(tree, rows, [&](std::size_t entry, std::size_t i, real_t<T>) { y[i] += dot(store.J[entry], impulse); });
 }
 
-/// dv += W impulse: what the velocities gain by it.
+/// Y y: the rows' velocity by that in store.y.
 template <Number T>
-MANYHANDS_INLINE void apply_row_impulse(const RowBlock& rows, const RowStore<T>& store, const Vec3<T>& impulse, T* dv) {
-  const Vec3<T>* W = &store.W[rows.W];
-  const auto apply = [&](int begin, int end) {
-    for (int i = begin; i < end; ++i, ++W)
-      dv[i] = fma(W->x, impulse.x, fma(W->y, impulse.y, fma(W->z, impulse.z, dv[i])));
-  };
-  apply(rows.begin_a, rows.end_a);
-  apply(rows.begin_b, rows.end_b);
+MANYHANDS_INLINE Vec3<T> answered_velocity(const RowBlock& rows, const RowStore<T>& store) {
+  Vec3<T> u = Vec3<T>::zero();
+  const Vec3<T>* Y = store.Y.data();
+  const T* y = store.y.data();
+  visit_answer(rows, [&](std::size_t entry, std::size_t i) { u = fma(y[i], Y[entry], u); });
+  return u;
 }
 
-/// Rows 2 and 3 turned by the angle of (c, s): (e_1, e_2) := (c e_1 + s e_2, c e_2 - s e_1).
+/// store.y += Y^T impulse: what the velocities gain by it.
 template <Number T>
-MANYHANDS_INLINE Vec3<T> turned_rows(const Vec3<T>& a, T c, T s) {
-  return {a.x, fma(c, a.y, s * a.z), fma(c, a.z, -(s * a.y))};
-}
-
-/// Multiplies: G = J W by its columns, where store.x has W by dof.
-template <Number T>
-MANYHANDS_INLINE Mat3<T> multiply_response(const Tree<real_t<T>>& tree, const RowBlock& rows,
-                                           const RowStore<T>& store) {
-  Mat3<T> G{Vec3<T>::zero(), Vec3<T>::zero(), Vec3<T>::zero()};
-  visit_rows<T>(tree, rows, [&](std::size_t k, std::size_t i, real_t<T>) {
-    const Vec3<T>& w = store.x[i];
-    G = {fma(w.x, store.J[k], G.x), fma(w.y, store.J[k], G.y), fma(w.z, store.J[k], G.z)};
+MANYHANDS_INLINE void apply_row_impulse(const RowBlock& rows, const Vec3<T>& impulse, RowStore<T>& store) {
+  const Vec3<T>* Y = store.Y.data();
+  T* y = store.y.data();
+  visit_answer(rows, [&](std::size_t entry, std::size_t i) {
+    y[i] = fma(Y[entry].x, impulse.x, fma(Y[entry].y, impulse.y, fma(Y[entry].z, impulse.z, y[i])));
   });
+}
+
+/// Before the first `apply_row_impulse`.
+template <Number T>
+MANYHANDS_INLINE void begin_change(RowStore<T>& store) {
+  for (T& y : store.y) y = T(real_t<T>(0));
+}
+
+/// dv += B y with the impulses applied since `begin_change`.
+template <Number T>
+MANYHANDS_INLINE void end_change(const Tree<real_t<T>>& tree, const Workspace<T>& ws, RowStore<T>& store, T* dv) {
+  solve_to_leaves(std::span<const int>(tree.dofs_from_leaves), tree.dof_parent.data(), tree.M_row.data(), ws.L.data(),
+                  store.y.data(), [&](int k) { return ws.root[static_cast<std::size_t>(k)]; });
+  for (std::size_t i = 0; i < store.y.size(); ++i) dv[i] += store.y[i];
+}
+
+/// ws.root of the factors in ws.L.
+template <Number T>
+MANYHANDS_INLINE void find_roots(const Tree<real_t<T>>& tree, Workspace<T>& ws) {
+  for (std::size_t i = 0; i < ws.root.size(); ++i)
+    ws.root[i] = sqrt(max((ws.L.data() + tree.M_row[i])[i], T(real_t<T>(0))));
+}
+
+/// Y = J B by dof into store.x, with the factors in ws.L, in which all dofs of the two clusters take part.
+template <Number T>
+MANYHANDS_INLINE void find_answer(const Tree<real_t<T>>& tree, const RowBlock& rows, const Workspace<T>& ws,
+                                  RowStore<T>& store) {
+  Vec3<T>* x = store.x.data();
+  const Vec3<T>* J = store.J.data();
+  const T* root = ws.root.data();
+  visit_answer(rows, [&](std::size_t, std::size_t i) { x[i] = Vec3<T>::zero(); });
+  visit_rows<T>(tree, rows, [&](std::size_t entry, std::size_t i, real_t<T>) { x[i] = J[entry]; });
+  for (const std::span<const int> dofs : {rows.answer_a, rows.answer_b})
+    solve_to_root(dofs, tree.dof_parent.data(), tree.M_row.data(), ws.L.data(), x);
+  visit_answer(rows, [&](std::size_t, std::size_t i) { x[i] = root[i] * x[i]; });
+}
+
+/// Keeps the Y that store.x has by dof; Y Y^T.
+template <Number T>
+MANYHANDS_INLINE Mat3<T> keep_answer(const RowBlock& rows, RowStore<T>& store) {
+  Mat3<T> G{Vec3<T>::zero(), Vec3<T>::zero(), Vec3<T>::zero()};
+  const Vec3<T>* x = store.x.data();
+  Vec3<T>* kept = store.Y.data();
+  visit_answer(rows, [&](std::size_t entry, std::size_t i) {
+    const Vec3<T> Y = kept[entry] = x[i];
+    G.x = fma(Y.x, Y, G.x);
+    G.y.y = fma(Y.y, Y.y, G.y.y);
+    G.y.z = fma(Y.y, Y.z, G.y.z);
+    G.z.z = fma(Y.z, Y.z, G.z.z);
+  });
+  G.y.x = G.x.y;
+  G.z.x = G.x.z;
+  G.z.y = G.y.z;
   return G;
 }
 
-/// Writes W from store.x, with rows 2 and 3 turned, in the worlds of the mask.
+/// Y of one block times Y^T of another, `answer` by dof: one Vec3 per row of this block, over the three of the other.
+/// Only the first row where the block has no more.
 template <Number T>
-MANYHANDS_INLINE void keep_response(const RowBlock& rows, mask_t<T> where, T c, T s, RowStore<T>& store) {
-  Vec3<T>* W = &store.W[rows.W];
-  const auto keep = [&](int begin, int end) {
-    for (int i = begin; i < end; ++i, ++W)
-      *W = select(where, turned_rows(store.x[static_cast<std::size_t>(i)], c, s), *W);
-  };
-  keep(rows.begin_a, rows.end_a);
-  keep(rows.begin_b, rows.end_b);
-}
-
-/// W = A J^T by dof into store.x, with the factors ws.L, in which all dofs of the two clusters take part.
-template <Number T>
-MANYHANDS_INLINE void respond(const Tree<real_t<T>>& tree, const RowBlock& rows, const Workspace<T>& ws,
-                              RowStore<T>& store) {
-  const auto solve = [&](int begin, int end) {
-    if (begin == end) return;
-    const std::span<const int> dofs(tree.dofs_from_leaves);
-    solve_ltdl(dofs.subspan(static_cast<std::size_t>(tree.nv - end), static_cast<std::size_t>(end - begin)),
-               tree.dof_parent.data(), tree.M_row.data(), ws.L.data(), store.x.data());
-  };
-  for (int i = rows.begin_a; i < rows.end_a; ++i) store.x[static_cast<std::size_t>(i)] = Vec3<T>::zero();
-  for (int i = rows.begin_b; i < rows.end_b; ++i) store.x[static_cast<std::size_t>(i)] = Vec3<T>::zero();
-  visit_rows<T>(tree, rows, [&](std::size_t entry, std::size_t i, real_t<T>) { store.x[i] = store.J[entry]; });
-  solve(rows.begin_a, rows.end_a);
-  solve(rows.begin_b, rows.end_b);
-}
-
-/// J of one block times what another block's impulse does, `response` by dof: one Vec3 per row of this block, over the
-/// three impulses of the other.
-template <Number T>
-MANYHANDS_INLINE std::array<Vec3<T>, 3> multiply_shared_rows(const Tree<real_t<T>>& tree, const RowBlock& rows,
-                                                             const RowStore<T>& store, const RowBlock& other,
-                                                             const std::vector<Vec3<T>>& response) {
+MANYHANDS_INLINE std::array<Vec3<T>, 3> multiply_answers(const RowBlock& rows, const RowStore<T>& store,
+                                                         const RowBlock& other, const std::vector<Vec3<T>>& answer) {
   std::array<Vec3<T>, 3> product{Vec3<T>::zero(), Vec3<T>::zero(), Vec3<T>::zero()};
-  const auto covered = [&](std::size_t dof) {
+  visit_answer(rows, [&](std::size_t entry, std::size_t dof) {
     const int i = static_cast<int>(dof);
-    return (i >= other.begin_a && i < other.end_a) || (i >= other.begin_b && i < other.end_b);
-  };
-  visit_rows<T>(tree, rows, [&](std::size_t entry, std::size_t i, real_t<T>) {
-    if (!covered(i)) return;
-    const Vec3<T>& J = store.J[entry];
-    product = {fma(J.x, response[i], product[0]), fma(J.y, response[i], product[1]), fma(J.z, response[i], product[2])};
+    const bool shared = (i >= other.begin_a && i < other.end_a) || (i >= other.begin_b && i < other.end_b);
+    if (!shared) return;
+    const Vec3<T>&Y = store.Y[entry], &x = answer[dof];
+    product[0] = fma(Y.x, x, product[0]);
+    if (rows.single) return;
+    product[1] = fma(Y.y, x, product[1]);
+    product[2] = fma(Y.z, x, product[2]);
   });
   return product;
-}
-
-template <Number T>
-MANYHANDS_INLINE void turn_rows(const Tree<real_t<T>>& tree, const RowBlock& rows, T c, T s, RowStore<T>& store) {
-  visit_rows<T>(tree, rows, [&](std::size_t k, std::size_t, real_t<T>) { store.J[k] = turned_rows(store.J[k], c, s); });
 }
 
 }  // namespace manyhands

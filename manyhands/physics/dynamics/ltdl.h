@@ -27,21 +27,46 @@ MANYHANDS_INLINE void factor_ltdl(std::span<const int> dofs_from_leaves, const i
   }
 }
 
-/// x := M^-1 x (nv) with the factors of `factor_ltdl`. X is T, or Vec3<T> for three right-hand sides at once.
+/// x := L^-T x, the first half of a solution. X is T, or Vec3<T> for three right-hand sides at once. A dof and its
+/// parent go together: that halves the stores.
 template <Number T, class X>
-MANYHANDS_INLINE void solve_ltdl(std::span<const int> dofs_from_leaves, const int* parent, const std::ptrdiff_t* rows,
-                                 const T* L, X* x) {
-  for (const int k : dofs_from_leaves) {
+MANYHANDS_INLINE void solve_to_root(std::span<const int> dofs_from_leaves, const int* parent,
+                                    const std::ptrdiff_t* rows, const T* L, X* x) {
+  for (std::size_t n = 0; n < dofs_from_leaves.size(); ++n) {
+    const int k = dofs_from_leaves[n], next = parent[k];
+    if (next < 0) continue;
     const T* row = L + rows[k];
-    for (int i = parent[k]; i >= 0; i = parent[i]) x[i] = fma(-row[i], x[k], x[i]);
+    const X x_k = x[k], x_next = fma(-row[next], x_k, x[next]);
+    x[next] = x_next;
+    if (n + 1 < dofs_from_leaves.size() && dofs_from_leaves[n + 1] == next) {
+      const T* next_row = L + rows[next];
+      for (int i = parent[next]; i >= 0; i = parent[i]) x[i] = fma(-next_row[i], x_next, fma(-row[i], x_k, x[i]));
+      ++n;
+    } else {
+      for (int i = parent[next]; i >= 0; i = parent[i]) x[i] = fma(-row[i], x_k, x[i]);
+    }
   }
+}
+
+/// x := L^-1 diag(scale) x, the other half, with scale(k) of dof k.
+template <Number T, class X, class Scale>
+MANYHANDS_INLINE void solve_to_leaves(std::span<const int> dofs_from_leaves, const int* parent,
+                                      const std::ptrdiff_t* rows, const T* L, X* x, Scale&& scale) {
   for (std::size_t n = dofs_from_leaves.size(); n-- > 0;) {
     const int k = dofs_from_leaves[n];
     const T* row = L + rows[k];
-    X y = x[k] * row[k];
+    X y = x[k] * scale(k);
     for (int i = parent[k]; i >= 0; i = parent[i]) y = fma(-row[i], x[i], y);
     x[k] = y;
   }
+}
+
+/// x := M^-1 x (nv) with the factors of `factor_ltdl`.
+template <Number T, class X>
+MANYHANDS_INLINE void solve_ltdl(std::span<const int> dofs_from_leaves, const int* parent, const std::ptrdiff_t* rows,
+                                 const T* L, X* x) {
+  solve_to_root(dofs_from_leaves, parent, rows, L, x);
+  solve_to_leaves(dofs_from_leaves, parent, rows, L, x, [&](int k) { return (L + rows[k])[k]; });
 }
 
 /// y (nv) = M x (nv), with the packed lower triangle M of a tree.

@@ -137,7 +137,10 @@ Tree<R>::Tree(const Model& model)
     last_dof.push_back(last_dof.empty() ? -1
                        : body.nv > 0    ? body.iv + body.nv - 1
                                         : last_dof[static_cast<std::size_t>(body.parent)]);
+    path_begin.push_back(path.size());
+    for (int i = last_dof.back(); i >= 0; i = dof_parent[static_cast<std::size_t>(i)]) path.push_back(i);
   }
+  path_begin.push_back(path.size());
   for (const LoopConstraint& loop : model.loops()) {
     loops.push_back(tree_loop<R>(model, loop));
     loops.back().row = loop_rows;

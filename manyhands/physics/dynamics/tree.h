@@ -59,6 +59,8 @@ struct Tree {
   std::vector<int> root_dof;              ///< (nv) first dof of the dof's tree; trees take consecutive dofs
   std::vector<int> end_dof;               ///< (nv) one past the last dof of the dof's tree
   std::vector<int> last_dof;              ///< (nb) the body's last dof, or its next ancestor's; -1 if it never moves
+  std::vector<int> path;                  ///< of each body: the dofs that move it, leaves first
+  std::vector<std::size_t> path_begin;    ///< (nb + 1) where that begins
   std::vector<std::ptrdiff_t> M_row;      ///< (nv) M[M_row[i] + j] is entry (i, j <= i) within a tree; trees follow
                                           ///< each other, and nothing is stored between them
   std::size_t M_size{};                   ///< numbers in M

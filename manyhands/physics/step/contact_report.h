@@ -67,7 +67,7 @@ template <Number T>
   const T zero(real_t<T>(0));
   const auto exists = is_finite(point.phi);
   const Vec3<T>& y = point.impulse;
-  Vec3<T> u = point.offset + multiply_rows(tree, point.rows, ws.contacts.store, ws.joints.dv.data());
+  Vec3<T> u = point.offset + point_velocity(tree, ws.contacts, point, ws.joints.dv.data());
   u.x = fma(point.softness, y.x, u.x);
   const auto kept = [&](T value) { return select(exists, value, zero); };
   return {kept(abs(u.x) * y.x), kept(max(zero, -u.x)), kept(max(zero, sqrt(fma(y.y, y.y, y.z * y.z)) - y.x)),
