@@ -19,7 +19,7 @@ from PIL import Image
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from panda import mesh, scene, trace
+from robots import mesh, scene, trace
 
 ROOT = Path(__file__).resolve().parent.parent
 NEUTRAL = [0.0, 0.41, 0.0, -1.85, 0.0, 2.26, 0.79, 0.02, 0.02]

@@ -17,8 +17,9 @@ PANDA = ROOT / "assets" / "panda"
 URDF = PANDA / "panda.urdf"
 sys.path.insert(0, str(ROOT / "tools"))
 
-import make_panda  # noqa: E402
-from panda import scene  # noqa: E402
+from robots import scene  # noqa: E402
+from robots.panda import PANDA as ROBOT  # noqa: E402
+from robots.write import write  # noqa: E402
 
 NEUTRAL = [0.0, 0.41, 0.0, -1.85, 0.0, 2.26, 0.79, 0.0, 0.0]
 LINKS = [f"panda_link{i}" for i in range(1, 9)]
@@ -119,7 +120,7 @@ def bullet():
 
 
 def test_generator_reproduces_the_committed_files(tmp_path: Path) -> None:
-    make_panda.write(tmp_path)
+    write(ROBOT, tmp_path)
     fresh = {p.relative_to(tmp_path) for p in tmp_path.rglob("*") if p.is_file()}
     kept = {p.relative_to(PANDA) for p in PANDA.rglob("*") if p.is_file()}
     assert fresh == kept

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 
-from panda.scene import Triangles
+from robots.scene import Triangles
 
 Array = npt.NDArray[np.float64]
 Rgb = tuple[float, float, float]

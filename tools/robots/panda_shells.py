@@ -1,4 +1,4 @@
-"""Visual shapes of every link, in its link frame: soft white shells, graphite joints, an orange line at each elbow.
+"""Visual shapes of every link of the Panda, in its link frame: soft white shells, graphite joints, orange lines.
 
 Neighbouring links meet in surfaces of revolution about the joint axis, with a graphite core of the parent inside, so
 that no joint angle opens a gap.
@@ -9,11 +9,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from panda.mesh import Mesh, band, disc, from_field, join, prism
-from panda.sdf import box, cone, cut, cylinder, plate, quadrant, union
-
-Point = tuple[float, float, float]
-Parts = dict[str, Mesh]  # material -> mesh
+from robots.description import Parts, Vec3
+from robots.mesh import Mesh, band, disc, from_field, join, prism
+from robots.sdf import box, cone, cut, cylinder, plate, quadrant, union
 
 R = 0.056  # radius of the arm's tubes and of the large elbows
 CELL = 0.0082  # spacing of the surface nets
@@ -24,13 +22,13 @@ def _collar(z: float) -> Mesh:
     return disc("z", z - 0.016, z + 0.016, R - 0.005, 0.003, (0.0, 0.0, 0.0))
 
 
-def _inlay(axis: str, sign: float, face: float, radius: float, at: Point = (0.0, 0.0, 0.0)) -> Mesh:
+def _inlay(axis: str, sign: float, face: float, radius: float, at: Vec3 = (0.0, 0.0, 0.0)) -> Mesh:
     """Graphite ring let into an end face at height `face`, standing 2 mm proud."""
     low, high = sorted((sign * (face - 0.012), sign * (face + 0.002)))
     return band(axis, low, high, radius - 0.008, radius, at, 0.0008)
 
 
-def _elbow(axis: str, sign: float, radius: float, cap: float, at: Point = (0.0, 0.0, 0.0)) -> tuple[Mesh, Mesh]:
+def _elbow(axis: str, sign: float, radius: float, cap: float, at: Vec3 = (0.0, 0.0, 0.0)) -> tuple[Mesh, Mesh]:
     """Graphite core and end inlay, and the accent line, of an elbow on the side `sign` of its joint plane."""
     core = disc(axis, -0.012, 0.012, radius - 0.006, 0.003, at)
     line = band(axis, -0.0016, 0.0016, radius - 0.012, radius - 0.0035, at)
@@ -176,7 +174,7 @@ def finger() -> Parts:
     return {"metal": prism(blade, 0.0100, 0.0012), "graphite": prism(pad, 0.0092, 0.0006)}
 
 
-LINKS: dict[str, Callable[[], Parts]] = {
+SHELLS: dict[str, Callable[[], Parts]] = {
     "link0": base,
     "link1": link1,
     "link2": link2,

@@ -1,11 +1,11 @@
-"""URDF text of the arm."""
+"""URDF text of a robot."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
 
-from panda.robot import JOINTS, LINKS, MATERIALS, Box, Cylinder, Hull, Joint, Link, Shape, Vec3
+from robots.description import Box, Cylinder, Joint, Link, Robot, Shape, Vec3
 
 ROLL_TO_AXIS: dict[str, Vec3] = {"x": (0.0, math.pi / 2, 0.0), "y": (-math.pi / 2, 0.0, 0.0), "z": (0.0, 0.0, 0.0)}
 
@@ -87,19 +87,14 @@ def _joint(joint: Joint) -> Iterator[str]:
     yield "  </joint>"
 
 
-def urdf_text(parts: Mapping[str, list[str]]) -> str:
+def urdf_text(robot: Robot, parts: Mapping[str, list[str]]) -> str:
     """The whole file; `parts` lists the materials of each visual mesh set."""
-    lines = ['<?xml version="1.0"?>', "<!-- Written by tools/make_panda.py: edit that, not this. -->"]
-    lines.append('<robot name="panda">')
-    for name, rgba in MATERIALS.items():
+    lines = ['<?xml version="1.0"?>', f"<!-- Written by {robot.script}: edit that, not this. -->"]
+    lines.append(f'<robot name="{robot.name}">')
+    for name, rgba in robot.materials.items():
         lines.append(f'  <material name="{name}"><color rgba="{_vector(rgba)}"/></material>')
-    for link in LINKS:
+    for link in robot.links:
         lines += _link(link, parts)
-    for joint in JOINTS:
+    for joint in robot.joints:
         lines += _joint(joint)
     return "\n".join([*lines, "</robot>"]) + "\n"
-
-
-def hulls() -> dict[str, Hull]:
-    """Every convex hull that the collision shapes name."""
-    return {s.name: s for link in LINKS for s in link.shapes if isinstance(s, Hull)}

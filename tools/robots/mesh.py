@@ -9,7 +9,7 @@ from itertools import combinations, pairwise
 import numpy as np
 import numpy.typing as npt
 
-from panda.sdf import Array, Field
+from robots.sdf import Array, Field
 
 Index = npt.NDArray[np.int64]
 
@@ -23,14 +23,14 @@ class Mesh:
     normals: Array  # (m, 3) unit
     normal_faces: Index  # (t, 3) into normals
 
-    def to_obj(self) -> str:
-        """OBJ text, 0.01 mm and 1/1000 in the normals."""
+    def to_obj(self, script: str) -> str:
+        """OBJ text written by `script`, 0.01 mm and 1/1000 in the normals."""
 
         def row(tag: str, values: Array, digits: int) -> str:
             # Adding zero turns -0.0 into 0.0.
             return tag + " " + " ".join(f"{v:.{digits}f}" for v in np.round(values, digits) + 0.0)
 
-        lines = ["# Part of the manyhands arm; written by tools/make_panda.py."]
+        lines = [f"# Part of the manyhands arm; written by {script}."]
         lines += [row("v", v, 5) for v in self.vertices]
         lines += [row("vn", n, 3) for n in self.normals]
         for face, normal in zip(self.faces + 1, self.normal_faces + 1, strict=True):

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from panda.mesh import Mesh
+from robots.mesh import Mesh
 
 Array = npt.NDArray[np.float64]
 
@@ -109,7 +109,7 @@ def posed_robot(urdf: Path, q: list[float], base: Array) -> Triangles:
 
 
 def placed(mesh: Mesh, xyz: tuple[float, float, float], material: str) -> Triangles:
-    """A mesh of panda.mesh moved to `xyz`."""
+    """A mesh of robots.mesh moved to `xyz`."""
     corners = mesh.vertices[mesh.faces] + np.array(xyz)
     return Triangles(corners, mesh.normals[mesh.normal_faces], [(material, len(mesh.faces))])
 

@@ -1,4 +1,4 @@
-"""The arm's kinematics, inertias, limits and collision shapes, and the URDF text made from them.
+"""The Panda's kinematics, inertias, limits and collision shapes.
 
 Frames, limits, masses and centres of mass are the published values of the Franka Emika Panda as they stand in the robot
 description widely used with PyBullet; the inertias are the diagonal ones that PyBullet computes for it, so that an arm
@@ -8,78 +8,16 @@ that reads its inertias from this file moves as one does there. SI units; rpy in
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
 
-import numpy as np
+from robots.description import HALF_PI, UP, ZERO, Box, Cylinder, Hull, Joint, Link, Rgba, Robot, Shape, Vec3
+from robots.panda_shells import SHELLS
 
-from panda.mesh import Mesh, convex_hull
-
-Vec3 = tuple[float, float, float]
-HALF_PI = math.pi / 2
-ZERO: Vec3 = (0.0, 0.0, 0.0)
-
-MATERIALS: dict[str, tuple[float, float, float, float]] = {
+MATERIALS: dict[str, Rgba] = {
     "shell": (0.93, 0.935, 0.94, 1.0),
     "graphite": (0.115, 0.125, 0.145, 1.0),
     "accent": (0.98, 0.43, 0.10, 1.0),
     "metal": (0.62, 0.64, 0.67, 1.0),
 }
-
-
-@dataclass(frozen=True)
-class Cylinder:
-    """From `low` to `high` along `axis` (absolute coordinates on that axis) about the line through `centre`."""
-
-    axis: str
-    low: float
-    high: float
-    radius: float
-    centre: Vec3 = ZERO
-
-
-@dataclass(frozen=True)
-class Box:
-    low: Vec3
-    high: Vec3
-
-
-@dataclass(frozen=True)
-class Hull:
-    """Convex hull stored as collision/`name`.obj."""
-
-    name: str
-    points: list[Vec3]
-
-    def mesh(self) -> Mesh:
-        return convex_hull(np.array(self.points))
-
-
-Shape = Cylinder | Box | Hull
-
-
-@dataclass(frozen=True)
-class Link:
-    name: str
-    mass: float = 0.0
-    com: Vec3 = ZERO
-    inertia: Vec3 = ZERO  # diagonal, about the centre of mass, axes of the link frame
-    shapes: list[Shape] = field(default_factory=list)
-    visual: str = ""  # key in shells.LINKS
-    turned: bool = False  # visual and collision turned by pi about z
-    grip: bool = False  # high-friction contact
-
-
-@dataclass(frozen=True)
-class Joint:
-    name: str
-    kind: str
-    parent: str
-    child: str
-    xyz: Vec3
-    rpy: Vec3 = ZERO
-    axis: Vec3 = ZERO
-    limits: tuple[float, float, float, float] | None = None  # lower, upper, effort, velocity
-    mimic: str = ""
 
 
 R = 0.055
@@ -197,7 +135,6 @@ LINKS: list[Link] = [
 ]
 
 _STRONG, _WEAK = (87.0, 2.175), (12.0, 2.61)
-_UP: Vec3 = (0.0, 0.0, 1.0)
 
 
 def _arm(number: int, xyz: Vec3, roll: float, lower: float, upper: float, drive: tuple[float, float]) -> Joint:
@@ -208,7 +145,7 @@ def _arm(number: int, xyz: Vec3, roll: float, lower: float, upper: float, drive:
         f"panda_link{number}",
         xyz,
         (roll, 0.0, 0.0),
-        _UP,
+        UP,
         (lower, upper, *drive),
     )
 
@@ -246,3 +183,5 @@ JOINTS: list[Joint] = [
     ),
     Joint("panda_grasptarget_hand", "fixed", "panda_hand", "panda_grasptarget", (0.0, 0.0, 0.105)),
 ]
+
+PANDA = Robot("panda", "tools/make_panda.py", MATERIALS, LINKS, JOINTS, SHELLS)

@@ -1,0 +1,1 @@
+"""The robots of the project's own making, their generator, and what draws them."""
