@@ -16,8 +16,9 @@ struct SolverSettings {
 
 namespace internal {
 
-/// Sweeps between two looks at the joints' stances.
-inline constexpr int kSweepsPerPivot = 8;
+/// Sweeps between two looks at the joints' stances: few where a block waits for its slowest world.
+template <Number T>
+inline constexpr int kSweepsPerPivot = std::same_as<real_t<T>, float> ? 2 : 8;
 
 /// How often the joints' stances may change once contacts take part.
 inline constexpr int kMostContactPivots = 12;
@@ -225,6 +226,13 @@ MANYHANDS_INLINE void move_worst_stances(mask_t<T> moved, T* stances, const Join
     stances[i] = select(moved & (urgency(stances, i, jc) >= worst), jc.better[i], stances[i]);
 }
 
+/// The last move: what is wrong is held. A motor may be too strong for one step, but none throws its joint about.
+template <Number T>
+MANYHANDS_INLINE void hold_wrong_stances(mask_t<T> moved, T* stances, const JointConstraints<T>& jc) {
+  for (std::size_t i = 0; i < jc.dv.size(); ++i)
+    stances[i] = select(moved & (jc.better[i] != stances[i]), T(real_t<T>(kHeld)), stances[i]);
+}
+
 }  // namespace internal
 
 /// dv of all dofs, and the impulses of contacts, loops, motors and limits, after `prepare_contacts`; the number of
@@ -236,7 +244,7 @@ MANYHANDS_INLINE int solve_constraints(const Tree<real_t<T>>& tree, const Solver
   using R = real_t<T>;
   solve_joint_constraints(tree, state, ws, jc);
   if (set.points.empty() && loops.blocks.empty()) return 0;
-  const T zero(R(0)), one(R(1)), batch(R(internal::kSweepsPerPivot)), tolerance(static_cast<R>(settings.tolerance));
+  const T zero(R(0)), one(R(1)), batch(R(internal::kSweepsPerPivot<T>)), tolerance(static_cast<R>(settings.tolerance));
   T* stances = state.stance();
   mask_t<T> active(true), moved(true);
   T left(static_cast<R>(settings.max_sweeps)), pivots = zero;
@@ -269,7 +277,9 @@ MANYHANDS_INLINE int solve_constraints(const Tree<real_t<T>>& tree, const Solver
     if (none(moved)) continue;
     pivots = select(moved, pivots + one, pivots);
     left = select(moved, max(left, batch), left);
-    internal::move_worst_stances(moved, stances, jc);
+    const auto last = moved & (pivots >= T(R(internal::kMostContactPivots - 1)));
+    internal::move_worst_stances(moved & !last, stances, jc);
+    internal::hold_wrong_stances(last, stances, jc);
     set.kept_dv = jc.dv;
     internal::gather_impulses(tree, set, loops, jc);
     internal::solve_stances(tree, stances, ws, jc);
