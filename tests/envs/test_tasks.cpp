@@ -115,6 +115,27 @@ TEST_P(Tasks, RewardAsComputeRewardDoes) {
   }
 }
 
+/// A world in which anything goes wrong shows it in the speed of its joints: random actions for 200 worlds.
+TEST_P(Tasks, NeverThrowTheArmAbout) {
+  constexpr int n = 200;
+  const auto env = make_env_batch(GetParam(), n, {.num_threads = 2});
+  env->reset({}, seeds(n));
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> uniform(-1, 1);
+  std::vector<float> action(static_cast<std::size_t>(n * env->spec().action_dim));
+  double fastest = 0;
+  for (int step = 1; step <= 50; ++step) {
+    for (float& a : action) a = uniform(random);
+    env->step(action);
+    for (std::size_t i = 0; i < n; ++i) {
+      const float* row = &env->observation()[i * static_cast<std::size_t>(env->spec().observation_dim)];
+      ASSERT_TRUE(is_finite(row[0]));
+      fastest = std::max(fastest, double{std::hypot(row[3], row[4], row[5])});
+    }
+  }
+  EXPECT_LT(fastest, 5) << "m/s, of the hand";
+}
+
 /// What panda-gym 3.0.8 draws for the seeds 0 and 42.
 TEST(TaskStarts, AreWhatPandaGymDraws) {
   struct Case {
