@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
-import filecmp
-import math
-import sys
 import xml.etree.ElementTree as ET
-from collections import Counter
 from pathlib import Path
 
 import numpy as np
 import pytest
+import robot_files
+from robot_files import coal_meshes, collision_points, obj_arrays, touching
+from robots import scene
+from robots.panda import PANDA as ROBOT
 
-ROOT = Path(__file__).resolve().parents[2]
-PANDA = ROOT / "assets" / "panda"
+PANDA = robot_files.ASSETS / "panda"
 URDF = PANDA / "panda.urdf"
-sys.path.insert(0, str(ROOT / "tools"))
-
-from robots import scene  # noqa: E402
-from robots.panda import PANDA as ROBOT  # noqa: E402
-from robots.write import write  # noqa: E402
 
 NEUTRAL = [0.0, 0.41, 0.0, -1.85, 0.0, 2.26, 0.79, 0.0, 0.0]
 LINKS = [f"panda_link{i}" for i in range(1, 9)]
@@ -58,44 +52,6 @@ BOXES = {
 MESHES = sorted(PANDA.glob("*/*.obj"))
 
 
-def obj_arrays(path: Path) -> tuple[np.ndarray, np.ndarray]:
-    """Vertices (n, 3) and faces (t, 3)."""
-    lines = [line.split() for line in path.read_text().splitlines()]
-    vertices = np.array([[float(a) for a in rest] for tag, *rest in lines if tag == "v"])
-    faces = np.array([[int(c.split("/")[0]) - 1 for c in rest] for tag, *rest in lines if tag == "f"])
-    return vertices, faces
-
-
-def collision_points(link: ET.Element) -> np.ndarray:
-    """Points that span the bounding box of a link's collision shapes, in the link frame."""
-    clouds = []
-    for element in link.findall("collision"):
-        shape = element.find("geometry")[0]
-        if shape.tag == "mesh":
-            points = obj_arrays(PANDA / shape.get("filename"))[0]
-        elif shape.tag == "box":
-            half = np.array([float(v) for v in shape.get("size").split()]) / 2
-            points = half * np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T
-        else:
-            radius, length = float(shape.get("radius")), float(shape.get("length"))
-            turn = np.arange(0, 360, 1.0) * math.pi / 180
-            ring = [radius * np.cos(turn), radius * np.sin(turn)]
-            points = np.concatenate([np.stack([*ring, np.full_like(turn, h)], -1) for h in (-length / 2, length / 2)])
-        origin = element.find("origin")
-        roll, pitch, yaw = (float(v) for v in origin.get("rpy").split())
-        rx, ry, rz = (axis_rotation(i, a) for i, a in enumerate((roll, pitch, yaw)))
-        clouds.append(points @ (rz @ ry @ rx).T + np.array([float(v) for v in origin.get("xyz").split()]))
-    return np.concatenate(clouds)
-
-
-def axis_rotation(axis: int, angle: float) -> np.ndarray:
-    c, s = math.cos(angle), math.sin(angle)
-    j, k = (axis + 1) % 3, (axis + 2) % 3
-    r = np.eye(3)
-    r[j, j], r[j, k], r[k, j], r[k, k] = c, -s, s, c
-    return r
-
-
 @pytest.fixture(scope="module")
 def links() -> dict[str, ET.Element]:
     return {link.get("name"): link for link in ET.parse(URDF).getroot().findall("link")}
@@ -120,12 +76,7 @@ def bullet():
 
 
 def test_generator_reproduces_the_committed_files(tmp_path: Path) -> None:
-    write(ROBOT, tmp_path)
-    fresh = {p.relative_to(tmp_path) for p in tmp_path.rglob("*") if p.is_file()}
-    kept = {p.relative_to(PANDA) for p in PANDA.rglob("*") if p.is_file()}
-    assert fresh == kept
-    different = [str(p) for p in sorted(fresh) if not filecmp.cmp(tmp_path / p, PANDA / p, shallow=False)]
-    assert not different, "run tools/make_panda.py"
+    robot_files.check_committed(ROBOT, PANDA, tmp_path)
 
 
 def test_neutral_pose_puts_the_grasp_target_where_panda_gym_has_it(pin_model) -> None:
@@ -200,7 +151,7 @@ def test_pybullet_reads_inertias_and_friction(bullet) -> None:
 
 @pytest.mark.parametrize("name", sorted(BOXES))
 def test_collision_shapes_fill_the_published_boxes(links, name: str) -> None:
-    points = collision_points(links[name])
+    points = collision_points(PANDA, links[name])
     tolerance = 1e-9 if "finger" in name else 0.003
     np.testing.assert_allclose(points.min(0), BOXES[name][0], atol=tolerance)
     np.testing.assert_allclose(points.max(0), BOXES[name][1], atol=tolerance)
@@ -217,16 +168,7 @@ def test_finger_pads_are_flat_boxes_that_meet_when_closed(links) -> None:
 
 @pytest.mark.parametrize("path", MESHES, ids=lambda p: p.stem)
 def test_meshes_are_closed_and_face_outwards(path: Path) -> None:
-    vertices, faces = obj_arrays(path)
-    edges = Counter((int(f[i]), int(f[(i + 1) % 3])) for f in faces for i in range(3))
-    assert set(edges.values()) == {1}
-    assert all((b, a) in edges for a, b in edges)
-    a, b, c = (vertices[faces[:, i]] for i in range(3))
-    assert (a * np.cross(b, c)).sum() / 6 > 1e-7
-    corners, normals = scene.read_obj(path)
-    area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    assert ((area[:, None, :] * normals).sum(-1) > 0).mean() > 0.999
-    np.testing.assert_allclose(np.linalg.norm(normals, axis=-1), 1.0, atol=2e-3)
+    robot_files.check_closed(path)
 
 
 @pytest.mark.parametrize("path", sorted((PANDA / "collision").glob("*.obj")), ids=lambda p: p.stem)
@@ -249,35 +191,16 @@ def test_shells_stay_close_to_the_collision_shapes_and_within_budget(links) -> N
     for name in BOXES:
         if name == "panda_rightfinger":
             continue
-        box = collision_points(links[name])
+        box = collision_points(PANDA, links[name])
         for visual in links[name].findall("visual"):
             vertices = obj_arrays(PANDA / visual.find("geometry/mesh").get("filename"))[0]
             slack = 0.022 if "graphite" in visual.find("material").get("name") else 0.010
             assert (vertices > box.min(0) - slack).all() and (vertices < box.max(0) + slack).all(), name
 
 
-def coal_meshes(coal, names: list[str]) -> dict[str, object]:
-    meshes = {}
-    for name in names:
-        vertices, faces = obj_arrays(PANDA / "visual" / f"{name}.obj")
-        model = coal.BVHModelOBBRSS()
-        model.beginModel(len(faces), len(vertices))
-        model.addVertices(vertices)
-        model.addTriangles(faces)
-        model.endModel()
-        meshes[name] = model
-    return meshes
-
-
-def touching(coal, a, pose_a: np.ndarray, b, pose_b: np.ndarray) -> bool:
-    result = coal.CollisionResult()
-    poses = [coal.Transform3s(p[:3, :3], p[:3, 3]) for p in (pose_a, pose_b)]
-    return coal.collide(a, poses[0], b, poses[1], coal.CollisionRequest(), result) > 0
-
-
 def test_shells_clear_each_other_over_every_joints_range() -> None:
     coal = pytest.importorskip("coal")
-    meshes = coal_meshes(coal, [f"link{i}_shell" for i in range(8)] + ["hand_shell"])
+    meshes = coal_meshes(coal, PANDA, [f"link{i}_shell" for i in range(8)] + ["hand_shell"])
     ranges = [(-2.96, 2.96), (-1.83, 1.83), (-2.96, 2.96), (-3.14, -0.01), (-2.96, 2.96), (-0.08, 3.82), (-2.96, 2.96)]
     bodies = [f"link{i}" for i in range(8)] + ["hand"]
     for joint, (lower, upper) in enumerate(ranges):
@@ -294,7 +217,7 @@ def test_shells_clear_each_other_over_every_joints_range() -> None:
 def test_a_graphite_core_bridges_every_joint_at_any_angle() -> None:
     coal = pytest.importorskip("coal")
     names = [f"link{i}_{part}" for i in range(8) for part in ("shell", "graphite")] + ["hand_shell"]
-    meshes = coal_meshes(coal, names)
+    meshes = coal_meshes(coal, PANDA, names)
     rng = np.random.default_rng(5)
     for _ in range(10):
         q = [*rng.uniform([-2.9, -1.8, -2.9, -3.1, -2.9, 0.0, -2.9], [2.9, 1.8, 2.9, 0.0, 2.9, 3.8, 2.9]), 0.0, 0.0]
