@@ -2,7 +2,7 @@
 """Render docs/images/panda_reach.png: the arm in its neutral pose at a table, and the goal it reaches for.
 
     pip install numpy embreex pillow
-    python tools/make_pictures.py [--passes 80] [--scale 1.0] [--out FILE]
+    python tools/make_pictures.py [--robot panda|arm6] [--passes 80] [--scale 1.0] [--out FILE]
 
 Runs on the CPU, a few seconds per pass; each pass adds one sample per pixel.
 """
@@ -22,7 +22,10 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 from robots import mesh, scene, trace
 
 ROOT = Path(__file__).resolve().parent.parent
-NEUTRAL = [0.0, 0.41, 0.0, -1.85, 0.0, 2.26, 0.79, 0.02, 0.02]
+NEUTRAL = {
+    "panda": [0.0, 0.41, 0.0, -1.85, 0.0, 2.26, 0.79, 0.02, 0.02],
+    "arm6": [-0.209817, -1.198085, 1.524398, -1.89711, -1.570796, -0.209817, 0.02, 0.02],
+}
 BASE = (-0.6, 0.0, 0.0)
 TABLE = (1.1, 0.7, 0.4)  # m, top at z = 0, centred at x = -0.3
 GOLDEN = 0.6180339887498949  # multiples of it, modulo 1, spread evenly
@@ -36,6 +39,12 @@ MATERIALS = {
     "table": trace.Material((0.56, 0.475, 0.385), 0.04, 0.36),
     "plinth": trace.Material((0.045, 0.055, 0.065), 0.0, 1.0),
     "floor": trace.Material((0.11, 0.18, 0.22), 0.0, 1.0),
+}
+OWN_MATERIALS = {
+    "arm6": {
+        "shell": trace.Material((0.80, 0.82, 0.83), 0.045, 0.22),
+        "accent": trace.Material((0.01, 0.30, 0.36), 0.04, 0.25),
+    },
 }
 LIGHTS = [
     trace.Light((-0.50, -0.55, 1.0), (11.5, 10.6, 9.4), 0.24),
@@ -52,11 +61,11 @@ def slab(length: float, width: float, low: float, high: float) -> mesh.Mesh:
     return mesh.prism([(-y, low), (y, low), (y, high), (-y, high)], length / 2, 0.003)
 
 
-def build() -> trace.Tracer:
-    """The whole scene."""
+def build(name: str) -> trace.Tracer:
+    """The whole scene about the robot in assets/`name`."""
     base = np.eye(4)
     base[:3, 3] = BASE
-    robot = scene.posed_robot(ROOT / "assets/panda/panda.urdf", NEUTRAL, base)
+    robot = scene.posed_robot(ROOT / f"assets/{name}/{name}.urdf", NEUTRAL[name], base)
     height = TABLE[2]
     top = scene.placed(slab(TABLE[0], TABLE[1], -0.035, 0.0), (-0.3, 0.0, 0.0), "table")
     plinth = scene.placed(slab(TABLE[0] - 0.12, TABLE[1] - 0.12, -height, -0.035), (-0.3, 0.0, 0.0), "plinth")
@@ -64,7 +73,8 @@ def build() -> trace.Tracer:
     corners = np.array([[(*square[i], -height) for i in face] for face in ((0, 1, 2), (0, 2, 3))])
     floor = scene.Triangles(corners, np.broadcast_to([0.0, 0.0, 1.0], corners.shape).copy(), [("floor", 2)])
     soup = scene.together(robot, top, plinth, floor)
-    return trace.Tracer(soup, MATERIALS, LIGHTS, GOAL, SKY, ((-0.3, 0.0, 0.0), 0.9, 3.2))
+    materials = MATERIALS | OWN_MATERIALS.get(name, {})
+    return trace.Tracer(soup, materials, LIGHTS, GOAL, SKY, ((-0.3, 0.0, 0.0), 0.9, 3.2))
 
 
 def backdrop(camera: trace.Camera) -> Array:
@@ -109,13 +119,15 @@ def develop(light: Array, exposure: float) -> npt.NDArray[np.uint8]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--robot", choices=sorted(NEUTRAL), default="panda")
     parser.add_argument("--passes", type=int, default=80, help="samples per pixel")
     parser.add_argument("--scale", type=float, default=1.0, help="size relative to 1200 x 800")
-    parser.add_argument("--out", type=Path, default=ROOT / "docs/images/panda_reach.png")
+    parser.add_argument("--out", type=Path, help="default: docs/images/ROBOT_reach.png")
     args = parser.parse_args()
+    out = args.out or ROOT / f"docs/images/{args.robot}_reach.png"
     size = (round(1200 * args.scale), round(800 * args.scale))
     camera = trace.Camera((0.88, -1.30, 0.60), (-0.205, 0.0, 0.262), 30.5, *size)
-    tracer, wall, rng = build(), backdrop(camera), np.random.default_rng(1)
+    tracer, wall, rng = build(args.robot), backdrop(camera), np.random.default_rng(1)
     lobe = rng.random(size[0] * size[1])
     sums = [np.zeros((size[0] * size[1], 3)) for _ in range(3)]
     for number in range(args.passes):
@@ -125,9 +137,9 @@ def main() -> None:
             total += part
         print(f"\rpass {number + 1} of {args.passes}", end="", flush=True)
     light, colour, normal = (s.reshape(size[1], size[0], 3) / args.passes for s in sums)
-    args.out.parent.mkdir(parents=True, exist_ok=True)
-    Image.fromarray(develop(filtered(light, colour, normal, 3), 0.9)).save(args.out, optimize=True)
-    print(f"\n{args.out}: {args.out.stat().st_size / 1000:.0f} kB")
+    out.parent.mkdir(parents=True, exist_ok=True)
+    Image.fromarray(develop(filtered(light, colour, normal, 3), 0.9)).save(out, optimize=True)
+    print(f"\n{out}: {out.stat().st_size / 1000:.0f} kB")
 
 
 if __name__ == "__main__":

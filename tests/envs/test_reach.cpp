@@ -77,7 +77,7 @@ TEST_P(ReachBits, AreTheSameForAnyLanesThreadsAndCompany) {
   for (const int num_envs : {1, 3, 17, 64}) {
     const std::uint64_t hash = num_envs == 64 ? reference.hash : run(GetParam(), num_envs, 1, 1).hash;
     for (const int lanes : {1, 4, 8, 16}) {
-      for (const int threads : {1, 2, 3}) {
+      for (const int threads : {1, 3}) {
         const Episode found = run(GetParam(), num_envs, lanes, threads);
         EXPECT_EQ(found.hash, hash) << num_envs << " worlds, " << lanes << " lanes, " << threads << " threads";
         for (std::size_t step = 0; step < found.trace.size(); ++step) {
