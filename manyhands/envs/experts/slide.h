@@ -28,10 +28,11 @@ struct Slide {
   }
 
  private:
-  static constexpr float kRadius = 0.03f;                         ///< of the puck
-  static constexpr float kCornerX = 0.0105f, kCornerY = 0.0295f;  ///< of the fingers' front corner, from their middle
-  static constexpr float kStraight = 0.02f;                       ///< goals this little aside need no corner
-  static constexpr float kLow = 0.015f, kHigh = 0.06f;
+  static constexpr float kRadius = 0.03f;  ///< of the puck
+  /// Of the finger tips' front corner, from their middle. The fingers are wider above, so only the tips are to hit.
+  static constexpr float kCornerX = 0.0105f, kCornerY = 0.018f;
+  static constexpr float kStraight = 0.02f;             ///< goals this little aside need no corner
+  static constexpr float kLow = 0.034f, kHigh = 0.06f;  ///< aimed at; the hand sags by 1 cm
   static constexpr float kOnLine = 0.008f;
   static constexpr float kRun = 0.03f;  ///< the hit starts this far behind the puck
   static constexpr float kHit = 0.7f;
