@@ -1,6 +1,8 @@
 """Stable-Baselines3 on the native batch: what its own vector of single environments gives, and hindsight replay."""
 
 import warnings
+from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import gymnasium
@@ -181,3 +183,32 @@ def test_single_environments_pass_the_check_without_a_warning(name: str) -> None
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         check_env(gymnasium.make(name).unwrapped)  # it looks for compute_reward through no wrapper
+
+
+ZOO = Path(__file__).parents[2] / "examples/rl_zoo"
+
+
+@pytest.mark.parametrize("algorithm", ["sac", "tqc", "ddpg"])
+def test_rl_zoo_trains_from_our_files(algorithm: str, tmp_path: Path) -> None:
+    """Its own manager reads the file, and a model learns from it; every id has its entry."""
+    yaml = pytest.importorskip("yaml")
+    manager = pytest.importorskip("rl_zoo3.exp_manager", reason="needs RL Zoo: pip install rl_zoo3")
+    file = ZOO / f"{algorithm}.yml"
+    assert set(yaml.safe_load(file.read_text())) == {"defaults", *env_ids()}
+    experiment = manager.ExperimentManager(
+        SimpleNamespace(),
+        algorithm,
+        "PandaReach-v3",
+        str(tmp_path),
+        n_timesteps=1616,
+        eval_freq=-1,
+        seed=0,
+        device="cpu",
+        hyperparams={"buffer_size": 10_000},
+        config=str(file),
+        verbose=0,
+    )
+    model, _ = experiment.setup_experiment()
+    model.learn(1616)
+    assert model._n_updates == 8
+    assert isinstance(model.replay_buffer, HerReplayBuffer)
