@@ -11,7 +11,7 @@ ArmSpec arm6() {
   spec.hand = "arm6_grasptarget";
   spec.tips = 0.007;
   spec.neutral = {-0.209817, -1.198085, 1.524398, -1.89711, -1.570796, -0.209817, 0, 0};
-  spec.max_force = {150, 150, 150, 28, 28, 28, 100, 100};
+  spec.max_force = {150, 150, 150, 28, 28, 28, 235, 235};
   return spec;
 }
 

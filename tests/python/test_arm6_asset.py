@@ -77,6 +77,7 @@ def test_joints_have_the_order_and_limits_of_their_class() -> None:
         bound = math.pi if i == 2 else 2 * math.pi
         assert limit == {"lower": -bound, "upper": bound, "effort": effort, "velocity": math.pi}
     assert [limit["lower"] for limit in limits[6:]] == [0.0, 0.0]
+    assert [limit["effort"] for limit in limits[6:]] == [235.0, 235.0]
     assert sum(limit["upper"] for limit in limits[6:]) == pytest.approx(0.085)
     assert joints[8].find("mimic").attrib == {"joint": "arm6_finger_joint1", "multiplier": "1", "offset": "0"}
 

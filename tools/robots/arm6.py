@@ -3,7 +3,7 @@
 The arm's Denavit-Hartenberg lengths, link masses, centres of mass, torques and speeds are those that Universal Robots
 publishes of its UR5e; link frames sit at the joints, z along the axis, and the arm stretches along x of the base at
 zero angles. Inertias are those of solid rods and boxes of the links' sizes. The gripper is the project's own: 85 mm
-between the pads, as a Robotiq 2F-85. SI units; rpy in radians.
+between the pads and up to 235 N, as a Robotiq 2F-85. SI units; rpy in radians.
 """
 
 from __future__ import annotations
@@ -132,7 +132,7 @@ def _arm(number: int, xyz: Vec3, rpy: Vec3, range_: float, effort: float) -> Joi
 
 def _finger(number: int, side: str, sign: float, mimic: str = "") -> Joint:
     names = (f"arm6_finger_joint{number}", "prismatic", "arm6_hand", f"arm6_{side}finger")
-    return Joint(*names, (0.0, 0.0, FINGER_BASE), ZERO, (0.0, sign, 0.0), (0.0, STROKE, 100.0, 0.15), mimic)
+    return Joint(*names, (0.0, 0.0, FINGER_BASE), ZERO, (0.0, sign, 0.0), (0.0, STROKE, 235.0, 0.15), mimic)
 
 
 JOINTS: list[Joint] = [
