@@ -17,9 +17,7 @@ struct ObjectState {
 /// The free body whose numbers begin at q and v.
 template <Number T>
 MANYHANDS_INLINE ObjectState<T> observe_object(const T* q, const T* v) {
-  const Quat<T> r{q[3], q[4], q[5], q[6]};
-  const Mat3<T> R_WB = to_matrix(r);
-  return {{q[0], q[1], q[2]}, r, R_WB * Vec3<T>{v[3], v[4], v[5]}, R_WB * Vec3<T>{v[0], v[1], v[2]}};
+  return {{q[0], q[1], q[2]}, {q[3], q[4], q[5], q[6]}, {v[3], v[4], v[5]}, {v[0], v[1], v[2]}};
 }
 
 /// (roll, pitch, yaw) of R = Rz(yaw) Ry(pitch) Rx(roll), each turn left to yaw where the pitch is upright: Bullet's
@@ -50,22 +48,24 @@ MANYHANDS_INLINE void write_object(const ObjectState<T>& object, T* row) {
   }
 }
 
-/// The air's drag on the free body b as Bullet has it, an acceleration of -u (0.04 + 0.04 |u|) for u its velocity and
-/// its angular velocity: into the forces tau of its joint.
+/// The air's drag on a free body whose axes are principal, as Bullet has it: accelerations of -u (0.04 + 0.04 |u|)
+/// for u its velocity and its angular velocity: into the forces tau of its joint.
 template <Number T, Number P>
-MANYHANDS_INLINE void apply_drag(const RigidInertia<P>& inertia, const T* v, T* tau) {
+MANYHANDS_INLINE void apply_drag(const RigidInertia<P>& inertia, const T* q, const T* v, T* tau) {
   using R = real_t<T>;
   const T drag(R(0.04));
   const auto slowed = [&](const T* u) {
     const T c = -fma(drag, sqrt(fma(u[0], u[0], fma(u[1], u[1], u[2] * u[2]))), drag);
     return Vec3<T>{c * u[0], c * u[1], c * u[2]};
   };
-  const Vec3<T> w = slowed(v), a = slowed(v + 3);
+  const Mat3<T> R_WB = to_matrix(Quat<T>{q[3], q[4], q[5], q[6]});
+  const Vec3<T> w = transpose_times(R_WB, slowed(v)), a = slowed(v + 3);
   const T m = broadcast<T>(inertia.m);
-  const T I[3] = {broadcast<T>(inertia.I.xx), broadcast<T>(inertia.I.yy), broadcast<T>(inertia.I.zz)};
-  tau[0] = I[0] * w.x;
-  tau[1] = I[1] * w.y;
-  tau[2] = I[2] * w.z;
+  const Vec3<T> torque = R_WB * Vec3<T>{broadcast<T>(inertia.I.xx) * w.x, broadcast<T>(inertia.I.yy) * w.y,
+                                        broadcast<T>(inertia.I.zz) * w.z};
+  tau[0] = torque.x;
+  tau[1] = torque.y;
+  tau[2] = torque.z;
   tau[3] = m * a.x;
   tau[4] = m * a.y;
   tau[5] = m * a.z;

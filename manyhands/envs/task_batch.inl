@@ -280,7 +280,8 @@ template <Number T, TaskLike Task>
 void TaskBatch<T, Task>::simulate(Block& block, StepWorkspace<T>& ws) {
   for (int k = 0; k < options_.n_substeps; ++k) {
     for (const Object& object : objects_)
-      apply_drag(params_.inertia[object.body], block.state.v() + object.iv, block.state.tau() + object.iv);
+      apply_drag(params_.inertia[object.body], block.state.q() + object.iq, block.state.v() + object.iv,
+                 block.state.tau() + object.iv);
     manyhands::step(system_, params_, static_cast<R>(options_.time_step), block.state, ws);
   }
 }

@@ -7,6 +7,8 @@
 #include <random>
 
 #include "manyhands/envs/make.h"
+#include "manyhands/envs/panda.h"
+#include "manyhands/envs/tasks/push.h"
 
 namespace manyhands {
 namespace {
@@ -195,6 +197,26 @@ TEST(TaskSpecs, AreThoseOfPandaGym) {
     EXPECT_EQ(spec.max_episode_steps, c.steps) << c.id;
   }
   EXPECT_EQ(env_ids().size(), 24u);
+}
+
+/// What is observed of a turned body's motion is what its place and orientation do.
+TEST(Objects, AreObservedInTheWorld) {
+  const std::array<ObjectSpec, 1> objects{cube("object")};
+  const Model scene = task_scene(panda_arm(), Table{}, objects);
+  const Tree<double> tree(scene);
+  State<double> state(scene, 0);
+  const Body& body = scene.body(scene.link(scene.link_id("object")).body);
+  double *q = state.q() + body.iq, *v = state.v() + body.iv;
+  const Quat<double> r = quat_from_rotation_vector(Vec3<double>{0.4, -1.1, 2});
+  std::ranges::copy(std::array{0.1, 0.2, 0.3, r.x, r.y, r.z, r.w}, q);
+  std::ranges::copy(std::array{0.5, -0.6, 0.7, 0.1, 0.2, -0.3}, v);
+  const ObjectState<double> before = observe_object(q, v);
+  const double h = 1e-6;
+  integrate_configuration(tree, state.v(), h, state.q());
+  const ObjectState<double> after = observe_object(q, v);
+  EXPECT_LT(norm((1 / h) * (after.p - before.p) - before.v), 1e-9);
+  const Quat<double> turn = after.r * Quat<double>{-before.r.x, -before.r.y, -before.r.z, before.r.w};
+  EXPECT_LT(norm((1 / h) * rotation_vector(turn) - before.w), 1e-6);
 }
 
 /// The gripper's widths that panda-gym measures: opened by three actions of +1, then closed by three of -1.
