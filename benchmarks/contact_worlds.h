@@ -3,6 +3,7 @@
 
 #include "benchmarks/contact_scenes.h"
 #include "benchmarks/support.h"
+#include "manyhands/physics/step/contact_report.h"
 
 namespace benchmarks {
 
@@ -18,6 +19,7 @@ struct Observation {
   double sweeps = 0;       ///< mean of the steps
   double penetration = 0;  ///< deepest [m]
   double creep = 0;        ///< fastest, of a cube: against the hand that holds it, else in the world [m/s]
+  double law = 0;          ///< how far a contact is from Signorini's and Coulomb's laws, at worst [m/s]
   std::string wrong;       ///< why the scene is not what it claims to be, or empty
 };
 
@@ -158,6 +160,9 @@ class ContactWorlds {
     for (int k = 0; k < width_v<T>; ++k) {
       Census census;
       for (const ContactPoint<T>& point : ws_.contacts.points) {
+        const PointResiduals<T> off = point_residuals(system_.tree, ws_, point);
+        seen.law = std::max({seen.law, static_cast<double>(lane(off.penetration_rate, k)),
+                             static_cast<double>(lane(off.dissipation, k))});
         const double impulse = static_cast<double>(lane(point.impulse.x, k));
         if (!(impulse > 0)) continue;
         seen.penetration = std::max(seen.penetration, -static_cast<double>(lane(point.phi, k)));

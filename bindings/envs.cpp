@@ -179,7 +179,8 @@ void bind_make(nb::module_& m) {
       "`num_envs` worlds of the environment `id`. Threads: `num_threads`, or if 0 the variable MANYHANDS_THREADS, or "
       "one "
       "for each core. Physics: `n_substeps` of `time_step` [s] in one environment step. Success: nearer than "
-      "`distance_threshold`, 0 for what the task says. `lanes`: worlds in one register, 0 for the fastest. Raises ValueError on an unknown "
+      "`distance_threshold`, 0 for what the task says. `lanes`: worlds in one register, 0 for the fastest. Raises "
+      "ValueError on an unknown "
       "id "
       "or an option out of range.");
 }

@@ -131,7 +131,7 @@ TEST_P(Tasks, NeverThrowTheArmAbout) {
     env->step(action);
     for (std::size_t i = 0; i < n; ++i) {
       const float* row = &env->observation()[i * static_cast<std::size_t>(env->spec().observation_dim)];
-      ASSERT_TRUE(is_finite(row[0]));
+      ASSERT_TRUE(std::isfinite(row[0]));
       fastest = std::max(fastest, double{std::hypot(row[3], row[4], row[5])});
     }
   }

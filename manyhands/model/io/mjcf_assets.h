@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "manyhands/model/solids.h"
 #include "manyhands/model/io/mjcf_settings.h"
 #include "manyhands/model/model_builder.h"
+#include "manyhands/model/solids.h"
 
 namespace manyhands::io {
 

@@ -52,7 +52,8 @@ bool NewtonFinish::finish(const SolverSettings& settings, const ContactProblem& 
   last_residual_ = residual;
   if (residual <= settings.tolerance) return true;
   const double missing = std::log(residual / settings.newton_tolerance);
-  if (gain > kLeastGain && gain * kPatience * settings.max_sweeps > missing * internal::kSweepsPerPivot<double>) return false;
+  if (gain > kLeastGain && gain * kPatience * settings.max_sweeps > missing * internal::kSweepsPerPivot<double>)
+    return false;
   if (missing <= 0) return true;
   return take_outer_steps(settings, problem, residual, sweeps);
 }

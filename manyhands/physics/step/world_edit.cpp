@@ -5,8 +5,8 @@
 #include "manyhands/math/quaternion.h"
 #include "manyhands/model/convex_polyhedron.h"
 #include "manyhands/model/io/mjcf.h"
-#include "manyhands/model/solids.h"
 #include "manyhands/model/io/urdf.h"
+#include "manyhands/model/solids.h"
 #include "manyhands/physics/step/world.h"
 #include "manyhands/physics/step/world_checks.h"
 

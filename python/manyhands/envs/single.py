@@ -18,9 +18,11 @@ class PandaEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
     """A Panda arm and a task, as panda-gym describes them.
 
     Tasks: PandaReach, PandaPush, PandaSlide, PandaPickAndPlace, PandaStack, PandaFlip. Observations are dicts of
-    float32 arrays: `observation` (observation_dim,), `achieved_goal` and `desired_goal` (goal_dim,), in SI units. An action (action_dim,) lies in [-1, 1] and is clipped to it: a
-    displacement of the gripper (unit 0.05 m) with `control_type="ee"`, of the seven joints (unit 0.05 rad) with
-    "joints"; where the task needs the gripper the last number opens it. A step takes 0.04 s. An episode terminates with success; its length is limited by `gymnasium.make`.
+    float32 arrays: `observation` (observation_dim,), `achieved_goal` and `desired_goal` (goal_dim,), in SI units. An
+    action (action_dim,) lies in [-1, 1] and is clipped to it: a displacement of the gripper (unit 0.05 m) with
+    `control_type="ee"`, of the seven joints (unit 0.05 rad) with "joints"; where the task needs the gripper the last
+    number opens it. A step takes 0.04 s. An episode terminates with success; its length is limited by
+    `gymnasium.make`.
 
     Calls from several Python threads take turns.
 

@@ -16,7 +16,8 @@ template <Real R>
 struct JointProblem {
   JointProblem(std::uint64_t seed, int links) : JointProblem(random_tree(seed, links), seed) {}
 
-  JointProblem(Model model_, std::uint64_t seed) : model(std::move(model_)), tree(model), params(model), state(model, 0) {
+  JointProblem(Model model_, std::uint64_t seed)
+      : model(std::move(model_)), tree(model), params(model), state(model, 0) {
     Generator rng(seed ^ 0x9e3779b97f4a7c15u);
     h = static_cast<R>(pick(rng, {1e-3, 2e-3, 1e-2}));
     const std::vector<double> q = random_configuration(model, rng);
