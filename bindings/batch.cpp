@@ -23,6 +23,16 @@ using Bytes = std::optional<Array<bool, 1>>;
 
 constexpr const char* kFloats = "numpy.typing.NDArray[numpy.float32]";
 
+/// Looks for Ctrl-C from time to time.
+void step_in_pieces(Batch& batch, int n) {
+  constexpr int kPiece = 500;
+  do {
+    batch.step(std::min(n, kPiece));
+    n -= kPiece;
+    if (PyErr_CheckSignals() != 0) throw nb::python_error();
+  } while (n > 0);
+}
+
 std::size_t count(const Batch& batch) { return static_cast<std::size_t>(batch.num_worlds()); }
 
 /// What people hand over, as float32 rows for each world: one number or row stands for all.
@@ -133,8 +143,10 @@ void bind_clock(nb::class_<Batch>& batch) {
           "depend "
           "on either.")
       // Keeps the interpreter's lock, so that Python's threads take turns with a batch.
-      .def("step", &Batch::step, "n"_a = 1,
-           "Advances all worlds by n steps. One whose numbers stop being finite stays as it was; see `flags`.")
+      .def(
+          "step", &step_in_pieces, "n"_a = 1,
+          "Advances all worlds by n steps; Ctrl-C stops between two of them. One whose numbers stop being finite stays "
+          "as it was; see `flags`.")
       .def("__len__", &Batch::num_worlds)
       .def_prop_ro("model", [](const Batch& self) { return std::make_unique<PythonModel>(self.shared_model()); })
       .def_prop_ro("num_worlds", &Batch::num_worlds)

@@ -265,9 +265,9 @@ void World::restore(std::span<const double> snapshot) {
   const ParamsView<double> params = view(now.params, 0);
   params.for_each([&](const Strided<double>& field) { expected += field.count; });
   if (snapshot.size() != expected || snapshot[0] != fingerprint(*now.model)) {
-    throw std::invalid_argument("the snapshot holds " + std::to_string(snapshot.size()) +
-                                " numbers; this world's hold " + std::to_string(expected) +
-                                ": it is of another model, or of a world with other parts");
+    throw std::invalid_argument("the snapshot is of another model, or of a world with other parts: it holds " +
+                                std::to_string(snapshot.size()) + " numbers, this world's hold " +
+                                std::to_string(expected));
   }
   if (snapshot[1] != time_step_) {
     throw std::invalid_argument("the snapshot is of a world with a time_step of " + std::to_string(snapshot[1]) +
