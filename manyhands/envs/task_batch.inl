@@ -66,6 +66,8 @@ TaskBatch<T, Task>::TaskBatch(EnvSpec spec, const ArmSpec& arm, ArmControl contr
       start_(scene_, system_.contact_numbers()),
       pool_(std::min(choose_num_threads(options.num_threads), (num_envs + W - 1) / W)) {
   spec_ = internal::complete<Task>(std::move(spec), arm_, options);
+  // A block waits for its slowest world, and what four sweeps leave the next step's continue.
+  system_.solver.max_sweeps = 4;
   set_arm_motors(arm_, params_);
   for (const ObjectSpec& object : task.objects()) {
     const BodyId id = scene_.link(scene_.link_id(object.name)).body;

@@ -14,7 +14,7 @@ template <Real R>
 struct System {
   explicit System(const Model& model, PairSearch search = PairSearch::kListed) : tree(model), colliders(model, search) {
     // A few warm sweeps serve batches; one world can afford to be exact.
-    if constexpr (std::same_as<R, float>) solver = {.max_sweeps = 4, .tolerance = 1e-6};
+    if constexpr (std::same_as<R, float>) solver = {.max_sweeps = 10, .tolerance = 1e-6};
   }
   /// One in which nothing collides.
   explicit System(Tree<R> alone) : tree(std::move(alone)) {}
