@@ -10,7 +10,9 @@ find_package(nanobind CONFIG REQUIRED)
 file(GLOB binding_sources CONFIGURE_DEPENDS bindings/*.cpp)
 if(binding_sources)
   nanobind_add_module(_core NB_STATIC NB_DOMAIN manyhands ${binding_sources})
-  # In a folder of the package's name, so that the stubs refer to each other as manyhands._core.
+  # In a package of that name, so that the stubs refer to each other as manyhands._core. With its empty __init__ it comes
+  # before an older manyhands that is installed already.
+  file(WRITE "${PROJECT_BINARY_DIR}/package/manyhands/__init__.py" "")
   set_target_properties(_core PROPERTIES LIBRARY_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/package/manyhands")
   target_include_directories(_core SYSTEM PRIVATE "${NB_DIR}/include")
   target_link_libraries(_core PRIVATE manyhands_learn manyhands_options)
