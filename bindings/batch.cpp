@@ -23,16 +23,6 @@ using Bytes = std::optional<Array<bool, 1>>;
 
 constexpr const char* kFloats = "numpy.typing.NDArray[numpy.float32]";
 
-/// Looks for Ctrl-C from time to time.
-void step_in_pieces(Batch& batch, int n) {
-  constexpr int kPiece = 500;
-  do {
-    batch.step(std::min(n, kPiece));
-    n -= kPiece;
-    if (PyErr_CheckSignals() != 0) throw nb::python_error();
-  } while (n > 0);
-}
-
 std::size_t count(const Batch& batch) { return static_cast<std::size_t>(batch.num_worlds()); }
 
 /// What people hand over, as float32 rows for each world: one number or row stands for all.
@@ -144,7 +134,7 @@ void bind_clock(nb::class_<Batch>& batch) {
           "on either.")
       // Keeps the interpreter's lock, so that Python's threads take turns with a batch.
       .def(
-          "step", &step_in_pieces, "n"_a = 1,
+          "step", [](Batch& self, int n) { step_in_pieces(self, n, 500); }, "n"_a = 1,
           "Advances all worlds by n steps; Ctrl-C stops between two of them. One whose numbers stop being finite stays "
           "as it was; see `flags`.")
       .def("__len__", &Batch::num_worlds)

@@ -3,6 +3,8 @@
 
 #include <nanobind/nanobind.h>
 
+#include <algorithm>
+
 namespace manyhands {
 
 void bind_model(nanobind::module_& m);
@@ -12,7 +14,18 @@ void bind_collision(nanobind::module_& m);     // after bind_model
 void bind_world(nanobind::module_& m);         // after bind_model
 void bind_batch_worlds(nanobind::module_& m);  // after bind_model
 void bind_envs(nanobind::module_& m);
-void bind_experts(nanobind::module_& m);  // after bind_envs
+void bind_experts(nanobind::module_& m);    // after bind_envs
+void bind_panda_gym(nanobind::module_& m);  // after bind_world
 void bind_learn(nanobind::module_& m);
+
+/// Advances worlds by n steps in pieces, keeping the interpreter's lock, and looks for Ctrl-C between two of them.
+template <class Worlds>
+void step_in_pieces(Worlds& worlds, int n, int piece) {
+  do {
+    worlds.step(std::min(n, piece));
+    n -= piece;
+    if (PyErr_CheckSignals() != 0) throw nanobind::python_error();
+  } while (n > 0);
+}
 
 }  // namespace manyhands

@@ -13,5 +13,6 @@ NB_MODULE(_core, m) {
   manyhands::bind_batch_worlds(m);
   manyhands::bind_envs(m);
   manyhands::bind_experts(m);
+  manyhands::bind_panda_gym(m);
   manyhands::bind_learn(m);
 }

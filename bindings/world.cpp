@@ -66,16 +66,6 @@ const std::string kSetMotors = [] {
   return text + ") -> None";
 }();
 
-/// Keeps the interpreter's lock, so that threads take turns with a world, and looks for Ctrl-C from time to time.
-void step_in_pieces(World& world, int n) {
-  constexpr int kPiece = 1000;
-  do {
-    world.step(std::min(n, kPiece));
-    n -= kPiece;
-    if (PyErr_CheckSignals() != 0) throw nb::python_error();
-  } while (n > 0);
-}
-
 void bind_state(nb::class_<World>& world) {
   const auto getter = [](const char* name) {
     return "def " + std::string(name) + "(self) -> numpy.typing.NDArray[numpy.float64]";
@@ -113,6 +103,10 @@ void bind_state(nb::class_<World>& world) {
           nb::sig(getter("snapshot").c_str()),
           "All that a run continues from, bit for bit, in the middle of contact too, as plain numbers: state, what "
           "contacts remember, commands, forces applied, parameters and clock; not the solver's settings.")
+      .def(
+          "forget", &World::forget,
+          "Starts the clock anew and forgets what the solver remembers of the steps before: what follows depends on q, "
+          "v, forces and commands alone.")
       .def(
           "restore", [](World& self, const bindings::Array<double, 1>& s) { self.restore(bindings::as_span(s)); },
           "snapshot"_a, nb::sig("def restore(self, snapshot: numpy.typing.NDArray[numpy.float64]) -> None"),
@@ -232,10 +226,11 @@ void bind_world(nb::module_& m) {
       "a number that is not finite, or a quaternion not of unit length; names that are not there raise KeyError.");
   bind_making(world);
   world
-      .def("step", &step_in_pieces, "n"_a = 1,
-           "Advances by n steps; Ctrl-C stops between two of them. Raises SimulationError, naming a joint, if a step "
-           "leads to numbers that are not finite: the world is then as it was before that step. With 'rk4' raises "
-           "RuntimeError if a motor is on, something touches or a joint leaves its limits.")
+      .def(
+          "step", [](World& self, int n) { step_in_pieces(self, n, 1000); }, "n"_a = 1,
+          "Advances by n steps; Ctrl-C stops between two of them. Raises SimulationError, naming a joint, if a step "
+          "leads to numbers that are not finite: the world is then as it was before that step. With 'rk4' raises "
+          "RuntimeError if a motor is on, something touches or a joint leaves its limits.")
       .def(
           "set_motors", &set_motors, nb::kw_only(), "target_q"_a = 0.0, "target_v"_a = 0.0, "kp"_a = 0.1, "kd"_a = 1.0,
           "max_force"_a, nb::sig(kSetMotors.c_str()),

@@ -4,17 +4,6 @@ namespace manyhands {
 
 namespace {
 
-/// panda-gym's inverse kinematics: 20 steps so heavily damped that they fall short, without regard to limits. It is
-/// part of what an action means, so it is kept.
-IkSettings panda_gym_ik() {
-  return {.max_iterations = 20,
-          .damping = 0.5,
-          .error_damping = 0,
-          .position_tolerance = 1e-4,
-          .rotation_tolerance = std::numeric_limits<double>::infinity(),
-          .respect_limits = false};
-}
-
 std::vector<std::size_t> dofs_of(const Model& scene, const std::vector<std::string>& names) {
   std::vector<std::size_t> dofs;
   for (const std::string& name : names) {
@@ -43,6 +32,15 @@ Arm::Arm(const ArmSpec& spec, const Model& scene, ArmControl control_, bool has_
   if (neutral.size() != count || max_force.size() != count || joints.size() >= kMostActions)
     throw ModelError("an arm of " + std::to_string(count) + " joints has " + std::to_string(neutral.size()) +
                      " neutral positions and " + std::to_string(max_force.size()) + " largest forces");
+}
+
+IkSettings panda_gym_ik() {
+  return {.max_iterations = 20,
+          .damping = 0.5,
+          .error_damping = 0,
+          .position_tolerance = 1e-4,
+          .rotation_tolerance = std::numeric_limits<double>::infinity(),
+          .respect_limits = false};
 }
 
 int action_size(const Arm& arm) {

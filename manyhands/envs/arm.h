@@ -49,6 +49,10 @@ struct Arm {
 
 [[nodiscard]] int action_size(const Arm& arm);
 
+/// panda-gym's inverse kinematics: 20 steps so heavily damped that they fall short, without regard to limits. It is
+/// part of what an action means, so it is kept.
+[[nodiscard]] IkSettings panda_gym_ik();
+
 /// The hand in the world, as far as tasks observe it.
 template <Number T>
 struct HandState {
@@ -77,14 +81,6 @@ void reset_arm(const Arm& arm, State<T>& state, int lane) {
     set_lane(state.q()[arm.dof(i)], lane, static_cast<R>(arm.neutral[i]));
     set_lane(state.target_q()[arm.dof(i)], lane, static_cast<R>(arm.neutral[i]));
   }
-}
-
-/// Where the hand is at the configuration q.
-template <Number T>
-MANYHANDS_INLINE Vec3<T> hand_position(const Arm& arm, const Tree<real_t<T>>& tree, const T* q, Workspace<T>& ws) {
-  for (const std::size_t b : arm.chain.bodies) place(tree, b, q, ws);
-  const std::size_t b = arm.chain.body.index();
-  return ws.R_WB[b] * broadcast<T>(broadcast<real_t<T>>(arm.chain.X_BF.p)) + ws.p_OB[b] + ws.p_WO[b];
 }
 
 /// The hand at the state's present q and v.

@@ -44,6 +44,8 @@ MANYHANDS_INLINE Motion<T> pose_error(const Transform<T>& target, const Transfor
   return {rotation_vector(to_quat(target.R * transpose(X_WF.R))), target.p - X_WF.p};
 }
 
+}  // namespace internal
+
 /// The frame's pose at q, placing only the chain's bodies.
 template <Number T>
 MANYHANDS_INLINE Transform<T> place_chain(const Tree<real_t<T>>& tree, const IkChain& chain,
@@ -51,8 +53,6 @@ MANYHANDS_INLINE Transform<T> place_chain(const Tree<real_t<T>>& tree, const IkC
   for (const std::size_t b : chain.bodies) place(tree, b, q, ws);
   return frame_pose(chain.body, X_BF, ws);
 }
-
-}  // namespace internal
 
 /// Moves q (nq) from where it is towards the pose `target` = X_WF of the chain's frame, at most max_iterations times; a
 /// world stops after the update that began within tolerance. Coordinates outside the chain keep their values.
@@ -65,7 +65,7 @@ MANYHANDS_INLINE void improve_ik(const Tree<real_t<T>>& tree, const Params<P>& p
   const T position_tolerance(static_cast<R>(settings.position_tolerance * settings.position_tolerance));
   const T rotation_tolerance(static_cast<R>(settings.rotation_tolerance * settings.rotation_tolerance));
   iterate(mask_t<T>(true), settings.max_iterations, [&](const mask_t<T>& active) {
-    const Transform<T> X_WF = internal::place_chain(tree, chain, X_BF, q, ws);
+    const Transform<T> X_WF = place_chain(tree, chain, X_BF, q, ws);
     const Motion<T> e = internal::pose_error(target, X_WF);
     const Vec3<T> p_OF = X_WF.p - ws.p_WO[chain.body.index()];
     const T rotation2 = squared_norm(e.w), position2 = squared_norm(e.v);
@@ -91,7 +91,7 @@ MANYHANDS_INLINE IkResult<T> solve_ik(const Tree<real_t<T>>& tree, const Params<
   using R = real_t<T>;
   improve_ik(tree, params, chain, settings, target, q, ws);
   const Transform<R> X_BF = broadcast<R>(chain.X_BF);
-  const Motion<T> e = internal::pose_error(target, internal::place_chain(tree, chain, X_BF, q, ws));
+  const Motion<T> e = internal::pose_error(target, place_chain(tree, chain, X_BF, q, ws));
   const T position_error = norm(e.v), rotation_error = norm(e.w);
   const mask_t<T> success((position_error <= T(static_cast<R>(settings.position_tolerance))) &
                           (rotation_error <= T(static_cast<R>(settings.rotation_tolerance))));

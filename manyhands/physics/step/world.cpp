@@ -292,6 +292,17 @@ void World::restore(std::span<const double> snapshot) {
   now.forget_step();
 }
 
+void World::forget() {
+  WorldCore& now = core();
+  State<double>& state = now.state;
+  for (double* first : {state.stance(), state.dv(), state.hold()}) std::fill_n(first, now.nv(), 0.0);
+  std::ranges::fill(state.loops(), 0.0);
+  std::ranges::fill(state.contacts(), 0.0);
+  steps_ = 0;
+  now.moved();
+  now.forget_step();
+}
+
 std::uint64_t World::state_hash() const {
   Hash hash;
   for (const double number : snapshot()) hash.add(number);

@@ -98,6 +98,9 @@ class World {
   /// Throws std::invalid_argument if the snapshot is of another model or time step. What the last step found
   /// (contacts, reactions) is forgotten.
   void restore(std::span<const double> snapshot);
+  /// Starts the clock anew and forgets what the solver remembers of the steps before: what follows depends on q, v,
+  /// forces and commands alone.
+  void forget();
   /// FNV-1a of the snapshot's bytes.
   [[nodiscard]] std::uint64_t state_hash() const;
 

@@ -53,11 +53,14 @@ class Body:
     """False of ghosts without mass: they only have a pose."""
     model: Model | None = None
     """Of the robot alone, its base fixed."""
-    inertia: tuple[float, tuple[float, float, float]] | None = None
-    """Of a free shape: mass [kg], principal moments [kg m²]."""
     shape: tuple[ShapeName, tuple[float, ...]] | None = None
     """A single shape and its sizes, as ModelBuilder takes them."""
     look: Look = field(default_factory=Look)
+
+    @property
+    def is_free_shape(self) -> bool:
+        """Whether it is a single shape that moves by itself."""
+        return self.shape is not None and self.pose is None
 
     def __deepcopy__(self, memo: dict[int, Any]) -> "Body":
         """Only `pose` ever changes, and that by another."""
@@ -118,7 +121,6 @@ def shape(
         raise ValueError(f"body {name!r}: a {kind} has the sizes {sizes}; expected numbers above 0")
     if not 0 <= mass < np.inf:
         raise ValueError(f"body {name!r}: mass is {mass} kg; expected 0, for a body that stays, or more")
-    a, b, c = (mass * moment for moment in _moments(kind, sizes))
     pose = Pose(np.array(position, np.float64).reshape(3), rotations.IDENTITY)
     body = Body([name], [np.zeros(3)], [None], pose, shape=(kind, sizes), look=look)
     if ghost and mass == 0:
@@ -126,9 +128,9 @@ def shape(
         return body, None
     builder = ModelBuilder(name)
     builder.set_contact_rules(friction="product", restitution="product", self_collision=False)
-    builder.add_link(name, mass=mass, inertia=np.diag((a, b, c)))
+    builder.add_link(name, mass=mass, inertia=mass * np.diag(_moments(kind, sizes)))
     if mass > 0:
-        body.pose, body.inertia = None, (mass, (a, b, c))
+        body.pose = None
         builder.add_joint(f"{name}_free", "floating", "world", name, initial=[*pose.position, *pose.quaternion])
     builder.add_geom(name, kind, sizes, name=name, friction=_FRICTION, visual=ghost, rgba=look.rgba)
     return body, builder

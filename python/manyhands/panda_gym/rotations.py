@@ -75,18 +75,3 @@ def cross(a: Array, b: Array) -> Array:
     ax, ay, az = a.tolist()
     bx, by, bz = b.tolist()
     return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
-
-
-def rotation_between(start: Array, end: Array) -> list[float]:
-    """Axis times angle (3) [rad] of the shorter way from one quaternion to another, in world axes."""
-    x, y, z, w = start.tolist()
-    s, t, u, r = end.tolist()
-    a = s * w - r * x - t * z + u * y
-    b = t * w - r * y - u * x + s * z
-    c = u * w - r * z - s * y + t * x
-    d = r * w + s * x + t * y + u * z
-    sine = math.sqrt(a * a + b * b + c * c)
-    if sine < 1e-12:
-        return [0.0, 0.0, 0.0]
-    scale = math.copysign(2 * math.atan2(sine, abs(d)) / sine, d)
-    return [scale * a, scale * b, scale * c]

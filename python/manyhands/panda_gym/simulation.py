@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from manyhands._core import ModelBuilder, World
-from manyhands.panda_gym import bodies, drag, inverse_kinematics, memory, rotations
+from manyhands._core import panda_gym as _core
+from manyhands.panda_gym import bodies, rotations
 from manyhands.panda_gym.bodies import Body, Pose
 from manyhands.panda_gym.joints import Joints
 from manyhands.panda_gym.rotations import Array
@@ -35,20 +36,17 @@ class Simulation:
         self.world = World(builder.build(), time_step)
         self.bodies: dict[str, Body] = {}
         self._joints = Joints(self.world)
-        self._free: list[drag.FreeShape] | None = None
         self._states: dict[int, SavedState] = {}
 
     def step(self, n: int) -> None:
-        """Advances by n time steps."""
+        """Advances by n time steps. The air slows free shapes; arms, which their motors hold, it does not."""
         self._joints.places()
-        if self._free is None:
-            self._free = self._find_free()
-        drag.step(self.world, n, self._free)
+        _core.step(self.world, n, [body.links[0] for body in self.bodies.values() if body.is_free_shape])
 
     def forget(self) -> None:
         """Joints are held where they are, and the solver remembers nothing: what follows depends on poses alone."""
         self._joints.hold()
-        memory.forget(self.world)
+        self.world.forget()
 
     # ---- bodies ------------------------------------------------------------------------------------------------
 
@@ -82,16 +80,6 @@ class Simulation:
 
     def _world_has_changed(self) -> None:
         self._joints.world_has_changed()
-        self._free = None
-
-    def _find_free(self) -> list[drag.FreeShape]:
-        model = self.world.model
-        begins = {model.links[joint.child].name: joint.iv for joint in model.joints if joint.type == "floating"}
-        return [
-            drag.FreeShape(body.links[0], begins[body.links[0]], *body.inertia)
-            for body in self.bodies.values()
-            if body.inertia is not None
-        ]
 
     # ---- where links are, and how they move ----------------------------------------------------------------------
 
@@ -177,26 +165,19 @@ class Simulation:
 
     def reach(self, body: str, link: int, position: ArrayLike, quaternion: Array) -> Array:
         """PyBullet's inverse kinematics: positions of all movable joints that bring the link's frame closer to the
-        pose; see `inverse_kinematics.improve`."""
+        pose, after 20 heavily damped updates without regard to limits."""
         known, name, movable = self.bodies[body], self.link_name(body, link), self.movable_joints(body)
         if known.model is None or name == known.links[0] or not movable:
             raise error(f"no joint of body {body!r} moves link {link}")
         p_WB, r_WB = self.frame(body, -1)
         to_base = rotations.conjugate(r_WB)
-        place = {f"{body}/{joint.name}": (joint.iq, joint.iv) for joint in known.model.joints}
-        joints = [place[self._joint_name(body, joint)] for joint in movable]
+        place = {f"{body}/{joint.name}": joint.iq for joint in known.model.joints}
+        places = [place[self._joint_name(body, joint)] for joint in movable]
         q = known.model.neutral_configuration()
-        for (iq, _), joint in zip(joints, movable, strict=True):
-            q[iq] = self.joint_state(body, joint)[0]
-        solved = inverse_kinematics.improve(
-            known.model,
-            q,
-            joints,
-            name.removeprefix(f"{body}/"),
-            rotations.rotate(to_base, np.asarray(position, np.float64) - p_WB),
-            rotations.multiply(to_base, quaternion),
-        )
-        return solved[[iq for iq, _ in joints]]
+        q[places] = [self.joint_state(body, joint)[0] for joint in movable]
+        p_BL = rotations.rotate(to_base, np.asarray(position, np.float64) - p_WB)
+        r_BL = rotations.multiply(to_base, quaternion)
+        return _core.approach(known.model, name.removeprefix(f"{body}/"), p_BL, r_BL, q)[places]
 
     def _joint_name(self, body: str, joint: int) -> str:
         """What the world calls a joint; empty for one that is fixed. Raises error if there is none of that index."""

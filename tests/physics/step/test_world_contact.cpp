@@ -89,6 +89,23 @@ TEST(WorldContact, ContinuesInTheMiddleOfContactWithTheSameBits) {
   }
 }
 
+/// After `forget` a world goes on as one that was put there.
+TEST(WorldContact, ForgetsWhatCameBefore) {
+  const auto model = panda_and_cube();
+  World world(model);
+  world.step(300);
+  World other(model);
+  other.set_q(world.q());
+  other.set_v(world.v());
+  world.forget();
+  EXPECT_EQ(world.time(), 0);
+  EXPECT_EQ(world.state_hash(), other.state_hash());
+  world.step(50);
+  other.step(50);
+  EXPECT_FALSE(world.contacts().empty());
+  EXPECT_EQ(world.state_hash(), other.state_hash());
+}
+
 TEST(WorldContact, ContinuesWhereABroadPhaseFindsThePairs) {
   const auto model = stack(70);
   World world(model);
