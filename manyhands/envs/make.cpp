@@ -80,7 +80,18 @@ void for_each_task(Visit&& visit) {
   visit(Flip{});
 }
 
-[[noreturn]] void refuse_id(const std::string& id) {
+/// Calls visit(task, variant) for what the id means. Throws std::invalid_argument if it means nothing.
+template <class Visit>
+void find_task(const std::string& id, Visit&& visit) {
+  bool found = false;
+  for_each_task([&](const auto& task) {
+    for (const Variant& variant : variants(task.kName)) {
+      if (variant.id != id) continue;
+      visit(task, variant);
+      found = true;
+    }
+  });
+  if (found) return;
   std::string message = "unknown environment '" + id + "'; there are:";
   for (const std::string& known : env_ids()) message += ' ' + known;
   throw std::invalid_argument(message);
@@ -98,24 +109,15 @@ std::vector<std::string> env_ids() {
 
 int max_episode_steps(const std::string& id) {
   int steps = 0;
-  for_each_task([&](const auto& task) {
-    for (const Variant& variant : variants(task.kName)) {
-      if (variant.id == id) steps = task.kMaxEpisodeSteps;
-    }
-  });
-  if (steps == 0) refuse_id(id);
+  find_task(id, [&](const auto& task, const Variant&) { steps = task.kMaxEpisodeSteps; });
   return steps;
 }
 
 std::unique_ptr<EnvBatch> make_env_batch(const std::string& id, int num_envs, const EnvOptions& options) {
   check(num_envs, options);
   std::unique_ptr<EnvBatch> made;
-  for_each_task([&]<class Task>(const Task& task) {
-    for (const Variant& variant : variants(task.kName)) {
-      if (variant.id == id) made = make_task<Task>(variant, num_envs, options);
-    }
-  });
-  if (!made) refuse_id(id);
+  find_task(
+      id, [&]<class Task>(const Task&, const Variant& variant) { made = make_task<Task>(variant, num_envs, options); });
   return made;
 }
 

@@ -49,8 +49,8 @@ Model task_scene(const ArmSpec& arm, const Table& table, std::span<const ObjectS
   ModelBuilder builder = builder_of(load_arm(arm));
   // Hung on the world before the objects are, so that its numbers come first.
   const LinkId base(1);
-  builder.place_root(base, Transform<double>::identity());
-  builder.add_joint({.name = "arm_base", .parent = builder.world(), .child = base, .X_PF = arm.X_WA});
+  const Transform<double> X_WA = builder.links()[base.index()].X_BL;
+  builder.add_joint({.name = "arm_base", .parent = builder.world(), .child = base, .X_PF = X_WA});
   add_surroundings(builder, table);
   for (const ObjectSpec& object : objects) add_object(builder, object);
   return builder.build();

@@ -244,8 +244,9 @@ void TaskBatch<T, Task>::swap_lanes(Block& a, int lane_a, Block& b, int lane_b) 
 template <Number T, TaskLike Task>
 void TaskBatch<T, Task>::foresee_touches(Block& block, Workspace<T>& ws) const {
   constexpr double kNear = 0.005;  // [m]
-  const Vec3<T> goal = hand_position(arm_, system_.tree, block.state.target_q(), ws);
-  const T lowest = min(block.hand.p.z, goal.z);
+  const Transform<R> X_BF = broadcast<R>(arm_.chain.X_BF);
+  const Transform<T> goal = place_chain(system_.tree, arm_.chain, X_BF, block.state.target_q(), ws);
+  const T lowest = min(block.hand.p.z, goal.p.z);
   const auto low = lowest < T(static_cast<R>(arm_.tips + kNear));
   const std::span<const RememberedManifold<T>> memory = remembered(block.state.contacts());
   T used(R(0));
