@@ -70,6 +70,36 @@ class GoalTask(Task):
         )
 
 
+class PlaceObject(GoalTask):
+    """One object is to come to a place. Goal (3): where its centre should be. Observes the object (12).
+
+    `_rest` (3), `goal_range_low/high` and `obj_range_low/high` (3) say from where, and how far, goals and starts are
+    drawn.
+    """
+
+    _rest: Array
+    goal_range_low: Array
+    goal_range_high: Array
+    obj_range_low: Array
+    obj_range_high: Array
+
+    def draw_goal(self) -> Array:
+        """Where the object should be, drawn before where it starts."""
+        return self._rest + self.draw(self.goal_range_low, self.goal_range_high)
+
+    def reset(self) -> None:
+        self.goal = self.draw_goal()
+        start = self._rest + self.draw(self.obj_range_low, self.obj_range_high)
+        self.put("target", self.goal)
+        self.put("object", start)
+
+    def get_obs(self) -> Array:
+        return self.object_state()
+
+    def get_achieved_goal(self) -> Array:
+        return self.sim.get_base_position("object")
+
+
 def square(side: float, x_offset: float = 0.0, height: float = 0.0) -> tuple[Array, Array]:
     """The corners (3) of what lies within a square around (x_offset, 0), from z = 0 to the height."""
     half = side / 2

@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from manyhands.panda_gym.envs.tasks.goal_task import GREEN, GoalTask, square
+from manyhands.panda_gym.envs.tasks.goal_task import GREEN, PlaceObject, square
 from manyhands.panda_gym.pybullet import PyBullet
 from manyhands.panda_gym.rotations import Array
 
 _SHARE_ON_TABLE = 0.3
 
 
-class PickAndPlace(GoalTask):
+class PickAndPlace(PlaceObject):
     """Goal (3): where the cube's centre should be. Observes the cube (12)."""
 
     def __init__(
@@ -30,17 +30,8 @@ class PickAndPlace(GoalTask):
             self.create_surroundings()
             self.create_cube("", self.object_size, 1.0, GREEN, [self._rest, self._rest])
 
-    def reset(self) -> None:
+    def draw_goal(self) -> Array:
         offset = self.draw(self.goal_range_low, self.goal_range_high)
         if self.np_random.random() < _SHARE_ON_TABLE:
             offset[2] = 0.0
-        self.goal = self._rest + offset
-        start = self._rest + self.draw(self.obj_range_low, self.obj_range_high)
-        self.put("target", self.goal)
-        self.put("object", start)
-
-    def get_obs(self) -> Array:
-        return self.object_state()
-
-    def get_achieved_goal(self) -> Array:
-        return self.sim.get_base_position("object")
+        return self._rest + offset

@@ -2,12 +2,11 @@
 
 import numpy as np
 
-from manyhands.panda_gym.envs.tasks.goal_task import GREEN, TARGET_ALPHA, GoalTask, square
+from manyhands.panda_gym.envs.tasks.goal_task import GREEN, TARGET_ALPHA, PlaceObject, square
 from manyhands.panda_gym.pybullet import PyBullet
-from manyhands.panda_gym.rotations import Array
 
 
-class Slide(GoalTask):
+class Slide(PlaceObject):
     """Goal (3): where the puck's centre should be. Observes the puck (12).
 
     The goal's height is the puck's and not half of it, as in panda-gym: a puck that lies still is 15 mm off.
@@ -27,24 +26,12 @@ class Slide(GoalTask):
         self.goal_range_low, self.goal_range_high = square(goal_xy_range, goal_x_offset)
         self.obj_range_low, self.obj_range_high = square(obj_xy_range)
         radius = height = self.object_size / 2
-        self._start = np.array([0.0, 0.0, height])
+        self._rest = np.array([0.0, 0.0, height])
         with sim.no_rendering():
             self.create_surroundings(table_length=1.4, table_x_offset=-0.1)
             sim.create_cylinder(
-                "object", radius, height, 1.0, self._start, rgba_color=(*GREEN, 1.0), lateral_friction=0.04
+                "object", radius, height, 1.0, self._rest, rgba_color=(*GREEN, 1.0), lateral_friction=0.04
             )
             sim.create_cylinder(
-                "target", radius, height, 0.0, self._start, rgba_color=(*GREEN, TARGET_ALPHA), ghost=True
+                "target", radius, height, 0.0, self._rest, rgba_color=(*GREEN, TARGET_ALPHA), ghost=True
             )
-
-    def reset(self) -> None:
-        self.goal = self._start + self.draw(self.goal_range_low, self.goal_range_high)
-        start = self._start + self.draw(self.obj_range_low, self.obj_range_high)
-        self.put("target", self.goal)
-        self.put("object", start)
-
-    def get_obs(self) -> Array:
-        return self.object_state()
-
-    def get_achieved_goal(self) -> Array:
-        return self.sim.get_base_position("object")
