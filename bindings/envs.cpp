@@ -3,6 +3,7 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
@@ -32,6 +33,7 @@ using bindings::copied;
 using bindings::copied_bools;
 using bindings::viewed;
 using Bytes = std::optional<Array<bool, 1>>;
+using Ranges = std::vector<std::tuple<std::string, double, double, bool>>;
 using Seeds = std::optional<Array<std::uint64_t, 1>>;
 
 std::size_t size(int n) { return static_cast<std::size_t>(n); }
@@ -91,7 +93,8 @@ void bind_spec(nb::module_& m) {
       .def_ro("goal_dim", &EnvSpec::goal_dim)
       .def_ro("action_dim", &EnvSpec::action_dim)
       .def_ro("max_episode_steps", &EnvSpec::max_episode_steps)
-      .def_ro("dt", &EnvSpec::dt, "Simulated seconds of one environment step.");
+      .def_ro("dt", &EnvSpec::dt, "Simulated seconds of one environment step.")
+      .def_ro("randomized", &EnvSpec::randomized, "What differs from episode to episode.");
 }
 
 void bind_batch(nb::module_& m) {
@@ -135,6 +138,13 @@ void bind_batch(nb::module_& m) {
       .def_prop_ro(
           "truncated", [](const EnvBatch& envs) { return copied_bools(envs.truncated()); },
           nb::sig("def truncated(self) -> numpy.typing.NDArray[numpy.bool_]"), "(n), the step limit ended the episode.")
+      .def_prop_ro(
+          "randomized",
+          [](const EnvBatch& envs) {
+            return copied(envs.randomized().data(), {size(envs.num_envs()), envs.spec().randomized.size()});
+          },
+          nb::sig("def randomized(self) -> numpy.typing.NDArray[numpy.float32]"),
+          "(n, len(spec.randomized)), what the present episode of each world has.")
       .def_prop_ro("state_hash", &EnvBatch::state_hash, "Of the physics of all worlds: equal bits, equal hash.")
       .def(
           "snapshot",
@@ -162,24 +172,32 @@ void bind_make(nb::module_& m) {
   m.def(
       "make_env_batch",
       [](const std::string& id, int num_envs, int num_threads, int n_substeps, double time_step,
-         bool terminate_on_success, double distance_threshold, int lanes) {
+         bool terminate_on_success, double distance_threshold, const Ranges& randomize, const std::string& object_shape,
+         int lanes) {
         const nb::gil_scoped_release release;
+        std::vector<RandomRange> ranges;
+        for (const auto& [name, low, high, logarithmic] : randomize) ranges.push_back({name, low, high, logarithmic});
         return make_env_batch(id, num_envs,
                               {.num_threads = num_threads,
                                .n_substeps = n_substeps,
                                .time_step = time_step,
                                .terminate_on_success = terminate_on_success,
                                .distance_threshold = distance_threshold,
+                               .randomize = ranges,
+                               .object_shape = object_shape,
                                .lanes = lanes});
       },
       "id"_a, "num_envs"_a, nb::kw_only(), "num_threads"_a = EnvOptions{}.num_threads,
       "n_substeps"_a = EnvOptions{}.n_substeps, "time_step"_a = EnvOptions{}.time_step,
       "terminate_on_success"_a = EnvOptions{}.terminate_on_success,
-      "distance_threshold"_a = EnvOptions{}.distance_threshold, "lanes"_a = EnvOptions{}.lanes,
+      "distance_threshold"_a = EnvOptions{}.distance_threshold, "randomize"_a = Ranges{},
+      "object_shape"_a = EnvOptions{}.object_shape, "lanes"_a = EnvOptions{}.lanes,
       "`num_envs` worlds of the environment `id`. Threads: `num_threads`, or if 0 the variable MANYHANDS_THREADS, or "
       "one "
       "for each core. Physics: `n_substeps` of `time_step` [s] in one environment step. Success: nearer than "
-      "`distance_threshold`, 0 for what the task says. `lanes`: worlds in one register, 0 for the fastest. Raises "
+      "`distance_threshold`, 0 for what the task says. `randomize`: (name, low, high, whether the logarithm is "
+      "uniform) of what differs from episode to episode. `object_shape`: box, cylinder, sphere or capsule in place of "
+      "what the task says. `lanes`: worlds in one register, 0 for the fastest. Raises "
       "ValueError on an unknown "
       "id "
       "or an option out of range.");
@@ -194,10 +212,10 @@ nb::object final_rows(const AutoresetBatch& batch) {
   const AutoresetBatch::Final& last = batch.final();
   if (last.world.empty()) return nb::none();
   const EnvSpec& spec = batch.envs().spec();
-  return nb::make_tuple(copied(last.world.data(), {last.world.size()}),
-                        rows(last.observation, spec.observation_dim, {}, true),
-                        rows(last.achieved_goal, spec.goal_dim, {}, true),
-                        rows(last.desired_goal, spec.goal_dim, {}, true), copied_bools(last.is_success));
+  return nb::make_tuple(
+      copied(last.world.data(), {last.world.size()}), rows(last.observation, spec.observation_dim, {}, true),
+      rows(last.achieved_goal, spec.goal_dim, {}, true), rows(last.desired_goal, spec.goal_dim, {}, true),
+      copied_bools(last.is_success), copied(last.randomized.data(), {last.world.size(), spec.randomized.size()}));
 }
 
 void bind_autoreset(nb::module_& m) {
@@ -249,10 +267,11 @@ void bind_autoreset(nb::module_& m) {
       .def("final_rows", &final_rows,
            nb::sig("def final_rows(self) -> tuple[numpy.typing.NDArray[numpy.int32], "
                    "numpy.typing.NDArray[numpy.float32], numpy.typing.NDArray[numpy.float32], "
-                   "numpy.typing.NDArray[numpy.float32], numpy.typing.NDArray[numpy.bool_]] | None"),
+                   "numpy.typing.NDArray[numpy.float32], numpy.typing.NDArray[numpy.bool_], "
+                   "numpy.typing.NDArray[numpy.float32]] | None"),
            "Of the k worlds that ended and started anew within the last step (mode SAME_STEP): (world (k), observation "
-           "(k, observation_dim), achieved_goal (k, goal_dim), desired_goal (k, goal_dim), is_success (k)); None if "
-           "there is none.");
+           "(k, observation_dim), achieved_goal (k, goal_dim), desired_goal (k, goal_dim), is_success (k), randomized "
+           "(k, len(spec.randomized))); None if there is none.");
 }
 
 }  // namespace

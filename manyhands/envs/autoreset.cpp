@@ -107,6 +107,7 @@ void AutoresetBatch::keep_final_rows() {
     append_row(envs_.achieved_goal(), world, spec.goal_dim, final_.achieved_goal);
     append_row(envs_.desired_goal(), world, spec.goal_dim, final_.desired_goal);
     final_.is_success.push_back(envs_.is_success()[i]);
+    append_row(envs_.randomized(), world, static_cast<int>(spec.randomized.size()), final_.randomized);
   }
 }
 
@@ -116,6 +117,7 @@ void AutoresetBatch::forget_final_rows() {
   final_.achieved_goal.clear();
   final_.desired_goal.clear();
   final_.is_success.clear();
+  final_.randomized.clear();
 }
 
 }  // namespace manyhands

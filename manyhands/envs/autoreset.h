@@ -49,6 +49,7 @@ class AutoresetBatch {
     std::vector<int> world;                                       // (k), ascending
     std::vector<float> observation, achieved_goal, desired_goal;  // (k, ...)
     std::vector<std::uint8_t> is_success;                         // (k)
+    std::vector<float> randomized;                                // (k, spec().randomized.size())
   };
   [[nodiscard]] const Final& final() const { return final_; }
 

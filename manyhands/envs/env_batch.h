@@ -15,7 +15,8 @@ struct EnvSpec {
   int goal_dim{};         ///< length of an achieved or desired goal row
   int action_dim{};       ///< length of an action row; every component lies in [-1, 1]
   int max_episode_steps{};
-  double dt{};  ///< simulated seconds of one environment step
+  double dt{};                            ///< simulated seconds of one environment step
+  std::vector<std::string> randomized{};  ///< what differs from episode to episode
 };
 
 /// The batch API on which the Gymnasium environments and the trainers rest.
@@ -47,6 +48,9 @@ class EnvBatch {
   [[nodiscard]] virtual std::span<const std::uint8_t> is_success() const = 0;  ///< (n), 0 or 1
   [[nodiscard]] virtual std::span<const std::uint8_t> terminated() const = 0;  ///< (n), success ended the episode
   [[nodiscard]] virtual std::span<const std::uint8_t> truncated() const = 0;   ///< (n), the step limit ended it
+
+  /// (n, spec().randomized.size()): what the present episode of each world has.
+  [[nodiscard]] virtual std::span<const float> randomized() const { return {}; }
 
   /// The task's reward for k pairs of goals (k, goal_dim), k = reward.size(): what hindsight replay asks.
   virtual void compute_reward(std::span<const float> achieved_goal, std::span<const float> desired_goal,

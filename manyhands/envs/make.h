@@ -9,13 +9,23 @@
 
 namespace manyhands {
 
+/// From where a value is drawn at every reset: uniform in [low, high], or its logarithm is. Latencies are whole numbers
+/// from low to high, each as likely as another.
+struct RandomRange {
+  std::string name;  ///< "object_mass", "action_latency", ...: see randomize.h
+  double low = 1, high = 1;
+  bool logarithmic = false;
+};
+
 struct EnvOptions {
   int num_threads = 0;       ///< 0: the variable MANYHANDS_THREADS, else as many as the machine has cores
   int n_substeps = 20;       ///< physics steps of one environment step
   double time_step = 0.002;  ///< of the physics [s]
   bool terminate_on_success = true;
-  double distance_threshold = 0;  ///< success is nearer than this; 0: what the task says, 5 cm in Reach
-  int lanes = 0;                  ///< 0: the fastest for this build, or scalars for a single world; else 1, 4, 8 or 16
+  double distance_threshold = 0;         ///< success is nearer than this; 0: what the task says, 5 cm in Reach
+  std::vector<RandomRange> randomize{};  ///< what differs from episode to episode
+  std::string object_shape{};            ///< "": as the task says; else one of object_shapes()
+  int lanes = 0;  ///< 0: the fastest for this build, or scalars for a single world; else 1, 4, 8 or 16
 };
 
 /// The ids that `make_env_batch` knows, for example "PandaReachDense-v3".

@@ -1,5 +1,8 @@
 #include "manyhands/envs/scene.h"
 
+#include <algorithm>
+#include <stdexcept>
+
 #include "manyhands/base/assets.h"
 #include "manyhands/model/compose.h"
 #include "manyhands/model/io/urdf.h"
@@ -27,16 +30,43 @@ void add_surroundings(ModelBuilder& builder, const Table& table) {
 }
 
 void add_object(ModelBuilder& builder, const ObjectSpec& object) {
-  const Inertial solid = solid_of(object.shape);
+  const Inertial solid = placed(object.X_OG, solid_of(object.shape));
   const LinkId link = builder.add_link(object.name, scaled(solid, object.mass / solid.mass));
   builder.add_joint(
       {.name = object.name + "_joint", .type = JointType::kFloating, .parent = builder.world(), .child = link});
-  Geom geom{.name = object.name, .link = link, .shape = object.shape, .rgba = object.rgba};
+  Geom geom{.name = object.name, .link = link, .X_LG = object.X_OG, .shape = object.shape, .rgba = object.rgba};
   geom.surface.lateral_friction = object.friction;
+  geom.surface.rolling_friction = object.rolling_friction;
   builder.add_geom(geom);
 }
 
+constexpr std::array kShapes{"box", "cylinder", "sphere", "capsule"};
+
 }  // namespace
+
+std::span<const char* const> object_shapes() { return kShapes; }
+
+void reshape(ObjectSpec& object, const std::string& shape, std::span<const char* const> allowed) {
+  if (std::ranges::find(allowed, shape) == allowed.end()) {
+    std::string message = "object_shape is '" + shape + "'; expected";
+    for (const char* known : allowed) message += std::string(known == allowed.front() ? " " : ", ") + known;
+    throw std::invalid_argument(message);
+  }
+  const bool was_box = object.shape.type == ShapeType::kBox;
+  const double radius = object.shape.size.x, half_height = was_box ? object.shape.size.z : object.shape.size.y;
+  const bool round = shape == "sphere" || shape == "capsule";
+  if (shape == "box") {
+    object.shape = {.type = ShapeType::kBox, .size = {radius, was_box ? object.shape.size.y : radius, half_height}};
+  } else if (shape == "cylinder") {
+    object.shape = {.type = ShapeType::kCylinder, .size = {radius, half_height, 0}};
+  } else if (shape == "sphere") {
+    object.shape = {.type = ShapeType::kSphere, .size = {half_height, 0, 0}};
+  } else {
+    object.shape = {.type = ShapeType::kCapsule, .size = {half_height, radius, 0}};
+    object.X_OG.R = {{0, 0, -1}, {0, 1, 0}, {1, 0, 0}};  // its axis along the object's x
+  }
+  if (round) object.rolling_friction = 5e-4;
+}
 
 Model load_arm(const ArmSpec& spec) {
   UrdfOptions options;

@@ -18,10 +18,20 @@ struct Table {
 struct ObjectSpec {
   std::string name;
   Shape shape{};
-  double mass = 1;  ///< [kg]
+  Transform<double> X_OG = Transform<double>::identity();  ///< where the shape is in the object's frame
+  double mass = 1;                                         ///< [kg]
   double friction = 0.5;
+  double rolling_friction = 0;  ///< [m]
   std::array<float, 4> rgba{0.1f, 0.9f, 0.1f, 1};
 };
+
+/// What `reshape` knows: box, cylinder, sphere, capsule.
+[[nodiscard]] std::span<const char* const> object_shapes();
+
+/// Gives a box or an upright cylinder another shape of the same height and mass, as wide where that can be: a sphere's
+/// width is the height, a capsule of that width lies along x. Round ones come to rest: 0.5 mm of rolling friction.
+/// Throws std::invalid_argument on a shape that is not one of `allowed`; the message lists them.
+void reshape(ObjectSpec& object, const std::string& shape, std::span<const char* const> allowed = object_shapes());
 
 [[nodiscard]] Model load_arm(const ArmSpec& spec);
 

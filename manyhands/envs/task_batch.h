@@ -2,11 +2,12 @@
 #pragma once
 
 #include <atomic>
+#include <optional>
 #include <random>
 #include <stdexcept>
 
 #include "manyhands/base/thread_pool.h"
-#include "manyhands/envs/make.h"
+#include "manyhands/envs/randomize.h"
 #include "manyhands/envs/tasks/task.h"
 
 namespace manyhands {
@@ -31,6 +32,7 @@ class TaskBatch final : public EnvBatch {
   [[nodiscard]] std::span<const std::uint8_t> is_success() const override { return is_success_; }
   [[nodiscard]] std::span<const std::uint8_t> terminated() const override { return terminated_; }
   [[nodiscard]] std::span<const std::uint8_t> truncated() const override { return truncated_; }
+  [[nodiscard]] std::span<const float> randomized() const override { return randomized_; }
   void compute_reward(std::span<const float> achieved_goal, std::span<const float> desired_goal,
                       std::span<float> reward) const override;
   [[nodiscard]] std::uint64_t state_hash() const override;
@@ -44,14 +46,17 @@ class TaskBatch final : public EnvBatch {
   struct Block {
     State<T> state;
     std::array<T, Task::kGoalSize> goal;
-    HandState<T> hand;            ///< at the end of the last step
-    std::array<int, W> worlds;    ///< in its lanes; -1: none
-    std::array<bool, W> touches;  ///< whether the lane's arm touches something, or is about to
+    HandState<T> hand;                  ///< at the end of the last step
+    std::array<int, W> worlds;          ///< in its lanes; -1: none
+    std::array<bool, W> touches;        ///< whether the lane's arm touches something, or is about to
+    std::optional<Params<T>> params{};  ///< its worlds' own, where physics are randomised
   };
   struct World {
     NumpyRandom random;
     int steps;        ///< of the present episode
     int block, lane;  ///< where it lives
+    RandomKey key{};
+    RandomValues values{};
   };
   struct Object {
     std::size_t body, iq, iv;
@@ -78,10 +83,24 @@ class TaskBatch final : public EnvBatch {
   static void swap_lanes(Block& a, int lane_a, Block& b, int lane_b);
   void reset_block(int block, StepWorkspace<T>& ws, std::span<const std::uint8_t> mask,
                    std::span<const std::uint64_t> seeds);
-  void start_episode(Block& block, int lane, NumpyRandom& random);
+  void start_episode(Block& block, int lane, NumpyRandom& random, double size);
+  void begin_randomized(int world);
+  void settle(const World& world);
+  /// Of one world: (longest latency x action_dim).
+  [[nodiscard]] auto late_actions_of(std::size_t world) const {
+    const std::size_t size = late_actions_.size() / worlds_.size();
+    return std::span(late_actions_).subspan(world * size, size);
+  }
+  [[nodiscard]] auto late_actions_of(std::size_t world) {
+    const std::size_t size = late_actions_.size() / worlds_.size();
+    return std::span(late_actions_).subspan(world * size, size);
+  }
+  void disturb(int world, std::span<float> action);
+  void add_noise(int world);
   void act(Block& block, StepWorkspace<T>& ws, std::span<const float> action);
   void step_block(Block& block, StepWorkspace<T>& ws);
-  void simulate(Block& block, StepWorkspace<T>& ws);
+  template <Number P>
+  void simulate(Block& block, const Params<P>& params, StepWorkspace<T>& ws);
   [[nodiscard]] View look(Block& block, StepWorkspace<T>& ws) const;
   void foresee_touches(Block& block, Workspace<T>& ws) const;
   void write_row(int world, int lane, const View& view, const Block& block);
@@ -97,15 +116,18 @@ class TaskBatch final : public EnvBatch {
   std::vector<Object> objects_;
   std::vector<std::size_t> arm_manifolds_;  ///< of the arm with anything, in the memory of contacts
   System<R> system_;
-  Params<R> params_;  ///< the same for all worlds
-  State<T> start_;    ///< the arm as every episode begins
+  Params<R> params_;  ///< the same for all worlds, unless they are randomised
+  Randomizer randomizer_;
+  SceneParts parts_;
+  State<T> start_;  ///< the arm as every episode begins
   std::vector<Block> blocks_;
   std::vector<int> touching_;       ///< (blocks) worlds whose arm touches something
   std::vector<std::size_t> mixed_;  ///< scratch: blocks in which the arm touches in some worlds only
   std::vector<World> worlds_;
   ThreadPool pool_;
   std::vector<StepWorkspace<T>> workspaces_;  ///< one for each worker
-  std::vector<float> observation_, achieved_goal_, desired_goal_, reward_;
+  std::vector<float> observation_, achieved_goal_, desired_goal_, reward_, randomized_;
+  std::vector<float> late_actions_;  ///< (n, longest latency, action_dim) those of the last steps, in a circle
   std::vector<std::uint8_t> is_success_, terminated_, truncated_;
 };
 

@@ -3,9 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstring>
 
-#include "manyhands/base/hash.h"
 #include "manyhands/envs/task_batch.h"
 
 namespace manyhands {
@@ -44,10 +42,20 @@ EnvSpec complete(EnvSpec spec, const Arm& arm, const EnvOptions& options) {
   return spec;
 }
 
+/// The task's objects in the shape that is asked for.
 template <class Task>
-Model scene_of(const ArmSpec& arm, const Task& task) {
-  const auto objects = task.objects();
-  return task_scene(arm, task.table(), objects);
+std::array<ObjectSpec, Task::kObjects> objects_of(const Task& task, const std::string& shape) {
+  std::array<ObjectSpec, Task::kObjects> objects = task.objects();
+  if (shape.empty()) return objects;
+  if (objects.empty()) throw std::invalid_argument("object_shape is '" + shape + "', but the task has no object");
+  for (ObjectSpec& object : objects) {
+    if constexpr (requires { Task::kShapes; }) {
+      reshape(object, shape, Task::kShapes);
+    } else {
+      reshape(object, shape);
+    }
+  }
+  return objects;
 }
 
 }  // namespace internal
@@ -59,13 +67,16 @@ TaskBatch<T, Task>::TaskBatch(EnvSpec spec, const ArmSpec& arm, ArmControl contr
       goals_{reward, options.distance_threshold > 0 ? options.distance_threshold : Task::kDistanceThreshold},
       options_(options),
       num_envs_(num_envs),
-      scene_(internal::scene_of(arm, task)),
+      scene_(task_scene(arm, task.table(), internal::objects_of(task, options.object_shape))),
       arm_(arm, scene_, control, Task::kHasGripper),
       system_(scene_),
       params_(scene_),
+      randomizer_(options.randomize),
+      parts_(scene_, arm_, task.objects()),
       start_(scene_, system_.contact_numbers()),
       pool_(std::min(choose_num_threads(options.num_threads), (num_envs + W - 1) / W)) {
   spec_ = internal::complete<Task>(std::move(spec), arm_, options);
+  spec_.randomized = randomizer_.names();
   // A block waits for its slowest world, and what four sweeps leave the next step's continue.
   system_.solver.max_sweeps = 4;
   set_arm_motors(arm_, params_);
@@ -84,13 +95,15 @@ TaskBatch<T, Task>::TaskBatch(EnvSpec spec, const ArmSpec& arm, ArmControl contr
   for (int k = 0; k < W; ++k) reset_arm(arm_, start_, k);
   Block empty{start_, {}, {}, {}, {}};
   empty.worlds.fill(-1);
+  if (randomizer_.varies_physics()) empty.params.emplace(scene_), set_arm_motors(arm_, *empty.params);
   blocks_.assign(internal::rows((num_envs + W - 1) / W, 1), empty);
   touching_.resize(blocks_.size());
   mixed_.reserve(blocks_.size());
   for (int worker = 0; worker < pool_.num_threads(); ++worker) workspaces_.emplace_back(system_);
   std::random_device device;
   for (int i = 0; i < num_envs; ++i) {
-    worlds_.push_back({NumpyRandom(internal::fresh_seed(device)), 0, i / W, i % W});
+    const std::uint64_t seed = internal::fresh_seed(device);
+    worlds_.push_back({NumpyRandom(seed), 0, i / W, i % W, {.seed = seed}});
     blocks_[static_cast<std::size_t>(i / W)].worlds[static_cast<std::size_t>(i % W)] = i;
   }
   observation_.resize(internal::rows(num_envs, spec_.observation_dim));
@@ -99,8 +112,10 @@ TaskBatch<T, Task>::TaskBatch(EnvSpec spec, const ArmSpec& arm, ArmControl contr
   reward_.resize(internal::rows(num_envs, 1));
   is_success_.resize(reward_.size());
   terminated_ = truncated_ = is_success_;
+  randomized_.resize(worlds_.size() * spec_.randomized.size());
+  late_actions_.resize(internal::rows(num_envs, spec_.action_dim) * randomizer_.longest_latency());
   for (Block& block : blocks_) {
-    for (int k = 0; k < W; ++k) start_episode(block, k, worlds_[0].random);
+    for (int k = 0; k < W; ++k) start_episode(block, k, worlds_[0].random, 1);
   }
   reset({}, {});
 }
@@ -126,8 +141,10 @@ void TaskBatch<T, Task>::reset_block(int b, StepWorkspace<T>& ws, std::span<cons
     any_starts = true;
     World& world = worlds_[row];
     if (!seeds.empty()) world.random = NumpyRandom(seeds[row]);
+    world.key = seeds.empty() ? RandomKey{world.key.seed, world.key.episode + 1} : RandomKey{seeds[row]};
     world.steps = 0;
-    start_episode(block, lane, world.random);
+    begin_randomized(i);
+    start_episode(block, lane, world.random, world.values[static_cast<std::size_t>(Randomized::kObjectSize)]);
   });
   if (!any_starts) return;
   const View view = look(block, ws);
@@ -141,15 +158,16 @@ void TaskBatch<T, Task>::reset_block(int b, StepWorkspace<T>& ws, std::span<cons
 }
 
 template <Number T, TaskLike Task>
-void TaskBatch<T, Task>::start_episode(Block& block, int lane, NumpyRandom& random) {
+void TaskBatch<T, Task>::start_episode(Block& block, int lane, NumpyRandom& random, double size) {
   copy_lane(start_, lane, block.state, lane);
   block.touches[static_cast<std::size_t>(lane)] = false;
-  const TaskStart<Task::kGoalSize, Task::kObjects> start = task_.draw(random);
+  TaskStart<Task::kGoalSize, Task::kObjects> start = task_.draw(random);
+  if constexpr (requires { task_.resize(start, size); }) task_.resize(start, size);
   for (std::size_t i = 0; i < Task::kGoalSize; ++i)
     set_lane(block.goal[i], lane, static_cast<R>(static_cast<float>(start.goal[i])));
   for (std::size_t k = 0; k < Task::kObjects; ++k) {
     const Vec3<double>& p = start.objects[k];
-    const std::array pose{p.x, p.y, p.z, 0.0, 0.0, 0.0, 1.0};
+    const std::array pose{p.x, p.y, size * p.z, 0.0, 0.0, 0.0, 1.0};
     for (std::size_t i = 0; i < pose.size(); ++i)
       set_lane(block.state.q()[objects_[k].iq + i], lane, static_cast<R>(pose[i]));
   }
@@ -208,6 +226,7 @@ void TaskBatch<T, Task>::exchange(std::size_t full, std::size_t sparse) {
       if (world < 0) continue;
       worlds_[static_cast<std::size_t>(world)].block = static_cast<int>(b);
       worlds_[static_cast<std::size_t>(world)].lane = lane;
+      settle(worlds_[static_cast<std::size_t>(world)]);
     }
     ++touching_[full];
     --touching_[sparse];
@@ -258,9 +277,11 @@ template <Number T, TaskLike Task>
 void TaskBatch<T, Task>::act(Block& block, StepWorkspace<T>& ws, std::span<const float> action) {
   std::array<T, Arm::kMostActions> lanes{};
   for_each_world(block, [&](int i, int lane) {
-    const float* row = &action[internal::rows(i, spec_.action_dim)];
-    for (int k = 0; k < spec_.action_dim; ++k)
-      set_lane(lanes[static_cast<std::size_t>(k)], lane, static_cast<R>(row[k]));
+    std::array<float, Arm::kMostActions> row{};
+    std::copy_n(&action[internal::rows(i, spec_.action_dim)], spec_.action_dim, row.begin());
+    disturb(i, std::span(row).first(static_cast<std::size_t>(spec_.action_dim)));
+    for (std::size_t k = 0; k < static_cast<std::size_t>(spec_.action_dim); ++k)
+      set_lane(lanes[k], lane, static_cast<R>(row[k]));
   });
   apply_action(arm_, system_.tree, params_, block.hand, lanes.data(), block.state, ws.dynamics);
   if constexpr (W > 1) foresee_touches(block, ws.dynamics);
@@ -268,7 +289,11 @@ void TaskBatch<T, Task>::act(Block& block, StepWorkspace<T>& ws, std::span<const
 
 template <Number T, TaskLike Task>
 void TaskBatch<T, Task>::step_block(Block& block, StepWorkspace<T>& ws) {
-  simulate(block, ws);
+  if (block.params) {
+    simulate(block, *block.params, ws);
+  } else {
+    simulate(block, params_, ws);
+  }
   const View view = look(block, ws);
   for_each_world(block, [&](int i, int k) {
     const auto row = static_cast<std::size_t>(i);
@@ -280,12 +305,13 @@ void TaskBatch<T, Task>::step_block(Block& block, StepWorkspace<T>& ws) {
 }
 
 template <Number T, TaskLike Task>
-void TaskBatch<T, Task>::simulate(Block& block, StepWorkspace<T>& ws) {
+template <Number P>
+void TaskBatch<T, Task>::simulate(Block& block, const Params<P>& params, StepWorkspace<T>& ws) {
   for (int k = 0; k < options_.n_substeps; ++k) {
     for (const Object& object : objects_)
-      apply_drag(params_.inertia[object.body], block.state.q() + object.iq, block.state.v() + object.iv,
+      apply_drag(params.inertia[object.body], block.state.q() + object.iq, block.state.v() + object.iv,
                  block.state.tau() + object.iv);
-    manyhands::step(system_, params_, static_cast<R>(options_.time_step), block.state, ws);
+    manyhands::step(system_, params, static_cast<R>(options_.time_step), block.state, ws);
   }
 }
 
@@ -313,6 +339,7 @@ void TaskBatch<T, Task>::write_row(int i, int at, const View& view, const Block&
   write(view.observation.data(), spec_.observation_dim, observation_);
   write(view.achieved.data(), spec_.goal_dim, achieved_goal_);
   write(block.goal.data(), spec_.goal_dim, desired_goal_);
+  add_noise(i);
   is_success_[static_cast<std::size_t>(i)] = lane(view.outcome.success, at);
 }
 
@@ -327,58 +354,7 @@ void TaskBatch<T, Task>::compute_reward(std::span<const float> achieved_goal, st
   }
 }
 
-template <Number T, TaskLike Task>
-std::uint64_t TaskBatch<T, Task>::state_hash() const {
-  Hash hash;
-  for (const World& world : worlds_) {
-    for (const T& number : block_of(world).state.numbers()) hash.add(lane(number, world.lane));
-  }
-  return hash.value();
-}
-
-/// World by world: state, goal, random stream and step count, as bytes.
-template <Number T, TaskLike Task>
-std::size_t TaskBatch<T, Task>::bytes_of_world() const {
-  return (start_.numbers().size() + Task::kGoalSize) * sizeof(R) + sizeof(NumpyRandom::State) + sizeof(std::int32_t);
-}
-
-template <Number T, TaskLike Task>
-std::vector<std::uint8_t> TaskBatch<T, Task>::snapshot() const {
-  std::vector<std::uint8_t> bytes;
-  bytes.reserve(bytes_of_world() * worlds_.size());
-  const auto put = [&](const auto& value) {
-    const auto* first = reinterpret_cast<const std::uint8_t*>(&value);
-    bytes.insert(bytes.end(), first, first + sizeof(value));
-  };
-  for (const World& world : worlds_) {
-    for (const T& number : block_of(world).state.numbers()) put(lane(number, world.lane));
-    for (const T& number : block_of(world).goal) put(lane(number, world.lane));
-    put(world.random.state());
-    put(static_cast<std::int32_t>(world.steps));
-  }
-  return bytes;
-}
-
-template <Number T, TaskLike Task>
-void TaskBatch<T, Task>::restore(std::span<const std::uint8_t> snapshot) {
-  internal::check_size(snapshot.size(), bytes_of_world() * worlds_.size(), "the snapshot");
-  const std::uint8_t* from = snapshot.data();
-  const auto take = [&](auto value) {
-    std::memcpy(&value, from, sizeof(value));
-    from += sizeof(value);
-    return value;
-  };
-  for (World& world : worlds_) {
-    Block& block = blocks_[static_cast<std::size_t>(world.block)];
-    for (T& number : block.state.numbers()) set_lane(number, world.lane, take(R{}));
-    for (T& number : block.goal) set_lane(number, world.lane, take(R{}));
-    world.random = NumpyRandom(take(NumpyRandom::State{}));
-    world.steps = take(std::int32_t{});
-  }
-  for (Block& block : blocks_) {
-    const View view = look(block, workspaces_[0]);
-    for_each_world(block, [&](int i, int lane) { write_row(i, lane, view, block); });
-  }
-}
-
 }  // namespace manyhands
+
+#include "manyhands/envs/task_batch_randomized.inl"
+#include "manyhands/envs/task_batch_snapshot.inl"

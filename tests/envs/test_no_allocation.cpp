@@ -238,10 +238,12 @@ TEST(NoAllocation, InALargeWorldInContact) {
 }
 
 TEST(NoAllocation, InABatchOfEnvironments) {
-  for (const char* id : {"PandaReach-v3", "PandaReachJoints-v3"}) {
+  const std::vector<RandomRange> some{{"motor_gain", 0.5, 1}, {"action_latency", 0, 2}, {"observation_noise", 0, 1}};
+  for (const auto& [id, ranges] :
+       {std::pair{"PandaReach-v3", std::vector<RandomRange>{}}, {"PandaReachJoints-v3", some}}) {
     for (const int threads : {1, 2}) {
       for (const int lanes : {1, 4, 8, 16}) {
-        const auto env = make_env_batch(id, 40, {.num_threads = threads, .lanes = lanes});
+        const auto env = make_env_batch(id, 40, {.num_threads = threads, .randomize = ranges, .lanes = lanes});
         const std::vector<float> action(static_cast<std::size_t>(40 * env->spec().action_dim), 0.7f);
         const std::vector<std::uint8_t> mask(40, 1);
         const std::vector<std::uint64_t> seeds(40, 5);

@@ -12,6 +12,8 @@ struct Flip {
   static constexpr int kMaxEpisodeSteps = 50;
   static constexpr double kDistanceThreshold = 0.2;
 
+  static constexpr std::array kShapes{"box"};  ///< that show how they are turned
+
   [[nodiscard]] Table table() const { return {}; }
 
   [[nodiscard]] std::array<ObjectSpec, 1> objects() const {

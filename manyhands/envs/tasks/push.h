@@ -13,6 +13,9 @@ struct PlaceObject {
 
   [[nodiscard]] Table table() const { return {}; }
 
+  /// The goal of a cube of another size, whose centre rests higher or lower.
+  static void resize(TaskStart<3, 1>& start, double size) { start.goal[2] += (size - 1) * 0.02; }
+
   template <Number T>
   MANYHANDS_INLINE void observe(const std::array<ObjectState<T>, 1>& objects, T* row) const {
     write_object(objects[0], row);

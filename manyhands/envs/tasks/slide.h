@@ -17,6 +17,8 @@ struct Slide : PlaceObject {
     return {ObjectSpec{.name = "object", .shape = puck, .friction = 0.04}};
   }
 
+  static void resize(TaskStart<3, 1>& start, double size) { start.goal[2] += (size - 1) * 0.015; }
+
   [[nodiscard]] TaskStart<3, 1> draw(NumpyRandom& random) const {
     const Vec3<double> goal = draw_in_box(random, {0.25, -0.15, 0}, {0.55, 0.15, 0});
     const Vec3<double> object = draw_in_square(random, 0.3);

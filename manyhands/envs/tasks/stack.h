@@ -12,6 +12,8 @@ struct Stack {
   static constexpr int kMaxEpisodeSteps = 100;
   static constexpr double kDistanceThreshold = 0.1;
 
+  static constexpr std::array kShapes{"box", "cylinder"};  ///< that can be stacked
+
   [[nodiscard]] Table table() const { return {}; }
 
   [[nodiscard]] std::array<ObjectSpec, 2> objects() const {
@@ -25,6 +27,10 @@ struct Stack {
     const Vec3<double> goal = draw_in_square(random, 0.3), a = draw_in_square(random, 0.3),
                        b = draw_in_square(random, 0.3);
     return {.goal = {goal.x, goal.y, 0.02, goal.x, goal.y, 0.06}, .objects = {{{a.x, a.y, 0.02}, {b.x, b.y, 0.06}}}};
+  }
+
+  static void resize(TaskStart<6, 2>& start, double size) {
+    for (const std::size_t z : {2, 5}) start.goal[z] *= size;
   }
 
   template <Number T>

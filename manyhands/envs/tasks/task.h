@@ -43,7 +43,9 @@ struct TaskStart {
   std::array<Vec3<double>, kObjects> objects{};  ///< their centres; none is turned
 };
 
-/// What a task must have; see push.h for a small one. Sizes are numbers of floats; `Objects` are ObjectState<T>.
+/// What a task must have; see push.h for a small one. Sizes are numbers of floats; `Objects` are ObjectState<T>. It may
+/// have `kShapes`, where its objects cannot have just any shape, and resize(start, size), where goals depend on the
+/// size of objects.
 template <class Task>
 concept TaskLike = requires(const Task& task, NumpyRandom& random, const HandState<float>& hand,
                             const std::array<ObjectState<float>, Task::kObjects>& objects, float* row) {

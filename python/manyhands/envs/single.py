@@ -9,7 +9,6 @@ from gymnasium.utils import EzPickle
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import Unpack
 
-from manyhands._core.envs import make_env_batch
 from manyhands.envs import spaces
 from manyhands.envs.spaces import ControlType, EnvOptions, Observation, RewardType
 
@@ -26,7 +25,8 @@ class PandaEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
 
     Calls from several Python threads take turns.
 
-    `info["is_success"]` of reset and step says whether the goal is reached. Copies and pickles are new environments
+    `info["is_success"]` of reset and step says whether the goal is reached; with `randomize`, `info["randomized"]` what
+    the episode has, by name. Copies and pickles are new environments
     made from the same arguments.
     """
 
@@ -53,7 +53,7 @@ class PandaEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         self.render_mode = render_mode
         self._turn = threading.Lock()
         name = spaces.env_id(task, reward_type, control_type)
-        self._batch = make_env_batch(name, 1, num_threads=1, **options)
+        self._batch = spaces.make_batch(name, 1, 1, options)
         self.observation_space = spaces.observation_space(self._batch.spec)
         self.action_space = spaces.action_space(self._batch.spec)
 
@@ -98,4 +98,8 @@ class PandaEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         return {"observation": observation[0], "achieved_goal": achieved[0], "desired_goal": desired[0]}
 
     def _info(self) -> dict[str, Any]:
-        return {"is_success": bool(self._batch.is_success[0])}
+        info: dict[str, Any] = {"is_success": bool(self._batch.is_success[0])}
+        names = self._batch.spec.randomized
+        if names:
+            info["randomized"] = dict(zip(names, self._batch.randomized[0].tolist(), strict=True))
+        return info

@@ -1,17 +1,18 @@
 """Spaces, actions and rewards as the single and the vector environment share them."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal, NoReturn, TypeAlias, TypedDict
 
 import numpy as np
 from gymnasium import spaces
 from numpy.typing import ArrayLike, NDArray
 
-from manyhands._core.envs import EnvBatch, EnvSpec
+from manyhands._core.envs import EnvBatch, EnvSpec, make_env_batch
 from manyhands.arguments import whole_number
 
 Observation: TypeAlias = dict[str, NDArray[np.float32]]
 RewardType: TypeAlias = Literal["sparse", "dense"]
+Randomize: TypeAlias = Mapping[str, float | tuple[float, float] | tuple[float, float, str]]
 ControlType: TypeAlias = Literal["ee", "joints"]
 
 
@@ -22,6 +23,8 @@ class EnvOptions(TypedDict, total=False):
     time_step: float  # of the physics [s]: 0.002
     terminate_on_success: bool  # True
     distance_threshold: float  # success is nearer than this; 0: what the task says
+    randomize: Randomize | None  # what differs from episode to episode: docs/randomization.md
+    object_shape: str  # "box", "cylinder", "sphere" or "capsule" in place of what the task says
 
 
 RENDER_FPS = 25  # one frame per environment step of 0.04 s
@@ -34,6 +37,26 @@ def env_id(task: str, reward_type: str, control_type: str) -> str:
     if control_type not in ("ee", "joints"):
         raise ValueError(f"control_type is {control_type!r}, expected 'ee' or 'joints'")
     return f"{task}{'Joints' * (control_type == 'joints')}{'Dense' * (reward_type == 'dense')}-v3"
+
+
+def make_batch(name: str, num_envs: int, num_threads: int, options: EnvOptions) -> EnvBatch:
+    """The batch of an id. Raises ValueError on an option out of range."""
+    randomize = options.get("randomize")
+    if randomize is not None and not isinstance(randomize, Mapping):
+        raise ValueError(f"randomize is {randomize!r}, expected a dict of names and ranges")
+    ranges = [as_range(key, value) for key, value in (randomize or {}).items()]
+    others: Any = {key: value for key, value in options.items() if key != "randomize"}
+    return make_env_batch(name, num_envs, num_threads=num_threads, randomize=ranges, **others)
+
+
+def as_range(name: str, value: Any) -> tuple[str, float, float, bool]:
+    """(name, low, high, logarithmic) of x, (low, high) or (low, high, "log"). Raises ValueError on anything else."""
+    parts: list[Any] = list(value) if isinstance(value, Sequence) and len(value) > 1 else [value, value]
+    low, high, *law = parts
+    numbers = all(isinstance(number, int | float | np.integer | np.floating) for number in (low, high))
+    if not numbers or law not in ([], ["log"]):
+        raise ValueError(f"randomize: {name!r} is {value!r}, expected a number, (low, high) or (low, high, 'log')")
+    return name, float(low), float(high), bool(law)
 
 
 def require_no_rendering(render_mode: str | None) -> None:

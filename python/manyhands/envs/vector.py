@@ -11,7 +11,7 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import Unpack
 
-from manyhands._core.envs import AutoresetBatch, make_env_batch
+from manyhands._core.envs import AutoresetBatch
 from manyhands._core.envs import AutoresetMode as CoreMode
 from manyhands.arguments import whole_number
 from manyhands.envs import spaces
@@ -61,7 +61,7 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
             max_episode_steps = whole_number("max_episode_steps", max_episode_steps, -1, 2**31 - 1)
         mode = AutoresetMode(autoreset_mode)
         name = spaces.env_id(task, reward_type, control_type)
-        self._envs = make_env_batch(name, num_envs, num_threads=threads, **options)
+        self._envs = spaces.make_batch(name, num_envs, threads, options)
         spec = self._envs.spec
         limit = spec.max_episode_steps if max_episode_steps is None else max(max_episode_steps, 0)
         self._batch = AutoresetBatch(self._envs, CoreMode[mode.name], limit)
@@ -155,17 +155,31 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
 
     def _info(self, mask: NDArray[np.bool_] | None = None) -> dict[str, Any]:
         present = np.ones(self.num_envs, np.bool_) if mask is None else mask.copy()
-        return {"is_success": self._batch.is_success & present, "_is_success": present}
+        return {
+            "is_success": self._batch.is_success & present,
+            "_is_success": present,
+            **self._randomized(self._envs.randomized, present),
+        }
+
+    def _randomized(self, rows: NDArray[np.float32], present: NDArray[np.bool_]) -> dict[str, Any]:
+        """What SyncVectorEnv makes of the dicts in the infos of single environments; `rows` (num_envs, names)."""
+        values: dict[str, Any] = {}
+        for name, column in zip(self._envs.spec.randomized, rows.T.astype(np.float64), strict=True):
+            values[name] = np.where(present, column, 0.0)
+            values[f"_{name}"] = present.copy()
+        return {"randomized": values, "_randomized": present.copy()} if values else {}
 
     def _final_info(self) -> dict[str, Any]:
         rows = self._batch.final_rows()
         if rows is None:
             return {}
-        worlds, observation, achieved, desired, is_success = rows
+        worlds, observation, achieved, desired, is_success, randomized = rows
         present = np.zeros(self.num_envs, np.bool_)
         present[worlds] = True
         success = np.zeros(self.num_envs, np.bool_)
         success[worlds] = is_success
+        values = np.zeros((self.num_envs, randomized.shape[1]), np.float32)
+        values[worlds] = randomized
         final_obs = np.full(self.num_envs, None, dtype=object)
         for k, world in enumerate(worlds):
             final_obs[world] = {
@@ -176,6 +190,10 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         return {
             "final_obs": final_obs,
             "_final_obs": present,
-            "final_info": {"is_success": success, "_is_success": present.copy()},
+            "final_info": {
+                "is_success": success,
+                "_is_success": present.copy(),
+                **self._randomized(values, present),
+            },
             "_final_info": present.copy(),
         }
