@@ -54,7 +54,7 @@ clean:  ## Remove what was built; .venv too
 	rm -rf build $(VENV)
 
 # ---- Set-up, each step once ------------------------------------------------------------------------------------
-LIBRARIES := libeigen3-dev libpugixml-dev libqhull-dev ccache
+LIBRARIES := libeigen3-dev libpugixml-dev libqhull-dev libembree-dev ccache
 SOURCES := CMakeLists.txt $(shell find cmake manyhands bindings python assets -type f -not -path '*/__pycache__/*')
 
 $(VENV)/.build: tools/setup.sh

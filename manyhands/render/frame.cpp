@@ -1,0 +1,143 @@
+#include "manyhands/render/frame.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+namespace manyhands {
+
+namespace {
+
+using Vec = Vec3<float>;
+
+constexpr float kInfinite = std::numeric_limits<float>::infinity();
+constexpr Rectangle kEverywhere{-kInfinite, kInfinite, -kInfinite, kInfinite};
+
+void widen(Rectangle& r, float x, float y) {
+  r = {min(r.left, x), max(r.right, x), min(r.top, y), max(r.bottom, y)};
+}
+
+/// Calls visit(corner) for the corners of the item's box, in I.
+template <class Visit>
+void for_each_corner(const Item& item, Visit&& visit) {
+  for (int k = 0; k < 8; ++k) {
+    visit(Vec{k & 1 ? item.high.x : item.low.x, k & 2 ? item.high.y : item.low.y, k & 4 ? item.high.z : item.low.z});
+  }
+}
+
+void set_view(PlacedItem& placed, const Camera& camera) {
+  placed.view = kEverywhere;
+  placed.nearest = 0;
+  if (placed.item->type == ShapeType::kPlane) return;
+  const Transform<float> X_CI = inverse(placed.X_IC);
+  const float fx = static_cast<float>(camera.fx), fy = static_cast<float>(camera.fy);
+  const float cx = static_cast<float>(camera.cx), cy = static_cast<float>(camera.cy);
+  Rectangle covered{kInfinite, -kInfinite, kInfinite, -kInfinite};
+  float nearest = kInfinite;
+  for_each_corner(*placed.item, [&](const Vec& p_I) {
+    const Vec p = X_CI * p_I;
+    const float scale = camera.orthographic ? 1 : 1 / max(p.z, 1e-6f);
+    widen(covered, fma(fx * p.x, scale, cx), fma(fy * p.y, scale, cy));
+    nearest = min(nearest, p.z);
+  });
+  placed.nearest = nearest - 1e-4f * std::abs(nearest);
+  // A box that reaches behind the camera has no such picture of its corners.
+  if (nearest > 1e-3f || camera.orthographic) {
+    placed.view = {covered.left - 0.5f, covered.right + 0.5f, covered.top - 0.5f, covered.bottom + 0.5f};
+  }
+}
+
+void set_shade(PlacedItem& placed, const LightAxes& light) {
+  placed.shade = {kInfinite, -kInfinite, kInfinite, -kInfinite};
+  placed.height = -kInfinite;
+  if (placed.item->type == ShapeType::kPlane) return;  // the light comes from above it
+  for_each_corner(*placed.item, [&](const Vec& p_I) {
+    const Vec p = placed.X_WI * p_I;
+    widen(placed.shade, dot(light.x, p), dot(light.y, p));
+    placed.height = max(placed.height, dot(light.z, p));
+  });
+}
+
+LightAxes axes_of(const Vec3<double>& direction) {
+  const Vec3<double> z = (1 / norm(direction)) * direction;
+  const Vec3<double> side = cross(std::abs(z.x) < 0.9 ? Vec3<double>{1, 0, 0} : Vec3<double>{0, 1, 0}, z);
+  const Vec3<double> x = (1 / norm(side)) * side;
+  return {broadcast<float>(x), broadcast<float>(cross(z, x)), broadcast<float>(z)};
+}
+
+Paint paint_of(const std::array<float, 4>& rgba, Pattern pattern) {
+  return {linear_light(rgba[0]), linear_light(rgba[1]), linear_light(rgba[2]), clamp(rgba[3], 0.0f, 1.0f), pattern};
+}
+
+}  // namespace
+
+float linear_light(float srgb) {
+  const float c = clamp(srgb, 0.0f, 1.0f);
+  return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f);
+}
+
+void require_look(const Look& look) {
+  const auto require = [](bool holds, const std::string& what) {
+    if (!holds) throw std::invalid_argument("look: " + what);
+  };
+  require(norm(look.light) > 1e-9 && is_finite(norm(look.light)), "the direction to the light has no length");
+  require(look.sun >= 0 && look.ambient >= 0 && is_finite(look.sun + look.ambient),
+          "sun and ambient are brightnesses of 0 or more");
+  require(look.shadow_rays >= 1 && look.shadow_rays <= 256, "shadow_rays must be from 1 to 256");
+  require(look.sun_size >= 0 && look.sun_size < 1, "sun_size must be from 0 to 1 rad");
+  require(look.antialiasing >= 1 && look.antialiasing <= 8, "antialiasing must be from 1 to 8");
+}
+
+void set_frame(PictureFrame& frame, const Scene& scene, const Camera& camera, const Look& look,
+               std::span<const Transform<double>> X_WB, std::span<const Mark> marks,
+               std::span<const std::array<float, 4>> rgba) {
+  require_camera(camera);
+  require_look(look);
+  frame.camera = camera;
+  frame.look = look;
+  frame.light = axes_of(look.light);
+  frame.horizon = paint_of({look.horizon[0], look.horizon[1], look.horizon[2], 1}, Pattern::kPlain);
+  frame.zenith = paint_of({look.zenith[0], look.zenith[1], look.zenith[2], 1}, Pattern::kPlain);
+  Transform<double> X_WC = camera.X_FC;
+  if (!camera.frame.empty()) {
+    const Frame& mount = scene.model().frame(scene.model().frame_id(camera.frame));
+    X_WC = X_WB[mount.body.index()] * mount.X_BF * camera.X_FC;
+  }
+  frame.X_WC = broadcast<float>(X_WC);
+  frame.solid.clear();
+  frame.clear.clear();
+  frame.paint.clear();
+
+  const auto place = [&](const Item& item, const Transform<double>& X_WI, int first_seen, bool is_clear) {
+    PlacedItem placed{};
+    placed.item = &item;
+    placed.first_seen = first_seen;
+    placed.X_WI = broadcast<float>(X_WI);
+    placed.X_IC = broadcast<float>(inverse(X_WI) * X_WC);
+    set_view(placed, camera);
+    set_shade(placed, frame.light);
+    (is_clear ? frame.clear : frame.solid).push_back(placed);
+  };
+  for (const Seen& seen : scene.seen()) {
+    frame.paint.push_back(paint_of(rgba.empty() ? seen.rgba : rgba[seen.geom.index()], seen.pattern));
+  }
+  for (const Item& item : scene.items()) {
+    place(item, X_WB[item.body.index()] * broadcast<double>(item.X_BI), item.first_seen, item.is_clear);
+  }
+  frame.marks.clear();
+  for (const Mark& mark : marks) frame.marks.push_back(item_of(mark.shape));
+  for (std::size_t k = 0; k < marks.size(); ++k) {
+    place(frame.marks[k], marks[k].X_WM, static_cast<int>(frame.paint.size()), true);
+    frame.paint.push_back(paint_of(marks[k].rgba, marks[k].pattern));
+  }
+  std::ranges::stable_sort(frame.solid, [](const PlacedItem& a, const PlacedItem& b) {
+    const bool simple_a = a.item->triangles == nullptr, simple_b = b.item->triangles == nullptr;
+    return simple_a != simple_b ? simple_a : a.nearest < b.nearest;
+  });
+  std::ranges::stable_sort(frame.clear,
+                           [](const PlacedItem& a, const PlacedItem& b) { return a.nearest > b.nearest; });
+}
+
+}  // namespace manyhands

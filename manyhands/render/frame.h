@@ -1,0 +1,61 @@
+// A scene at one moment, seen by one camera: what rays need, prepared once for a picture. Internal to the renderer.
+#pragma once
+
+#include "manyhands/render/camera.h"
+#include "manyhands/render/look.h"
+#include "manyhands/render/scene.h"
+
+namespace manyhands {
+
+/// A rectangle; of pixels, or across the light.
+struct Rectangle {
+  float left, right, top, bottom;
+  [[nodiscard]] bool meets(const Rectangle& other) const {
+    return left <= other.right && other.left <= right && top <= other.bottom && other.top <= bottom;
+  }
+};
+
+/// An item where it is.
+struct PlacedItem {
+  const Item* item;
+  int first_seen;  ///< in the palette of the frame
+  Transform<float> X_WI, X_IC;
+  Rectangle view;   ///< the pixels that it may cover
+  float nearest;    ///< no part has a smaller depth [m]
+  Rectangle shade;  ///< the shadow it may cast, across the light [m]
+  float height;     ///< its highest point towards the light [m]
+};
+
+/// What colour a geom has: linear light, not as screens take it.
+struct Paint {
+  float red, green, blue, alpha;
+  Pattern pattern;
+};
+
+/// Axes across the light, and towards it.
+struct LightAxes {
+  Vec3<float> x, y, z;
+};
+
+struct PictureFrame {
+  Camera camera;
+  Look look;
+  Transform<float> X_WC;
+  LightAxes light;
+  Paint horizon, zenith;
+  std::vector<PlacedItem> solid;  ///< simple shapes first, each kind from the nearest on
+  std::vector<PlacedItem> clear;  ///< from the farthest on
+  std::vector<Paint> paint;       ///< by number of `Seen`; marks follow
+  std::vector<Item> marks;
+};
+
+/// The linear light of a number as screens take it (sRGB, IEC 61966-2-1).
+[[nodiscard]] float linear_light(float srgb);
+
+/// X_WB: poses of the model's bodies (bodies). rgba: colours of the model's geoms (geoms), or empty for its own. Frames
+/// are used again and again, so that their memory is.
+void set_frame(PictureFrame& frame, const Scene& scene, const Camera& camera, const Look& look,
+               std::span<const Transform<double>> X_WB, std::span<const Mark> marks,
+               std::span<const std::array<float, 4>> rgba);
+
+}  // namespace manyhands

@@ -1,0 +1,72 @@
+// Pictures of scenes: colour, depth, segmentation and normals, by rays on the CPU.
+#pragma once
+
+#include <mutex>
+
+#include "manyhands/base/thread_pool.h"
+#include "manyhands/physics/dynamics/workspace.h"
+#include "manyhands/render/frame.h"
+
+namespace manyhands {
+
+/// One picture to take of the model at the configuration q.
+struct Shot {
+  Camera camera;
+  Look look{};
+  std::vector<double> q;                     ///< (nq)
+  std::vector<Mark> marks{};                 ///< drawn over it
+  std::vector<std::array<float, 4>> rgba{};  ///< (geoms) colours of the model's geoms in this picture; empty: their own
+};
+
+/// Where n pictures of (height, width) pixels go; rows from the top. Spans that are empty are not wanted.
+struct Pictures {
+  std::span<std::uint8_t> colour;         ///< (n, height, width, 3) red, green, blue
+  std::span<float> depth;                 ///< (n, height, width) along the optical axis [m]; `far` where nothing is
+  std::span<std::int32_t> segmentation;   ///< (n, height, width) index of the link; -1 where nothing is
+  std::span<float> normals;               ///< (n, height, width, 3) unit, in the world; 0 where nothing is
+};
+
+/// Takes pictures with threads of its own. What is see-through (alpha below 1) and marks are in the colour picture
+/// only. The same picture whatever the number of threads and the other pictures of a call. Calls from several threads
+/// take turns.
+class Renderer {
+ public:
+  /// Threads: 0 takes the variable MANYHANDS_THREADS, else as many as the machine has cores.
+  explicit Renderer(std::shared_ptr<const Scene> scene, int num_threads = 0);
+  /// Throws std::runtime_error if Embree fails.
+  explicit Renderer(std::shared_ptr<const Model> model, int num_threads = 0)
+      : Renderer(std::make_shared<const Scene>(std::move(model)), num_threads) {}
+
+  [[nodiscard]] const Scene& scene() const { return *scene_; }
+
+  /// Throws std::invalid_argument if cameras differ in size, a configuration, a camera, a look or a span has numbers
+  /// that do not fit; std::out_of_range on a camera's frame that the model does not have.
+  void render(std::span<const Shot> shots, const Pictures& pictures);
+  /// X_WC of a shot's camera.
+  [[nodiscard]] Transform<double> camera_pose(const Camera& camera, std::span<const double> q);
+
+ private:
+  struct Worker {
+    Workspace<double> bodies;
+    std::vector<Transform<double>> X_WB;
+  };
+
+  void require_fit(std::span<const Shot> shots, const Pictures& pictures) const;
+  void place_bodies(std::span<const double> q, Worker& worker) const;
+  void draw(std::size_t shot, int first_row, int end_row, const Pictures& pictures) const;
+  void smooth(std::size_t shot, int first_row, int end_row, std::span<const std::uint8_t> from,
+              std::span<std::uint8_t> to) const;
+
+  std::shared_ptr<const Scene> scene_;
+  Tree<double> tree_;
+  ThreadPool pool_;
+  std::vector<Worker> workers_;
+  std::vector<PictureFrame> frames_;
+  std::vector<std::uint8_t> rough_;  // colours before edges are smoothed
+  std::mutex mutex_;
+};
+
+/// A renderer of the model, for whoever has none of his own: those of the last few models are kept.
+[[nodiscard]] std::shared_ptr<Renderer> renderer_of(const std::shared_ptr<const Model>& model);
+
+}  // namespace manyhands

@@ -1,0 +1,67 @@
+// What of a model can be seen, as rays meet it.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "manyhands/model/model.h"
+#include "manyhands/render/triangles.h"
+
+namespace manyhands {
+
+enum class Pattern : std::uint8_t {
+  kPlain,
+  kChecks,  ///< on planes: squares of 0.5 m
+  kDie,     ///< on boxes: a colour for each face
+};
+
+/// One geom as it is seen.
+struct Seen {
+  LinkId link{};  ///< invalid for marks
+  GeomId geom{};
+  std::array<float, 4> rgba{};
+  Pattern pattern = Pattern::kPlain;
+};
+
+/// What rays are tried against in one go: a simple shape, or triangles that move together.
+struct Item {
+  BodyId body{};
+  Transform<float> X_BI = Transform<float>::identity();
+  ShapeType type = ShapeType::kSphere;  ///< kMesh: `triangles`
+  Vec3<float> size{};                   ///< see Shape [m]
+  std::shared_ptr<const Triangles> triangles{};
+  Vec3<float> low{}, high{};  ///< of a box that holds it, in I [m]; not for planes
+  int first_seen = 0;         ///< what it shows: for triangles, that of part 0
+  bool is_clear = false;      ///< one sees through it: alpha below 1
+};
+
+/// A shape that is drawn over a picture, but is not part of the world: in colour only, without shadow.
+struct Mark {
+  Shape shape{};  ///< of a kind without mesh or heights
+  std::array<float, 4> rgba{0.1f, 0.9f, 0.1f, 0.4f};
+  Transform<double> X_WM = Transform<double>::identity();
+  Pattern pattern = Pattern::kPlain;
+};
+
+/// Immutable, shared by renderers and threads. Visual geoms are seen, and those that collide on links without visual
+/// ones; geoms whose alpha is 0 are not.
+class Scene {
+ public:
+  /// Throws std::runtime_error if Embree fails.
+  explicit Scene(std::shared_ptr<const Model> model);
+
+  [[nodiscard]] const Model& model() const { return *model_; }
+  [[nodiscard]] std::shared_ptr<const Model> shared_model() const { return model_; }
+  [[nodiscard]] std::span<const Item> items() const { return items_; }
+  [[nodiscard]] std::span<const Seen> seen() const { return seen_; }
+
+ private:
+  std::shared_ptr<const Model> model_;
+  std::vector<Item> items_;
+  std::vector<Seen> seen_;
+};
+
+/// The item of a simple shape. Throws std::invalid_argument on meshes and height fields, or a size that is not above 0.
+[[nodiscard]] Item item_of(const Shape& shape);
+
+}  // namespace manyhands
