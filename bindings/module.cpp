@@ -11,6 +11,7 @@ NB_MODULE(_core, m) {
   manyhands::bind_collision(m);
   manyhands::bind_world(m);
   manyhands::bind_batch_worlds(m);
+  manyhands::bind_render(m);
   manyhands::bind_envs(m);
   manyhands::bind_experts(m);
   manyhands::bind_panda_gym(m);

@@ -13,13 +13,13 @@ namespace manyhands {
 /// A camera without distortion. Its frame C is the optical one: x to the right, y down, z forward. Pixel (i, j) is that
 /// of column i and row j from the top left; its centre is at (i + 0.5, j + 0.5).
 struct Camera {
-  int width = 640, height = 480;                               ///< [pixels]
-  double fx = 0, fy = 0;                                       ///< [pixels per unit of x/z]; orthographic: [pixels/m]
-  double cx = 0, cy = 0;                                       ///< where the optical axis meets the picture [pixels]
-  bool orthographic = false;                                   ///< rays are parallel to z
-  double near = 0.01, far = 100;                               ///< what is seen lies between these depths [m]
-  std::string frame{};                                         ///< F: a frame or link of the model; "": the world
-  Transform<double> X_FC = Transform<double>::identity();      ///< pose in F
+  int width = 640, height = 480;                           ///< [pixels]
+  double fx = 0, fy = 0;                                   ///< [pixels per unit of x/z]; orthographic: [pixels/m]
+  double cx = 0, cy = 0;                                   ///< where the optical axis meets the picture [pixels]
+  bool orthographic = false;                               ///< rays are parallel to z
+  double near = 0.01, far = 100;                           ///< what is seen lies between these depths [m]
+  std::string frame{};                                     ///< F: a frame or link of the model; "": the world
+  Transform<double> X_FC = Transform<double>::identity();  ///< pose in F
 };
 
 /// A camera that sees `fov_y` [rad] from the top to the bottom, at the world's origin. Throws std::invalid_argument

@@ -15,9 +15,7 @@ using Vec = Vec3<float>;
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 constexpr Rectangle kEverywhere{-kInfinite, kInfinite, -kInfinite, kInfinite};
 
-void widen(Rectangle& r, float x, float y) {
-  r = {min(r.left, x), max(r.right, x), min(r.top, y), max(r.bottom, y)};
-}
+void widen(Rectangle& r, float x, float y) { r = {min(r.left, x), max(r.right, x), min(r.top, y), max(r.bottom, y)}; }
 
 /// Calls visit(corner) for the corners of the item's box, in I.
 template <class Visit>
@@ -136,8 +134,7 @@ void set_frame(PictureFrame& frame, const Scene& scene, const Camera& camera, co
     const bool simple_a = a.item->triangles == nullptr, simple_b = b.item->triangles == nullptr;
     return simple_a != simple_b ? simple_a : a.nearest < b.nearest;
   });
-  std::ranges::stable_sort(frame.clear,
-                           [](const PlacedItem& a, const PlacedItem& b) { return a.nearest > b.nearest; });
+  std::ranges::stable_sort(frame.clear, [](const PlacedItem& a, const PlacedItem& b) { return a.nearest > b.nearest; });
 }
 
 }  // namespace manyhands

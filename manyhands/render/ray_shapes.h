@@ -99,8 +99,7 @@ MANYHANDS_INLINE Entry<T> enter_plane(const Vec3<T>& o, const Vec3<T>& d) {
 
 /// Where a ray enters a sphere, capsule, cylinder, box or plane of these sizes (see Shape). Not for other types.
 template <Number T>
-MANYHANDS_INLINE Entry<T> enter_shape(ShapeType type, const Vec3<real_t<T>>& size, const Vec3<T>& o,
-                                      const Vec3<T>& d) {
+MANYHANDS_INLINE Entry<T> enter_shape(ShapeType type, const Vec3<real_t<T>>& size, const Vec3<T>& o, const Vec3<T>& d) {
   const Vec3<T> s = broadcast<T>(size);
   switch (type) {
     case ShapeType::kSphere:

@@ -146,12 +146,13 @@ void Renderer::require_fit(std::span<const Shot> shots, const Pictures& pictures
   for (const Shot& shot : shots) {
     const Model& model = scene_->model();
     if (shot.q.size() != size(model.nq())) {
-      throw std::invalid_argument("a configuration has " + std::to_string(shot.q.size()) + " numbers; expected nq = " +
-                                  std::to_string(model.nq()));
+      throw std::invalid_argument("a configuration has " + std::to_string(shot.q.size()) +
+                                  " numbers; expected nq = " + std::to_string(model.nq()));
     }
     if (!shot.rgba.empty() && shot.rgba.size() != model.geoms().size()) {
-      throw std::invalid_argument("there are " + std::to_string(shot.rgba.size()) + " colours; expected one for each of " +
-                                  std::to_string(model.geoms().size()) + " geoms, or none");
+      throw std::invalid_argument("there are " + std::to_string(shot.rgba.size()) +
+                                  " colours; expected one for each of " + std::to_string(model.geoms().size()) +
+                                  " geoms, or none");
     }
     if (shot.camera.width != shots[0].camera.width || shot.camera.height != shots[0].camera.height) {
       throw std::invalid_argument("the pictures of one call must all have the same width and height");

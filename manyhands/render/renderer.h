@@ -20,10 +20,10 @@ struct Shot {
 
 /// Where n pictures of (height, width) pixels go; rows from the top. Spans that are empty are not wanted.
 struct Pictures {
-  std::span<std::uint8_t> colour;         ///< (n, height, width, 3) red, green, blue
-  std::span<float> depth;                 ///< (n, height, width) along the optical axis [m]; `far` where nothing is
-  std::span<std::int32_t> segmentation;   ///< (n, height, width) index of the link; -1 where nothing is
-  std::span<float> normals;               ///< (n, height, width, 3) unit, in the world; 0 where nothing is
+  std::span<std::uint8_t> colour;        ///< (n, height, width, 3) red, green, blue
+  std::span<float> depth;                ///< (n, height, width) along the optical axis [m]; `far` where nothing is
+  std::span<std::int32_t> segmentation;  ///< (n, height, width) index of the link; -1 where nothing is
+  std::span<float> normals;              ///< (n, height, width, 3) unit, in the world; 0 where nothing is
 };
 
 /// Takes pictures with threads of its own. What is see-through (alpha below 1) and marks are in the colour picture

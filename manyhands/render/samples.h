@@ -10,14 +10,14 @@ struct Samples {
 
   // ---- given ----
   int packets = 0;
-  Rectangle part{};                         ///< of the picture; holds all positions [pixels]
-  std::array<RayMask, kPackets> active{};   ///< which lanes are wanted
-  std::array<Rays, kPackets> x{}, y{};      ///< positions [pixels]
+  Rectangle part{};                        ///< of the picture; holds all positions [pixels]
+  std::array<RayMask, kPackets> active{};  ///< which lanes are wanted
+  std::array<Rays, kPackets> x{}, y{};     ///< positions [pixels]
 
   // ---- found by `find` ----
-  std::array<Rays, kPackets> depth{};       ///< camera.far where there is nothing [m]
-  std::array<RayInts, kPackets> seen{};     ///< numbers of paints; -1 where there is nothing
-  std::array<Vec3<Rays>, kPackets> n{};     ///< unit, in the world, towards the camera
+  std::array<Rays, kPackets> depth{};    ///< camera.far where there is nothing [m]
+  std::array<RayInts, kPackets> seen{};  ///< numbers of paints; -1 where there is nothing
+  std::array<Vec3<Rays>, kPackets> n{};  ///< unit, in the world, towards the camera
 
   // ---- found by `shade` ----
   std::array<Rays, kPackets> red{}, green{}, blue{};  ///< as screens take them, 0 to 255

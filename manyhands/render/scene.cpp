@@ -47,8 +47,8 @@ Triangles::Part part_of(const HeightField& field) {
   for (int j = 0; j < field.rows; ++j) {
     for (int i = 0; i < field.columns; ++i) {
       const double z = field.height[part.vertices.size()];
-      part.vertices.push_back(broadcast<float>(Vec3<double>{(i - 0.5 * (field.columns - 1)) * field.dx,
-                                                            (j - 0.5 * (field.rows - 1)) * field.dy, z}));
+      part.vertices.push_back(broadcast<float>(
+          Vec3<double>{(i - 0.5 * (field.columns - 1)) * field.dx, (j - 0.5 * (field.rows - 1)) * field.dy, z}));
     }
   }
   for (int j = 0; j + 1 < field.rows; ++j) {

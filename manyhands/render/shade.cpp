@@ -11,9 +11,9 @@ namespace {
 
 using Vec = Vec3<Rays>;
 
-constexpr float kAbove = 1e-3f;       // shadow rays start so far off the surface [m]
-constexpr float kGloss = 0.10f;       // brightness of highlights
-constexpr float kCheck = 0.5f;        // side of a square [m]
+constexpr float kAbove = 1e-3f;                     // shadow rays start so far off the surface [m]
+constexpr float kGloss = 0.10f;                     // brightness of highlights
+constexpr float kCheck = 0.5f;                      // side of a square [m]
 constexpr float kFadeFrom = 2.5f, kFadeTo = 16.0f;  // where floors fade into the horizon [m]
 
 struct Light {
@@ -98,7 +98,8 @@ void cast_all_shadows(const PictureFrame& frame, const Samples& s, Lit& lit) {
   for (int i = 0; i < n; ++i) {
     const float r = rim * std::sqrt((static_cast<float>(i) + 0.5f) / static_cast<float>(n));
     const float angle = 2.39996323f * static_cast<float>(i);
-    const Vec3<float> aim = fma(r * std::cos(angle), frame.light.x, fma(r * std::sin(angle), frame.light.y, frame.light.z));
+    const Vec3<float> aim =
+        fma(r * std::cos(angle), frame.light.x, fma(r * std::sin(angle), frame.light.y, frame.light.z));
     cast_shadows(frame, s, (1 / norm(aim)) * aim, rim, lit);
   }
 }
@@ -114,8 +115,8 @@ MANYHANDS_INLINE Rays stripes(Rays x, Rays w) {
   return Rays(2.0f) * (a - b) / w;
 }
 
-MANYHANDS_INLINE Light checks(const PictureFrame& frame, const PlacedItem& placed, const Vec& p, Rays depth, Rays facing,
-                              const Light& paint) {
+MANYHANDS_INLINE Light checks(const PictureFrame& frame, const PlacedItem& placed, const Vec& p, Rays depth,
+                              Rays facing, const Light& paint) {
   const Vec o = transpose_times(broadcast<Rays>(placed.X_WI.R), p - broadcast<Rays>(placed.X_WI.p));
   const float pixel = static_cast<float>(1 / frame.camera.fy);
   const Rays across = frame.camera.orthographic ? Rays(pixel) : depth * Rays(pixel);
@@ -148,7 +149,8 @@ MANYHANDS_INLINE Light sky(const PictureFrame& frame, const Vec& d) {
   return mix(sqrt(up), everywhere(frame.horizon), everywhere(frame.zenith));
 }
 
-MANYHANDS_INLINE Light reflected(const PictureFrame& frame, const Vec& n, const Vec& d, Rays share, const Light& paint) {
+MANYHANDS_INLINE Light reflected(const PictureFrame& frame, const Vec& n, const Vec& d, Rays share,
+                                 const Light& paint) {
   const Look& look = frame.look;
   const Vec light = broadcast<Rays>(frame.light.z);
   const Rays from_sky = Rays(look.ambient) * fma(Rays(0.35f), n.z, Rays(0.65f));
@@ -193,8 +195,7 @@ void add_clear(const PictureFrame& frame, const Samples& s, std::size_t k, const
       seen = seen + part;
       for_lanes<Rays>(met, [&](int j) {
         const Vec3<float> normal =
-            placed.X_WI.R *
-            placed.item->triangles->surface({part[j], triangle[j]}, lane(ray.o, j), lane(ray.d, j)).n;
+            placed.X_WI.R * placed.item->triangles->surface({part[j], triangle[j]}, lane(ray.o, j), lane(ray.d, j)).n;
         set_lane(n.x, j, normal.x);
         set_lane(n.y, j, normal.y);
         set_lane(n.z, j, normal.z);

@@ -33,6 +33,7 @@ from manyhands._core import (
     load_urdf,
     set_asset_root,
 )
+from manyhands._core.render import Camera, Look, Mark, Picture, Renderer
 from manyhands.kinematics import IkResult, inverse_kinematics
 
 try:
@@ -49,6 +50,7 @@ envs.register()
 __all__ = [
     "Actuator",
     "Batch",
+    "Camera",
     "Contact",
     "ContactPair",
     "ContactResiduals",
@@ -62,11 +64,15 @@ __all__ = [
     "Link",
     "LoadNote",
     "LoadReport",
+    "Look",
     "Loop",
+    "Mark",
     "Mesh",
     "MjcfError",
     "Model",
     "ModelBuilder",
+    "Picture",
+    "Renderer",
     "SimulationError",
     "UrdfError",
     "World",

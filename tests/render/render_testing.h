@@ -35,7 +35,9 @@ inline Picture take(Renderer& renderer, const Shot& shot) { return take(renderer
 /// A ground plane and 14 free bodies in the air: two of each simple shape, a hull, a mesh and a height field beside.
 inline std::shared_ptr<const Model> zoo(unsigned seed) {
   std::mt19937 random(seed);
-  const auto uniform = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+  const auto uniform = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
   ModelBuilder builder("zoo");
   const auto add_fixed = [&](const char* name, const Shape& shape, const Transform<double>& X) {
     builder.add_link(name);
@@ -56,7 +58,8 @@ inline std::shared_ptr<const Model> zoo(unsigned seed) {
   }
   Mesh cloud;
   for (int i = 0; i < 30; ++i) {
-    cloud.vertices.push_back(broadcast<float>(Vec3<double>{uniform(-0.3, 0.3), uniform(-0.3, 0.3), uniform(-0.3, 0.3)}));
+    cloud.vertices.push_back(
+        broadcast<float>(Vec3<double>{uniform(-0.3, 0.3), uniform(-0.3, 0.3), uniform(-0.3, 0.3)}));
   }
   for (int i = 0; i + 2 < 30; ++i) cloud.triangles.push_back({i, i + 1, i + 2});
   const MeshId mesh = builder.add_mesh(cloud);

@@ -1,9 +1,9 @@
-#include "manyhands/render/camera.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
+
+#include "manyhands/render/camera.h"
 
 namespace manyhands {
 namespace {
@@ -104,7 +104,8 @@ TEST(Camera, RefusesNonsense) {
   const std::vector<double> zeros(16, 0.0);
   EXPECT_THROW((void)camera_from_matrices(8, 8, zeros, zeros), std::invalid_argument);
   EXPECT_THROW((void)camera_from_matrices(8, 8, {}, zeros), std::invalid_argument);
-  EXPECT_THROW((void)point_cloud(perspective_camera(2, 2, 1), Transform<double>::identity(), {}), std::invalid_argument);
+  EXPECT_THROW((void)point_cloud(perspective_camera(2, 2, 1), Transform<double>::identity(), {}),
+               std::invalid_argument);
 }
 
 }  // namespace

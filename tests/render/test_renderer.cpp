@@ -109,7 +109,8 @@ TEST(Renderer, TheSamePictureWhateverTheThreadsAndTheOthersOfTheCall) {
   EXPECT_EQ(alone.segmentation, shared.segmentation);
   EXPECT_EQ(alone.normals, shared.normals);
   std::vector<Shot> many(20, shot);
-  for (std::size_t i = 0; i < many.size(); i += 2) many[i].camera.X_FC = orbit({0, 0, 0.3}, 2.5, 0.1 * static_cast<double>(i), -0.3);
+  for (std::size_t i = 0; i < many.size(); i += 2)
+    many[i].camera.X_FC = orbit({0, 0, 0.3}, 2.5, 0.1 * static_cast<double>(i), -0.3);
   const Picture batch = take(three, many);
   for (std::size_t i = 1; i < many.size(); i += 2) {
     EXPECT_TRUE(std::equal(alone.colour.begin(), alone.colour.end(), batch.colour.begin() + i * alone.colour.size()));
@@ -170,19 +171,22 @@ TEST(Renderer, SoftShadowsHaveAPenumbraOfTheSunsWidth) {
   const Picture soft = take(renderer, shot);
   shot.look.shadows = false;
   const Picture none = take(renderer, shot);
-  const auto red = [](const Picture& p, int i) { return static_cast<int>(p.colour[3 * static_cast<std::size_t>(50 * 101 + i)]); };
+  const auto red = [](const Picture& p, int i) {
+    return static_cast<int>(p.colour[3 * static_cast<std::size_t>(50 * 101 + i)]);
+  };
   const int dark = red(soft, 50);
-  EXPECT_NEAR(red(soft, 53), dark, 6);             // 0.06 from the middle
-  EXPECT_GT(red(soft, 60), dark + 10);             // 0.20
+  EXPECT_NEAR(red(soft, 53), dark, 6);  // 0.06 from the middle
+  EXPECT_GT(red(soft, 60), dark + 10);  // 0.20
   EXPECT_LT(red(soft, 60), red(none, 60) - 10);
-  EXPECT_EQ(red(soft, 66), red(none, 66));         // 0.32
+  EXPECT_EQ(red(soft, 66), red(none, 66));  // 0.32
 }
 
 TEST(Renderer, ConvexBodiesDoNotShadeThemselves) {
   const auto model = testing::zoo(2);
   Renderer renderer(model, 1);
   ModelBuilder builder("alone");
-  Geom geom{.name = "cylinder", .link = builder.world(), .shape = {.type = ShapeType::kCylinder, .size = {0.3, 0.5, 0}}};
+  Geom geom{
+      .name = "cylinder", .link = builder.world(), .shape = {.type = ShapeType::kCylinder, .size = {0.3, 0.5, 0}}};
   builder.add_geom(geom);
   const auto alone = std::make_shared<const Model>(builder.build());
   Renderer one(alone, 1);
