@@ -8,9 +8,9 @@ from pathlib import Path
 from benchmarks.contact import run_contact
 from benchmarks.pinocchio_peer import run_pinocchio
 from benchmarks.programs import run_programs
-from benchmarks.reach import run_reach
 from benchmarks.report import contact_stages, machine, stage_tree, table, write_json
 from benchmarks.targets import compare_with_peers, judge
+from benchmarks.tasks import TASKS, run_tasks
 
 DESCRIPTION = """\
 Measures manyhands and, in the same run and in turns, the programs people use today: panda-gym, Pinocchio,
@@ -56,7 +56,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print("Something else is running: figures, above all those of two threads, will fall short.", flush=True)
     rows = run_programs(options.programs, options.quick)
     rows += run_pinocchio(rounds, seconds / 4)
-    rows += run_reach(rounds, seconds)
+    rows += run_tasks(TASKS[:2] if options.quick else TASKS, rounds, seconds / 2)
     rows += run_contact(options.programs, rounds, seconds, rows)
     compare_with_peers(rows)
     judge(rows)

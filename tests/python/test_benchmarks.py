@@ -1,7 +1,9 @@
 """`make bench`: its file, its verdicts, and that wrong results get no figure."""
 
 import json
+import mmap
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +13,7 @@ ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
 
 from benchmarks import __main__ as command  # noqa: E402
-from benchmarks import programs, reach, report, targets  # noqa: E402
+from benchmarks import memory, programs, report, targets, tasks, time_step  # noqa: E402
 from benchmarks.rows import Contender, Row, measure_in_turns  # noqa: E402
 
 FIELDS = {"benchmark", "engine", "number_type", "threads", "value", "unit", "ratio"}
@@ -48,10 +50,11 @@ def test_quick_run_writes_the_rows(programs_folder: Path, capsys: pytest.Capture
     assert all(row.keys() >= FIELDS for row in rows)
     measured = {(row["benchmark"], row["threads"]): row["value"] for row in rows if row["engine"] == "manyhands"}
     for threads in (1, 2):
-        assert measured[f"Reach, make_vec of {reach.WORLDS}", threads] > 0
+        for name in ("Reach random", "Push expert"):
+            assert measured[f"{name}, make_vec of {tasks.WORLDS}", threads] > 0
     assert measured["dynamics", 1] == 90
     assert list(output.parent.iterdir()) == [output]
-    assert "Reach, gymnasium.make" in capsys.readouterr().out
+    assert "Reach random, gymnasium.make" in capsys.readouterr().out
 
 
 def test_missing_program_is_a_row(tmp_path: Path) -> None:
@@ -74,16 +77,42 @@ def test_failing_program_is_wrong(programs_folder: Path) -> None:
     assert [row.note for row in rows if row.wrong] == [f"REFUSED: {program} ended with status 3"]
 
 
-def test_replay_tells_one_wrong_action() -> None:
-    envs = reach.vector_env(8, 1)
+@pytest.mark.parametrize("policy", tasks.POLICIES)
+def test_replay_tells_one_wrong_action(policy: str) -> None:
+    envs = tasks.vector_env("Reach", policy, 8, 1)
     envs.run(60)  # more than an episode
-    row = Row("Reach", "manyhands", "float32", 1, 1.0, reach.UNIT)
-    reach.check(row, envs)
+    row = Row("Reach", "manyhands", "float32", 1, 1.0, tasks.UNIT)
+    tasks.check(row, envs)
     assert not row.wrong
-    envs.actions[30, 5] = -envs.actions[30, 5]
-    envs.steps = 31
-    reach.check(row, envs)
+    right = envs.act
+    envs.act = lambda observation, step: -right(observation, step)
+    envs.run(1)
+    envs.act = right
+    tasks.check(row, envs)
     assert row.wrong
+
+
+@pytest.mark.parametrize(("run", "count"), [(memory.vector("Push"), 6400), (memory.single("Stack"), 600)])
+def test_randomized_resets_and_steps_leave_no_memory_taken(run: Callable[[int], None], count: int) -> None:
+    assert memory.measure(run, count).growth <= memory.MOST_GROWTH
+
+
+def test_what_stays_is_told() -> None:
+    kept: list[mmap.mmap] = []
+
+    def keep(megabytes: int) -> None:
+        kept.append(mmap.mmap(-1, megabytes * 1_000_000))
+        kept[-1].write(b"x" * len(kept[-1]))
+
+    assert memory.measure(keep, 10).growth == pytest.approx(9, abs=0.5)
+
+
+def test_shorter_time_steps_come_nearer(capsys: pytest.CaptureFixture[str]) -> None:
+    assert time_step.main(["--worlds", "8", "--tasks", "Reach"]) == 0
+    rows = [line.split("|")[1:-1] for line in capsys.readouterr().out.splitlines()[2:]]
+    assert [row[1].strip() for row in rows] == ["1 ms", "2 ms", "4 ms", "8 ms"]
+    assert float(rows[0][2]) < float(rows[3][2]) < 20, "mm, of the hand"
+    assert all(float(row[7].replace(",", "")) > 0 for row in rows)
 
 
 def test_rates_are_units_per_second() -> None:
@@ -96,14 +125,14 @@ def test_rates_are_units_per_second() -> None:
 
 
 def test_verdicts() -> None:
-    vector = f"Reach, make_vec of {reach.WORLDS}"
+    vector = f"Reach random, make_vec of {tasks.WORLDS}"
     rows = [
         Row("RNEA", "manyhands", "lanes8", 1, 101.0, "ns/arm"),
         Row("ABA", "manyhands", "lanes8", 1, 120.0, "ns/arm"),
         Row("ABA", "manyhands", "lanes16", 1, 99.0, "ns/arm"),
         Row("ABA", "Pinocchio 4", "double", 1, 990.0, "ns/arm"),
-        Row(vector, "manyhands", "float32", 1, 3e5, reach.UNIT, ratio=301.0, ratio_to="panda-gym"),
-        Row(vector, "manyhands", "float32", 2, 5e5, reach.UNIT, ratio=1.7, ratio_to="1 thread"),
+        Row(vector, "manyhands", "float32", 1, 3e5, tasks.UNIT, ratio=301.0, ratio_to="panda-gym"),
+        Row(vector, "manyhands", "float32", 2, 5e5, tasks.UNIT, ratio=1.7, ratio_to="1 thread"),
     ]
     targets.compare_with_peers(rows)
     targets.judge(rows)
