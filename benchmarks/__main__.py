@@ -9,9 +9,11 @@ from benchmarks.contact import run_contact
 from benchmarks.pinocchio_peer import run_pinocchio
 from benchmarks.programs import run_programs
 from benchmarks.report import contact_stages, machine, stage_tree, table, write_json
+from benchmarks.rows import Row
 from benchmarks.targets import compare_with_peers, judge
 from benchmarks.tasks import TASKS, run_tasks
 
+PARTS = ("programs", "pinocchio", "tasks", "contact")
 DESCRIPTION = """\
 Measures manyhands and, in the same run and in turns, the programs people use today: panda-gym, Pinocchio,
 MuJoCo and PyBullet.
@@ -43,7 +45,19 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--output", type=Path, default=Path("build/bench.json"), help="where the rows go (default: %(default)s)"
     )
+    parser.add_argument("--only", choices=PARTS, help="measure this part alone (default: all)")
     return parser.parse_args(arguments)
+
+
+def run_part(part: str, options: argparse.Namespace, rounds: int, seconds: float, before: list[Row]) -> list[Row]:
+    """The rows of a part; `before` holds those of the parts before it."""
+    if part == "programs":
+        return run_programs(options.programs, options.quick)
+    if part == "pinocchio":
+        return run_pinocchio(rounds, seconds / 4)
+    if part == "tasks":
+        return run_tasks(TASKS[:2] if options.quick else TASKS, rounds, seconds / 2)
+    return run_contact(options.programs, rounds, seconds, before)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -54,10 +68,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     print(f"{about['cpu']}, {about['cores']} cores, {about['compiler']}, load {about['load']}", flush=True)
     if about["load"] > 0.5:
         print("Something else is running: figures, above all those of two threads, will fall short.", flush=True)
-    rows = run_programs(options.programs, options.quick)
-    rows += run_pinocchio(rounds, seconds / 4)
-    rows += run_tasks(TASKS[:2] if options.quick else TASKS, rounds, seconds / 2)
-    rows += run_contact(options.programs, rounds, seconds, rows)
+    rows: list[Row] = []
+    for part in PARTS:
+        if options.only in (None, part):
+            rows += run_part(part, options, rounds, seconds, rows)
     compare_with_peers(rows)
     judge(rows)
     print(f"\n{table(rows)}\n\n{stage_tree(rows)}\n\n{contact_stages(rows)}\n")

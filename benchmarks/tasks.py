@@ -14,6 +14,7 @@ import numpy as np
 from gymnasium.envs.registration import EnvSpec
 from numpy.typing import NDArray
 
+from benchmarks.accuracy.quiet import quiet
 from benchmarks.rows import Contender, Row, calibrate, measure_in_turns
 from manyhands._core.envs import AutoresetBatch, AutoresetMode, make_env_batch
 from manyhands.envs import Expert, register
@@ -93,7 +94,7 @@ def step_and_reset(env: Any, action: NDArray[np.float32]) -> Observation:
 
 def panda_gym_env(task: str, policy: str) -> Worlds:
     """panda-gym's environment, under an id that does not collide with ours. Raises ImportError without it."""
-    with warnings.catch_warnings():
+    with warnings.catch_warnings(), quiet():
         warnings.simplefilter("ignore")
         import panda_gym  # noqa: F401
         from panda_gym.pybullet import PyBullet

@@ -111,8 +111,9 @@ def test_shorter_time_steps_come_nearer(capsys: pytest.CaptureFixture[str]) -> N
     assert time_step.main(["--worlds", "8", "--tasks", "Reach"]) == 0
     rows = [line.split("|")[1:-1] for line in capsys.readouterr().out.splitlines()[2:]]
     assert [row[1].strip() for row in rows] == ["1 ms", "2 ms", "4 ms", "8 ms"]
+    assert all(row[6].strip() == "0" and row[7].strip() == "100 %" for row in rows)
     assert float(rows[0][2]) < float(rows[3][2]) < 20, "mm, of the hand"
-    assert all(float(row[7].replace(",", "")) > 0 for row in rows)
+    assert all(float(row[8].replace(",", "")) > 0 for row in rows)
 
 
 def test_rates_are_units_per_second() -> None:
