@@ -113,7 +113,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     print(f"{'run':30}{'count':>10}{'seconds':>9}{'MB early':>10}{'most':>8}{'late':>8}{'growth':>9}")
     flat = True
     runs = [(f"{task}, make_vec of {WORLDS}", vector(task), count) for task in TASKS]
-    runs += [("Push, make", single("Push"), count // 5), ("Push, made and dropped", made("Push"), count // 2000)]
+    runs += [("Push, make", single("Push"), count // 5), ("Push, made and dropped", made("Push"), count // 400)]
     for name, run, n in runs:
         use = measure(run, n)
         flat = flat and use.growth <= MOST_GROWTH

@@ -19,7 +19,8 @@ std::uint64_t TaskBatch<T, Task>::state_hash() const {
   return hash.value();
 }
 
-/// World by world: state, goal, random stream and step count, as bytes; where worlds are randomised, key and late actions.
+/// World by world: state, goal, random stream and step count, as bytes; where worlds are randomised, key and late
+/// actions.
 template <Number T, TaskLike Task>
 std::size_t TaskBatch<T, Task>::bytes_of_world() const {
   const std::size_t bytes =
