@@ -74,9 +74,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
             rows += run_part(part, options, rounds, seconds, rows)
     compare_with_peers(rows)
     judge(rows)
-    print(f"\n{table(rows)}\n\n{stage_tree(rows)}\n\n{contact_stages(rows)}\n")
+    for text in filter(None, (table(rows), stage_tree(rows), contact_stages(rows))):
+        print(f"\n{text}")
     write_json(options.output, rows, about)
-    print(f"Written: {options.output}")
+    print(f"\nWritten: {options.output}")
     wrong = [row for row in rows if row.wrong]
     for row in wrong:
         print(f"{row.benchmark} ({row.number_type}): {row.note}", file=sys.stderr)

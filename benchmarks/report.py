@@ -86,6 +86,8 @@ def number(value: float) -> str:
 def stage_tree(rows: Sequence[Row]) -> str:
     """Where an environment step's time goes: nanoseconds and shares, a column for each number type."""
     stages = [row for row in rows if row.benchmark.startswith(STAGE)]
+    if not stages:
+        return ""
     types = list(dict.fromkeys(row.number_type for row in stages))
     ns = {(row.benchmark.removeprefix(STAGE), row.number_type): row.value for row in stages}
     names = list(dict.fromkeys(name for name, _ in ns))
@@ -119,6 +121,8 @@ def contact_stages(rows: Sequence[Row]) -> str:
         if row.benchmark.startswith(CONTACT_STAGE) and row.value is not None:
             scene, stage = row.benchmark.removeprefix(CONTACT_STAGE).split(": ", 1)
             ns.setdefault(scene, {})[stage] = row.value
+    if not ns:
+        return ""
     lines = ["contact, ns per substep and world".ljust(38) + "".join(f"{scene:>18}" for scene in ns)]
     totals = {scene: sum(stages.values()) for scene, stages in ns.items()}
     stages = list(dict.fromkeys(stage for stages in ns.values() for stage in stages))
