@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from benchmarks.contact import run_contact
+from benchmarks.picture_peers import run_picture_peers
 from benchmarks.pinocchio_peer import run_pinocchio
 from benchmarks.programs import run_programs
 from benchmarks.report import contact_stages, machine, stage_tree, table, write_json
@@ -13,7 +14,7 @@ from benchmarks.rows import Row
 from benchmarks.targets import compare_with_peers, judge
 from benchmarks.tasks import TASKS, run_tasks
 
-PARTS = ("programs", "pinocchio", "tasks", "contact")
+PARTS = ("programs", "pinocchio", "pictures", "tasks", "contact")
 DESCRIPTION = """\
 Measures manyhands and, in the same run and in turns, the programs people use today: panda-gym, Pinocchio,
 MuJoCo and PyBullet.
@@ -55,6 +56,8 @@ def run_part(part: str, options: argparse.Namespace, rounds: int, seconds: float
         return run_programs(options.programs, options.quick)
     if part == "pinocchio":
         return run_pinocchio(rounds, seconds / 4)
+    if part == "pictures":
+        return run_picture_peers(rounds, seconds)
     if part == "tasks":
         return run_tasks(TASKS[:2] if options.quick else TASKS, rounds, seconds / 2)
     return run_contact(options.programs, rounds, seconds, before)

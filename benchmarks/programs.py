@@ -6,7 +6,7 @@ from pathlib import Path
 
 from benchmarks.rows import Row
 
-PROGRAMS = ("threads", "dynamics", "reach_stages", "contact_stages")
+PROGRAMS = ("threads", "dynamics", "reach_stages", "contact_stages", "pictures")
 
 
 def run_programs(folder: Path, quick: bool) -> list[Row]:

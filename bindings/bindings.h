@@ -15,8 +15,9 @@ void bind_world(nanobind::module_& m);         // after bind_model
 void bind_batch_worlds(nanobind::module_& m);  // after bind_model
 void bind_render(nanobind::module_& m);        // after bind_world and bind_batch_worlds
 void bind_envs(nanobind::module_& m);
-void bind_experts(nanobind::module_& m);    // after bind_envs
-void bind_panda_gym(nanobind::module_& m);  // after bind_world
+void bind_env_pictures(nanobind::module_& m);  // after bind_envs and bind_render
+void bind_experts(nanobind::module_& m);       // after bind_envs
+void bind_panda_gym(nanobind::module_& m);     // after bind_world
 void bind_learn(nanobind::module_& m);
 
 /// Advances worlds by n steps in pieces, keeping the interpreter's lock, and looks for Ctrl-C between two of them.

@@ -264,6 +264,16 @@ void bind_autoreset(nb::module_& m) {
       .def_prop_ro(
           "is_success", [](const AutoresetBatch& batch) { return copied_bools(batch.envs().is_success()); },
           nb::sig("def is_success(self) -> numpy.typing.NDArray[numpy.bool_]"), "(n)")
+      .def(
+          "on_final",
+          [](AutoresetBatch& batch, nb::object look) {
+            batch.on_final([look = std::move(look)](std::span<const int> worlds) {
+              const nb::gil_scoped_acquire acquire;
+              look(std::vector<int>(worlds.begin(), worlds.end()));
+            });
+          },
+          "look"_a, nb::sig("def on_final(self, look: collections.abc.Callable[[list[int]], None]) -> None"),
+          "In mode SAME_STEP, look(worlds) is called with the worlds that have ended before they start anew.")
       .def("final_rows", &final_rows,
            nb::sig("def final_rows(self) -> tuple[numpy.typing.NDArray[numpy.int32], "
                    "numpy.typing.NDArray[numpy.float32], numpy.typing.NDArray[numpy.float32], "

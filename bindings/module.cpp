@@ -13,6 +13,7 @@ NB_MODULE(_core, m) {
   manyhands::bind_batch_worlds(m);
   manyhands::bind_render(m);
   manyhands::bind_envs(m);
+  manyhands::bind_env_pictures(m);
   manyhands::bind_experts(m);
   manyhands::bind_panda_gym(m);
   manyhands::bind_learn(m);

@@ -9,6 +9,8 @@
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
+
 #include "bindings/bindings.h"
 #include "bindings/model_values.h"
 #include "bindings/poses.h"
@@ -157,10 +159,15 @@ void bind_look(nb::module_& m) {
       .def(
           "__init__",
           [](Mark* self, const std::string& shape, const std::vector<double>& size, const Numbers3& position,
-             const Numbers4& quaternion,
-             const std::array<float, 4>& rgba) { new (self) Mark(mark_of(shape, size, position, quaternion, rgba)); },
+             const Numbers4& quaternion, const std::array<float, 4>& rgba, bool is_die) {
+            Mark mark = mark_of(shape, size, position, quaternion, rgba);
+            if (is_die) mark.pattern = Pattern::kDie;
+            new (self) Mark(mark);
+          },
           "shape"_a, "size"_a, "position"_a, "quaternion"_a = Numbers4{0, 0, 0, 1}, "rgba"_a = Mark{}.rgba,
-          "shape: 'sphere' (radius), 'capsule' or 'cylinder' (radius, half length), 'box' (half extents) [m]. Raises "
+          "is_die"_a = false,
+          "shape: 'sphere' (radius), 'capsule' or 'cylinder' (radius, half length), 'box' (half extents) [m]. is_die: "
+          "a box shows a colour on each face. Raises "
           "ValueError on other shapes and sizes.");
 }
 
@@ -206,26 +213,14 @@ nb::object bindings::take_pictures(Renderer& renderer, std::vector<Shot> shots, 
 
 namespace {
 
+using bindings::Cameras;
+using bindings::chosen;
+using bindings::Looks;
 using bindings::Outputs;
 using bindings::PythonPicture;
-using Cameras = std::variant<Camera, std::vector<Camera>>;
-using Looks = std::variant<Look, std::vector<Look>>;
+using bindings::require_count;
 using Marks = std::vector<Mark>;
 using Tints = std::optional<nb::ndarray<const float, nb::ndim<3>, nb::c_contig, nb::device::cpu>>;
-
-template <class One>
-const One& chosen(const std::variant<One, std::vector<One>>& given, std::size_t i) {
-  const One* const all = std::get_if<One>(&given);
-  return all ? *all : std::get<std::vector<One>>(given)[i];
-}
-
-template <class One>
-void require_count(const char* what, const std::variant<One, std::vector<One>>& given, std::size_t n) {
-  const auto* const list = std::get_if<std::vector<One>>(&given);
-  if (list == nullptr || list->size() == n) return;
-  throw std::invalid_argument(std::string(what) + ": " + std::to_string(list->size()) + " are given for " +
-                              std::to_string(n) + " pictures; expected one for all, or one each");
-}
 
 /// `q_of(i)` is the configuration that picture i shows.
 template <class QOf>
@@ -243,7 +238,7 @@ std::vector<Shot> shots_of(std::size_t n, const Cameras& cameras, const Looks& l
       const std::size_t geoms = rgba->shape(1);
       for (std::size_t g = 0; g < geoms; ++g) {
         const float* const c = rgba->data() + 4 * (i * geoms + g);
-        shot.rgba.push_back({c[0], c[1], c[2], c[3]});
+        shot.guise.rgba.push_back({c[0], c[1], c[2], c[3]});
       }
     }
     shots.push_back(std::move(shot));
@@ -292,6 +287,19 @@ void bind_picture(nb::module_& m) {
            "Points in the world (k, 3) [m], of all pixels that show something. Raises RuntimeError without depth.");
 }
 
+/// Patterns of the geoms with the faces of some of them coloured as a die's.
+std::vector<Pattern> with_dice(const Model& model, const std::vector<std::string>& dice) {
+  std::vector<Pattern> patterns;
+  if (dice.empty()) return patterns;
+  for (const Geom& geom : model.geoms()) {
+    const bool is_die = std::ranges::find(dice, geom.name) != dice.end();
+    patterns.push_back(is_die                                 ? Pattern::kDie
+                       : geom.shape.type == ShapeType::kPlane ? Pattern::kChecks
+                                                              : Pattern::kPlain);
+  }
+  return patterns;
+}
+
 constexpr const char* kWanted =
     "marks are drawn over it. colour, depth, segmentation, normals: what is wanted. Raises ValueError on numbers that "
     "do not fit, KeyError on a camera's frame that is not there.";
@@ -334,19 +342,22 @@ void bind_world_render(nb::module_& m) {
   auto world = nb::borrow<nb::class_<World>>(m.attr("World"));
   world.def(
       "render",
-      [](World& self, const Camera& camera, const Look& look, const Marks& marks, bool colour, bool depth,
-         bool segmentation, bool normals) {
+      [](World& self, const Camera& camera, const Look& look, const Marks& marks, const std::vector<std::string>& dice,
+         bool colour, bool depth, bool segmentation, bool normals) {
         const std::shared_ptr<Renderer> renderer = renderer_of(self.shared_model());
         auto shots = shots_of(1, camera, look, marks, {},
                               [&](std::size_t) { return std::vector<double>(self.q().begin(), self.q().end()); });
+        shots[0].guise.patterns = with_dice(self.model(), dice);
         return bindings::take_pictures(*renderer, std::move(shots), {colour, depth, segmentation, normals}, true);
       },
-      "camera"_a, nb::kw_only(), "look"_a = Look{}, "marks"_a = Marks{}, "colour"_a = true, "depth"_a = true,
-      "segmentation"_a = true, "normals"_a = false,
+      "camera"_a, nb::kw_only(), "look"_a = Look{}, "marks"_a = Marks{}, "dice"_a = std::vector<std::string>{},
+      "colour"_a = true, "depth"_a = true, "segmentation"_a = true, "normals"_a = false,
       nb::sig("def render(self, camera: manyhands._core.render.Camera, *, look: manyhands._core.render.Look = ..., "
-              "marks: collections.abc.Sequence[manyhands._core.render.Mark] = [], colour: bool = True, depth: bool = "
-              "True, segmentation: bool = True, normals: bool = False) -> manyhands._core.render.Picture"),
-      (std::string("A picture of the world as it is; ") + kWanted).c_str());
+              "marks: collections.abc.Sequence[manyhands._core.render.Mark] = [], dice: "
+              "collections.abc.Sequence[str] = [], colour: bool = True, depth: bool = True, segmentation: bool = True, "
+              "normals: bool = False) -> manyhands._core.render.Picture"),
+      (std::string("A picture of the world as it is. dice: names of boxes that show a colour on each face; ") + kWanted)
+          .c_str());
   auto batch = nb::borrow<nb::class_<Batch>>(m.attr("Batch"));
   batch.def(
       "render",

@@ -3,6 +3,8 @@
 
 #include <nanobind/nanobind.h>
 
+#include <variant>
+
 #include "manyhands/render/renderer.h"
 
 namespace manyhands::bindings {
@@ -10,6 +12,24 @@ namespace manyhands::bindings {
 struct Outputs {
   bool colour, depth, segmentation, normals;
 };
+
+/// One for all pictures, or one each.
+using Cameras = std::variant<Camera, std::vector<Camera>>;
+using Looks = std::variant<Look, std::vector<Look>>;
+
+template <class One>
+const One& chosen(const std::variant<One, std::vector<One>>& given, std::size_t i) {
+  const One* const all = std::get_if<One>(&given);
+  return all ? *all : std::get<std::vector<One>>(given)[i];
+}
+
+template <class One>
+void require_count(const char* what, const std::variant<One, std::vector<One>>& given, std::size_t n) {
+  const auto* const list = std::get_if<std::vector<One>>(&given);
+  if (list == nullptr || list->size() == n) return;
+  throw std::invalid_argument(std::string(what) + ": " + std::to_string(list->size()) + " are given for " +
+                              std::to_string(n) + " pictures; expected one for all, or one each");
+}
 
 /// What Python gets: arrays, or None for what was not wanted.
 struct PythonPicture {

@@ -82,6 +82,7 @@ void AutoresetBatch::step(std::span<const float> action) {
   for (std::size_t i = 0; i < done_.size(); ++i) done_[i] = terminated_[i] | truncated_[i];
   if (mode_ == AutoresetMode::kSameStep && any(done_)) {
     keep_final_rows();
+    if (look_) look_(final_.world);
     envs_.reset(done_);
     for (const int world : final_.world) steps_[static_cast<std::size_t>(world)] = 0;
     std::ranges::fill(done_, std::uint8_t{0});

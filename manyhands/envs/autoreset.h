@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -52,6 +53,9 @@ class AutoresetBatch {
     std::vector<float> randomized;                                // (k, spec().randomized.size())
   };
   [[nodiscard]] const Final& final() const { return final_; }
+  /// In mode kSameStep, `look` is called with the worlds that have ended before they start anew: what it sees of
+  /// `envs()` is the end of their episodes. For pictures, which rows do not hold.
+  void on_final(std::function<void(std::span<const int>)> look) { look_ = std::move(look); }
 
  private:
   void record_outcomes();
@@ -66,6 +70,7 @@ class AutoresetBatch {
   std::vector<std::uint8_t> terminated_, truncated_;  // (n)
   std::vector<std::uint8_t> done_;                    // (n), ended and not reset yet
   Final final_;
+  std::function<void(std::span<const int>)> look_;
 };
 
 }  // namespace manyhands

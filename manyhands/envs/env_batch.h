@@ -3,8 +3,11 @@
 
 #include <cstdint>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <vector>
+
+#include "manyhands/model/model.h"
 
 namespace manyhands {
 
@@ -17,6 +20,12 @@ struct EnvSpec {
   int max_episode_steps{};
   double dt{};                            ///< simulated seconds of one environment step
   std::vector<std::string> randomized{};  ///< what differs from episode to episode
+};
+
+/// What a batch looks like.
+struct EnvScene {
+  Model model;                 ///< with the meshes that are seen
+  std::vector<GeomId> objects;  ///< what the task moves
 };
 
 /// The batch API on which the Gymnasium environments and the trainers rest.
@@ -55,6 +64,13 @@ class EnvBatch {
   /// The task's reward for k pairs of goals (k, goal_dim), k = reward.size(): what hindsight replay asks.
   virtual void compute_reward(std::span<const float> achieved_goal, std::span<const float> desired_goal,
                               std::span<float> reward) const = 0;
+
+  /// For cameras. Throws std::logic_error where there is nothing to see.
+  [[nodiscard]] virtual EnvScene scene() const { throw std::logic_error(spec().id + " has no scene to be seen"); }
+  /// The configuration q (nq) of a world, and the sizes of its objects (objects), see Shape [m].
+  virtual void see(int /*world*/, std::span<double> /*q*/, std::span<Vec3<double>> /*sizes*/) const {
+    throw std::logic_error(spec().id + " has no scene to be seen");
+  }
 
   /// A hash over the bits of every world's physical state: equal runs have equal hashes.
   [[nodiscard]] virtual std::uint64_t state_hash() const = 0;

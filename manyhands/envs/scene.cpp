@@ -68,15 +68,15 @@ void reshape(ObjectSpec& object, const std::string& shape, std::span<const char*
   if (round) object.rolling_friction = 5e-4;
 }
 
-Model load_arm(const ArmSpec& spec) {
+Model load_arm(const ArmSpec& spec, bool load_meshes) {
   UrdfOptions options;
   options.base_pose = spec.X_WA;
-  options.load_meshes = false;
+  options.load_meshes = load_meshes;
   return load_urdf(asset_path(spec.asset), options).model;
 }
 
-Model task_scene(const ArmSpec& arm, const Table& table, std::span<const ObjectSpec> objects) {
-  ModelBuilder builder = builder_of(load_arm(arm));
+Model task_scene(const ArmSpec& arm, const Table& table, std::span<const ObjectSpec> objects, bool load_meshes) {
+  ModelBuilder builder = builder_of(load_arm(arm, load_meshes));
   // Hung on the world before the objects are, so that its numbers come first.
   const LinkId base(1);
   const Transform<double> X_WA = builder.links()[base.index()].X_BL;

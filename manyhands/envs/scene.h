@@ -33,9 +33,10 @@ struct ObjectSpec {
 /// Throws std::invalid_argument on a shape that is not one of `allowed`; the message lists them.
 void reshape(ObjectSpec& object, const std::string& shape, std::span<const char* const> allowed = object_shapes());
 
-[[nodiscard]] Model load_arm(const ArmSpec& spec);
+[[nodiscard]] Model load_arm(const ArmSpec& spec, bool load_meshes = false);
 
 /// The arm first, then floor and table, then the objects, each floating.
-[[nodiscard]] Model task_scene(const ArmSpec& arm, const Table& table, std::span<const ObjectSpec> objects);
+[[nodiscard]] Model task_scene(const ArmSpec& arm, const Table& table, std::span<const ObjectSpec> objects,
+                               bool load_meshes = false);
 
 }  // namespace manyhands

@@ -35,6 +35,8 @@ class TaskBatch final : public EnvBatch {
   [[nodiscard]] std::span<const float> randomized() const override { return randomized_; }
   void compute_reward(std::span<const float> achieved_goal, std::span<const float> desired_goal,
                       std::span<float> reward) const override;
+  [[nodiscard]] EnvScene scene() const override;
+  void see(int world, std::span<double> q, std::span<Vec3<double>> sizes) const override;
   [[nodiscard]] std::uint64_t state_hash() const override;
   [[nodiscard]] std::vector<std::uint8_t> snapshot() const override;
   void restore(std::span<const std::uint8_t> snapshot) override;
@@ -111,6 +113,7 @@ class TaskBatch final : public EnvBatch {
   Goals goals_;
   EnvOptions options_;
   int num_envs_;
+  ArmSpec arm_spec_;
   Model scene_;
   Arm arm_;
   std::vector<Object> objects_;

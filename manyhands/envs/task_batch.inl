@@ -67,6 +67,7 @@ TaskBatch<T, Task>::TaskBatch(EnvSpec spec, const ArmSpec& arm, ArmControl contr
       goals_{reward, options.distance_threshold > 0 ? options.distance_threshold : Task::kDistanceThreshold},
       options_(options),
       num_envs_(num_envs),
+      arm_spec_(arm),
       scene_(task_scene(arm, task.table(), internal::objects_of(task, options.object_shape))),
       arm_(arm, scene_, control, Task::kHasGripper),
       system_(scene_),
@@ -357,4 +358,5 @@ void TaskBatch<T, Task>::compute_reward(std::span<const float> achieved_goal, st
 }  // namespace manyhands
 
 #include "manyhands/envs/task_batch_randomized.inl"
+#include "manyhands/envs/task_batch_seen.inl"
 #include "manyhands/envs/task_batch_snapshot.inl"

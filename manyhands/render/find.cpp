@@ -29,12 +29,14 @@ void find_shape(const PictureFrame& frame, const PlacedItem& placed, Samples& s,
 }
 
 void find_triangles(const PictureFrame& frame, int number, const PlacedItem& placed, Samples& s, TriangleHits& hits) {
+  const Item& item = *placed.item;
+  const Rays near(static_cast<float>(frame.camera.near));
   for (std::size_t k = 0; k < size(s.packets); ++k) {
-    const RayMask open = s.active[k] & (s.depth[k] > Rays(placed.nearest));
+    const LocalRay ray = local_ray(frame, placed.X_IC, s.x[k], s.y[k]);
+    const RayMask open = s.active[k] & meets_bounds(item.low, item.high, ray.o, ray.d, near, s.depth[k]);
     when(open, [&] {
-      const LocalRay ray = local_ray(frame, placed.X_IC, s.x[k], s.y[k]);
-      RayPacket packet{open, ray.o, ray.d, Rays(static_cast<float>(frame.camera.near)), s.depth[k]};
-      const RayMask met = placed.item->triangles->meet(packet, hits.part[k], hits.triangle[k]);
+      RayPacket packet{open, ray.o, ray.d, near, s.depth[k]};
+      const RayMask met = item.triangles->meet(packet, hits.part[k], hits.triangle[k]);
       when(met, [&] {
         s.depth[k] = select(met, packet.far, s.depth[k]);
         s.seen[k] = select(met, hits.part[k] + placed.first_seen, s.seen[k]);

@@ -89,8 +89,7 @@ void require_look(const Look& look) {
 }
 
 void set_frame(PictureFrame& frame, const Scene& scene, const Camera& camera, const Look& look,
-               std::span<const Transform<double>> X_WB, std::span<const Mark> marks,
-               std::span<const std::array<float, 4>> rgba) {
+               std::span<const Transform<double>> X_WB, std::span<const Mark> marks, const Guise& guise) {
   require_camera(camera);
   require_look(look);
   frame.camera = camera;
@@ -119,16 +118,23 @@ void set_frame(PictureFrame& frame, const Scene& scene, const Camera& camera, co
     (is_clear ? frame.clear : frame.solid).push_back(placed);
   };
   for (const Seen& seen : scene.seen()) {
-    frame.paint.push_back(paint_of(rgba.empty() ? seen.rgba : rgba[seen.geom.index()], seen.pattern));
+    const std::size_t geom = seen.geom.index();
+    frame.paint.push_back(paint_of(guise.rgba.empty() ? seen.rgba : guise.rgba[geom],
+                                   guise.patterns.empty() ? seen.pattern : guise.patterns[geom]));
   }
+  frame.own.clear();
+  frame.own.reserve(scene.items().size() + marks.size());  // what is placed keeps its address
   for (const Item& item : scene.items()) {
-    place(item, X_WB[item.body.index()] * broadcast<double>(item.X_BI), item.first_seen, item.is_clear);
+    const Item* seen = &item;
+    const std::size_t geom = scene.seen()[static_cast<std::size_t>(item.first_seen)].geom.index();
+    if (item.triangles == nullptr && !guise.sizes.empty() && guise.sizes[geom].x > 0) {
+      seen = &frame.own.emplace_back(item_of({.type = item.type, .size = guise.sizes[geom]}));
+    }
+    place(*seen, X_WB[item.body.index()] * broadcast<double>(item.X_BI), item.first_seen, item.is_clear);
   }
-  frame.marks.clear();
-  for (const Mark& mark : marks) frame.marks.push_back(item_of(mark.shape));
-  for (std::size_t k = 0; k < marks.size(); ++k) {
-    place(frame.marks[k], marks[k].X_WM, static_cast<int>(frame.paint.size()), true);
-    frame.paint.push_back(paint_of(marks[k].rgba, marks[k].pattern));
+  for (const Mark& mark : marks) {
+    place(frame.own.emplace_back(item_of(mark.shape)), mark.X_WM, static_cast<int>(frame.paint.size()), true);
+    frame.paint.push_back(paint_of(mark.rgba, mark.pattern));
   }
   std::ranges::stable_sort(frame.solid, [](const PlacedItem& a, const PlacedItem& b) {
     const bool simple_a = a.item->triangles == nullptr, simple_b = b.item->triangles == nullptr;

@@ -46,16 +46,21 @@ struct PictureFrame {
   std::vector<PlacedItem> solid;  ///< simple shapes first, each kind from the nearest on
   std::vector<PlacedItem> clear;  ///< from the farthest on
   std::vector<Paint> paint;       ///< by number of `Seen`; marks follow
-  std::vector<Item> marks;
+  std::vector<Item> own;          ///< items of this picture alone: marks, and shapes of other sizes
+};
+
+/// How a picture's geoms differ from the model's. Each list has one entry for every geom of the model, or none at all.
+struct Guise {
+  std::vector<std::array<float, 4>> rgba{};
+  std::vector<Pattern> patterns{};
+  std::vector<Vec3<double>> sizes{};  ///< of simple shapes, see Shape [m]; x = 0: the model's
 };
 
 /// The linear light of a number as screens take it (sRGB, IEC 61966-2-1).
 [[nodiscard]] float linear_light(float srgb);
 
-/// X_WB: poses of the model's bodies (bodies). rgba: colours of the model's geoms (geoms), or empty for its own. Frames
-/// are used again and again, so that their memory is.
+/// X_WB: poses of the model's bodies (bodies). Frames are used again and again, so that their memory is.
 void set_frame(PictureFrame& frame, const Scene& scene, const Camera& camera, const Look& look,
-               std::span<const Transform<double>> X_WB, std::span<const Mark> marks,
-               std::span<const std::array<float, 4>> rgba);
+               std::span<const Transform<double>> X_WB, std::span<const Mark> marks, const Guise& guise);
 
 }  // namespace manyhands

@@ -17,7 +17,7 @@ struct Look {
   int shadow_rays = 1;     ///< more than 1: soft shadows, of a sun that is `sun_size` wide
   double sun_size = 0.08;  ///< [rad], from its centre to its rim
   int antialiasing = 1;    ///< n: n x n samples where a pixel differs from its neighbours
-  Colour horizon{0.93f, 0.94f, 0.95f}, zenith{0.55f, 0.66f, 0.78f};
+  Colour horizon{0.86f, 0.89f, 0.92f}, zenith{0.46f, 0.58f, 0.72f};
 };
 
 /// Throws std::invalid_argument unless every number is in its range.

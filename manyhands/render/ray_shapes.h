@@ -89,6 +89,16 @@ MANYHANDS_INLINE Entry<T> enter_box(const Vec3<T>& o, const Vec3<T>& d, const Ve
   return {select(enter <= leave, enter, T(kNever)), n};
 }
 
+/// Whether a stretch of the ray lies in the box.
+template <Number T>
+MANYHANDS_INLINE mask_t<T> meets_box(const Vec3<T>& o, const Vec3<T>& d, const Vec3<T>& half, T near, T far) {
+  const Vec3<T> inverse{reciprocal(d.x), reciprocal(d.y), reciprocal(d.z)};
+  const Vec3<T> reach{abs(half.x * inverse.x), abs(half.y * inverse.y), abs(half.z * inverse.z)};
+  const Vec3<T> middle{-(o.x * inverse.x), -(o.y * inverse.y), -(o.z * inverse.z)};
+  const Vec3<T> in = middle - reach, out = middle + reach;
+  return max(max(in.x, in.y), max(in.z, near)) <= min(min(out.x, out.y), min(out.z, far));
+}
+
 template <Number T>
 MANYHANDS_INLINE Entry<T> enter_plane(const Vec3<T>& o, const Vec3<T>& d) {
   const T zero(0.0f), t = -(o.z * reciprocal(d.z));
@@ -113,6 +123,16 @@ MANYHANDS_INLINE Entry<T> enter_shape(ShapeType type, const Vec3<real_t<T>>& siz
     default:
       return internal::enter_plane(o, d);
   }
+}
+
+/// Whether a ray between `near` and `far` comes through the box from `low` to `high`: if not, it misses what is inside.
+template <Number T>
+MANYHANDS_INLINE mask_t<T> meets_bounds(const Vec3<real_t<T>>& low, const Vec3<real_t<T>>& high, const Vec3<T>& o,
+                                        const Vec3<T>& d, T near, T far) {
+  constexpr real_t<T> kRoom = 1e-5f;  // flat boxes have some
+  const Vec3<T> middle = broadcast<T>(real_t<T>(0.5) * (low + high));
+  const Vec3<real_t<T>> half = real_t<T>(0.5) * (high - low) + Vec3<real_t<T>>{kRoom, kRoom, kRoom};
+  return internal::meets_box(o - middle, d, broadcast<T>(half), near, far);
 }
 
 }  // namespace manyhands

@@ -149,10 +149,11 @@ void Renderer::require_fit(std::span<const Shot> shots, const Pictures& pictures
       throw std::invalid_argument("a configuration has " + std::to_string(shot.q.size()) +
                                   " numbers; expected nq = " + std::to_string(model.nq()));
     }
-    if (!shot.rgba.empty() && shot.rgba.size() != model.geoms().size()) {
-      throw std::invalid_argument("there are " + std::to_string(shot.rgba.size()) +
-                                  " colours; expected one for each of " + std::to_string(model.geoms().size()) +
-                                  " geoms, or none");
+    for (const std::size_t given : {shot.guise.rgba.size(), shot.guise.patterns.size(), shot.guise.sizes.size()}) {
+      if (given == 0 || given == model.geoms().size()) continue;
+      throw std::invalid_argument("there are colours, patterns or sizes of " + std::to_string(given) +
+                                  " geoms; expected one for each of " + std::to_string(model.geoms().size()) +
+                                  ", or none");
     }
     if (shot.camera.width != shots[0].camera.width || shot.camera.height != shots[0].camera.height) {
       throw std::invalid_argument("the pictures of one call must all have the same width and height");
@@ -195,7 +196,7 @@ void Renderer::render(std::span<const Shot> shots, const Pictures& pictures) {
     Worker& own = workers_[size(worker)];
     const Shot& of = shots[size(shot)];
     place_bodies(of.q, own);
-    set_frame(frames_[size(shot)], *scene_, of.camera, of.look, own.X_WB, of.marks, of.rgba);
+    set_frame(frames_[size(shot)], *scene_, of.camera, of.look, own.X_WB, of.marks, of.guise);
   });
 
   // Few pictures are cut into bands, so that every thread has work; many are not.

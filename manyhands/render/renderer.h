@@ -13,9 +13,9 @@ namespace manyhands {
 struct Shot {
   Camera camera;
   Look look{};
-  std::vector<double> q;                     ///< (nq)
-  std::vector<Mark> marks{};                 ///< drawn over it
-  std::vector<std::array<float, 4>> rgba{};  ///< (geoms) colours of the model's geoms in this picture; empty: their own
+  std::vector<double> q;      ///< (nq)
+  std::vector<Mark> marks{};  ///< drawn over it
+  Guise guise{};              ///< what differs from the model
 };
 
 /// Where n pictures of (height, width) pixels go; rows from the top. Spans that are empty are not wanted.

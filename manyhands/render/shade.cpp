@@ -11,10 +11,11 @@ namespace {
 
 using Vec = Vec3<Rays>;
 
-constexpr float kAbove = 1e-3f;                     // shadow rays start so far off the surface [m]
-constexpr float kGloss = 0.10f;                     // brightness of highlights
-constexpr float kCheck = 0.5f;                      // side of a square [m]
-constexpr float kFadeFrom = 2.5f, kFadeTo = 16.0f;  // where floors fade into the horizon [m]
+constexpr float kAbove = 1e-3f;                    // shadow rays start so far off the surface [m]
+constexpr float kFarthest = 1e4f;                  // casts a shadow [m]
+constexpr float kGloss = 0.10f;                    // brightness of highlights
+constexpr float kCheck = 0.5f;                     // side of a square [m]
+constexpr float kFadeFrom = 2.0f, kFadeTo = 7.0f;  // where floors fade into the horizon [m]
 
 struct Light {
   Rays red, green, blue;
@@ -64,10 +65,13 @@ MANYHANDS_INLINE RayMask blocked(const PlacedItem& placed, RayMask open, const V
   const Item& item = *placed.item;
   const Vec o = transpose_times(broadcast<Rays>(placed.X_WI.R), p - broadcast<Rays>(placed.X_WI.p));
   const Vec d = broadcast<Rays>(transpose_times(placed.X_WI.R, direction));
-  if (item.triangles != nullptr) return item.triangles->blocks({open, o, d, Rays(0.0f), Rays(1e4f)});
+  if (item.triangles != nullptr) {
+    const RayMask near = open & meets_bounds(item.low, item.high, o, d, Rays(0.0f), Rays(kFarthest));
+    return any(near) ? item.triangles->blocks({near, o, d, Rays(0.0f), Rays(kFarthest)}) : near;
+  }
   const Entry<Rays> entry = enter_shape(item.type, item.size, o, d);
   // A convex shape casts no shadow on what faces the light of it.
-  return open & (entry.t > Rays(0.0f)) & (entry.t < Rays(1e4f)) & RayMask(seen != placed.first_seen);
+  return open & (entry.t > Rays(0.0f)) & (entry.t < Rays(kFarthest)) & RayMask(seen != placed.first_seen);
 }
 
 void cast_shadows(const PictureFrame& frame, const Samples& s, const Vec3<float>& direction, float spread, Lit& lit) {
@@ -228,7 +232,7 @@ Light patterned(const PictureFrame& frame, const Samples& s, std::size_t k, cons
       paint = select(here, checks(frame, placed, p, s.depth[k], facing, paint), paint);
       const Rays along = (s.depth[k] - Rays(kFadeFrom)) * Rays(1 / (kFadeTo - kFadeFrom));
       const Rays f = clamp(along, Rays(0.0f), Rays(1.0f));
-      fade = select(here, f * (Rays(2.0f) - f), fade);
+      fade = select(here, f * f * (Rays(3.0f) - Rays(2.0f) * f), fade);
     });
   }
   return paint;

@@ -228,7 +228,7 @@ TEST(Renderer, RefusesWhatDoesNotFit) {
     EXPECT_THROW((void)take(renderer, shot), std::invalid_argument);
   };
   refuses([](Shot& shot) { shot.q = {1}; });
-  refuses([](Shot& shot) { shot.rgba.resize(1); });
+  refuses([](Shot& shot) { shot.guise.rgba.resize(1); });
   refuses([](Shot& shot) { shot.camera.near = -1; });
   refuses([](Shot& shot) { shot.camera.fx = 0; });
   refuses([](Shot& shot) { shot.look.light = {0, 0, 0}; });

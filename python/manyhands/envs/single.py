@@ -1,7 +1,7 @@
 """One environment."""
 
 import threading
-from typing import Any, ClassVar, NoReturn
+from typing import Any, ClassVar
 
 import gymnasium
 import numpy as np
@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from typing_extensions import Unpack
 
 from manyhands.envs import spaces
+from manyhands.envs.cameras import RENDER_MODES, EnvCameras
 from manyhands.envs.spaces import ControlType, EnvOptions, Observation, RewardType
 
 
@@ -30,7 +31,7 @@ class PandaEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
     made from the same arguments.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": [], "render_fps": spaces.RENDER_FPS}  # pyright: ignore[reportIncompatibleVariableOverride]
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": [*RENDER_MODES], "render_fps": spaces.RENDER_FPS}  # pyright: ignore[reportIncompatibleVariableOverride]
 
     def __init__(
         self,
@@ -43,18 +44,17 @@ class PandaEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
     ) -> None:
         """`options` are those of `spaces.EnvOptions`.
 
-        Raises ValueError on an unknown task or type, an option out of range, or a render mode: there are no cameras
-        yet.
+        Raises ValueError on an unknown task, type or render mode, or an option out of range.
         """
         EzPickle.__init__(
             self, task, reward_type=reward_type, control_type=control_type, render_mode=render_mode, **options
         )
-        spaces.require_no_rendering(render_mode)
         self.render_mode = render_mode
         self._turn = threading.Lock()
         name = spaces.env_id(task, reward_type, control_type)
         self._batch = spaces.make_batch(name, 1, 1, options)
-        self.observation_space = spaces.observation_space(self._batch.spec)
+        self._cameras = EnvCameras(self._batch, render_mode, options, 1)
+        self.observation_space = spaces.observation_space(self._batch.spec, self._cameras.spaces())
         self.action_space = spaces.action_space(self._batch.spec)
 
     def reset(
@@ -75,9 +75,10 @@ class PandaEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
             reward, terminated = float(self._batch.reward[0]), bool(self._batch.terminated[0])
             return self._observation(), reward, terminated, False, self._info()
 
-    def render(self) -> NoReturn:
-        """Raises NotImplementedError: there are no cameras yet."""
-        spaces.refuse_to_render()
+    def render(self) -> NDArray[Any] | None:  # pyright: ignore[reportIncompatibleMethodOverride]
+        """What the render mode says: "rgb_array" (height, width, 3) uint8, "depth_array" (height, width) [m]."""
+        with self._turn:
+            return self._cameras.render()
 
     def save_state(self) -> bytes:
         """All that a run needs to continue bit for bit: physics, goal and random stream."""
@@ -95,7 +96,8 @@ class PandaEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
 
     def _observation(self) -> Observation:
         observation, achieved, desired = self._batch.observations()
-        return {"observation": observation[0], "achieved_goal": achieved[0], "desired_goal": desired[0]}
+        rows = {"observation": observation[0], "achieved_goal": achieved[0], "desired_goal": desired[0]}
+        return rows | {name: picture[0] for name, picture in self._cameras.observe().items()}
 
     def _info(self) -> dict[str, Any]:
         info: dict[str, Any] = {"is_success": bool(self._batch.is_success[0])}

@@ -1,16 +1,18 @@
 """Spaces, actions and rewards as the single and the vector environment share them."""
 
+from collections import OrderedDict
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal, NoReturn, TypeAlias, TypedDict
+from typing import Any, Literal, TypeAlias, TypedDict
 
 import numpy as np
 from gymnasium import spaces
 from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core.envs import EnvBatch, EnvSpec, make_env_batch
+from manyhands._core.render import Camera, Look
 from manyhands.arguments import whole_number
 
-Observation: TypeAlias = dict[str, NDArray[np.float32]]
+Observation: TypeAlias = dict[str, NDArray[Any]]
 RewardType: TypeAlias = Literal["sparse", "dense"]
 Randomize: TypeAlias = Mapping[str, float | tuple[float, float] | tuple[float, float, str]]
 ControlType: TypeAlias = Literal["ee", "joints"]
@@ -25,6 +27,29 @@ class EnvOptions(TypedDict, total=False):
     distance_threshold: float  # success is nearer than this; 0: what the task says
     randomize: Randomize | None  # what differs from episode to episode: docs/randomization.md
     object_shape: str  # "box", "cylinder", "sphere" or "capsule" in place of what the task says
+    render_width: int  # of `render` [pixels]: 720
+    render_height: int  # 480
+    render_target_position: ArrayLike | None  # what it looks at (3) [m]: the middle of the table
+    render_distance: float  # from there [m]: 1.4
+    render_yaw: float  # [degrees]: 45
+    render_pitch: float  # [degrees]: -30, down
+    render_roll: float  # [degrees]: 0
+    cameras: Mapping[str, "CameraOptions | Camera"] | None  # pictures in the observation: docs/cameras.md
+
+
+class CameraOptions(TypedDict, total=False):
+    """A camera whose pictures are observed."""
+
+    width: int  # [pixels]: 84
+    height: int  # 84
+    fov_y: float  # from top to bottom [rad]
+    eye: ArrayLike  # where it is (3) [m], in the world or in `frame`
+    target: ArrayLike  # what it looks at (3) [m]
+    up: ArrayLike  # what points to the upper edge (3)
+    frame: str  # a link that it is mounted on; "": the world
+    depth: bool  # observe depth [m], too
+    segmentation: bool  # and the links' numbers
+    look: Look  # light and background
 
 
 RENDER_FPS = 25  # one frame per environment step of 0.04 s
@@ -45,7 +70,9 @@ def make_batch(name: str, num_envs: int, num_threads: int, options: EnvOptions) 
     if randomize is not None and not isinstance(randomize, Mapping):
         raise ValueError(f"randomize is {randomize!r}, expected a dict of names and ranges")
     ranges = [as_range(key, value) for key, value in (randomize or {}).items()]
-    others: Any = {key: value for key, value in options.items() if key != "randomize"}
+    others: Any = {
+        key: value for key, value in options.items() if key not in ("randomize", "cameras") and key[:7] != "render_"
+    }
     return make_env_batch(name, num_envs, num_threads=num_threads, randomize=ranges, **others)
 
 
@@ -59,28 +86,18 @@ def as_range(name: str, value: Any) -> tuple[str, float, float, bool]:
     return name, float(low), float(high), bool(law)
 
 
-def require_no_rendering(render_mode: str | None) -> None:
-    """Raises ValueError if pictures are asked for: there are no cameras yet."""
-    if render_mode is not None:
-        raise ValueError(
-            f"render_mode is {render_mode!r}, but this version draws no pictures yet: use render_mode=None"
-        )
-
-
-def refuse_to_render() -> NoReturn:
-    """Raises NotImplementedError."""
-    raise NotImplementedError("render: this version draws no pictures yet; positions are in the observation")
-
-
-def observation_space(spec: EnvSpec) -> spaces.Space[Any]:
-    """observation, achieved_goal and desired_goal, each a float32 Box(-10, 10)."""
+def observation_space(spec: EnvSpec, pictures: Mapping[str, spaces.Space[Any]]) -> spaces.Space[Any]:
+    """observation, achieved_goal and desired_goal, each a float32 Box(-10, 10), and the spaces of `pictures`."""
 
     def box(size: int) -> spaces.Box:
         return spaces.Box(-10.0, 10.0, (size,), np.float32)
 
-    return spaces.Dict(
-        observation=box(spec.observation_dim), achieved_goal=box(spec.goal_dim), desired_goal=box(spec.goal_dim)
-    )
+    rows = {
+        "observation": box(spec.observation_dim),
+        "achieved_goal": box(spec.goal_dim),
+        "desired_goal": box(spec.goal_dim),
+    }
+    return spaces.Dict(OrderedDict({**rows, **pictures}))  # in this order, which wrappers that flatten keep
 
 
 def action_space(spec: EnvSpec) -> spaces.Space[Any]:

@@ -2,7 +2,7 @@
 
 import threading
 from collections.abc import Sequence
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 from gymnasium.error import ResetNeeded
@@ -15,6 +15,7 @@ from manyhands._core.envs import AutoresetBatch
 from manyhands._core.envs import AutoresetMode as CoreMode
 from manyhands.arguments import whole_number
 from manyhands.envs import spaces
+from manyhands.envs.cameras import RENDER_MODES, EnvCameras
 from manyhands.envs.spaces import ControlType, EnvOptions, Observation, RewardType
 
 _MOST_WORLDS, _MOST_THREADS = 2**20, 1024
@@ -40,6 +41,7 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         copy: bool = True,
         render_mode: str | None = None,
+        render_tiles: bool = True,
         **options: Unpack[EnvOptions],
     ) -> None:
         """Makes the worlds.
@@ -49,12 +51,12 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         num_threads: None takes the variable MANYHANDS_THREADS, or as many as the machine has cores.
         copy: False returns observations as read-only views that the next step or reset overwrites.
 
+        render_tiles: False makes `render` give a tuple of pictures, as Gymnasium's vector wrappers expect.
+
         options: those of `spaces.EnvOptions`.
 
-        Raises ValueError on a number out of range, an unknown task, type or mode, or a render mode: there are no
-        cameras yet.
+        Raises ValueError on a number out of range, or an unknown task, type or mode.
         """
-        spaces.require_no_rendering(render_mode)
         num_envs = whole_number("num_envs", num_envs, 1, _MOST_WORLDS)
         threads = 0 if num_threads is None else whole_number("num_threads", num_threads, 1, _MOST_THREADS)
         if max_episode_steps is not None:
@@ -70,8 +72,13 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         self._was_reset = False
         self.num_envs = num_envs
         self.render_mode = render_mode
-        self.metadata = {"render_modes": [], "render_fps": spaces.RENDER_FPS, "autoreset_mode": mode}
-        self.single_observation_space = spaces.observation_space(spec)
+        self.metadata = {"render_modes": [*RENDER_MODES], "render_fps": spaces.RENDER_FPS, "autoreset_mode": mode}
+        self._cameras = EnvCameras(self._envs, render_mode, options, threads)
+        self._tiles = render_tiles
+        pictures = self._cameras.spaces()
+        if pictures:
+            self._batch.on_final(self._cameras.keep_final)
+        self.single_observation_space = spaces.observation_space(spec, pictures)
         self.single_action_space = spaces.action_space(spec)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
@@ -116,9 +123,14 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
             self._batch.step(checked)
             return self._observation(), *self._batch.outcome(), self._final_info() | self._info()
 
-    def render(self) -> NoReturn:
-        """Raises NotImplementedError: there are no cameras yet."""
-        spaces.refuse_to_render()
+    def render(self) -> Any:
+        """What the render mode says, of up to 64 worlds in tiles: "rgb_array" (height, width, 3) uint8, "depth_array"
+        (height, width) float32 [m]. With `render_tiles=False` a tuple of such pictures, one for each world."""
+        with self._turn:
+            if self._tiles or self.render_mode is None:
+                return self._cameras.render()
+            frames = self._cameras.frames(range(self.num_envs))
+            return None if frames is None else tuple(frames)
 
     def compute_reward(self, achieved_goal: ArrayLike, desired_goal: ArrayLike, info: Any = None) -> Any:
         """The task's reward for goals (..., goal_dim): float32, a scalar or of shape (...). `info` is not used."""
@@ -151,7 +163,8 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
 
     def _observation(self) -> Observation:
         observation, achieved, desired = self._batch.observations(self._copy)
-        return {"observation": observation, "achieved_goal": achieved, "desired_goal": desired}
+        rows = {"observation": observation, "achieved_goal": achieved, "desired_goal": desired}
+        return rows | self._cameras.observe()
 
     def _info(self, mask: NDArray[np.bool_] | None = None) -> dict[str, Any]:
         present = np.ones(self.num_envs, np.bool_) if mask is None else mask.copy()
@@ -186,6 +199,7 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
                 "observation": observation[k],
                 "achieved_goal": achieved[k],
                 "desired_goal": desired[k],
+                **{name: pictures[k] for name, pictures in self._cameras.final.items()},
             }
         return {
             "final_obs": final_obs,

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import UrdfError, World
+from manyhands.envs.cameras import orbit_camera
 from manyhands.panda_gym import bodies, rendering, rotations
 from manyhands.panda_gym.assets import get_data_path
 from manyhands.panda_gym.bodies import Look, Pose, ShapeName
@@ -114,7 +115,7 @@ class PyBullet:
         roll: float = 0,
         mode: str | None = None,
     ) -> NDArray[np.uint8] | None:
-        """In human mode, waits for real time; in rgb_array mode raises NotImplementedError, until there are cameras.
+        """In human mode, waits for real time; in rgb_array mode, a picture (height, width, 3), angles in degrees.
 
         mode: that of the constructor, or "human" in the manner of panda-gym 2, where it comes first.
         """
@@ -124,7 +125,8 @@ class PyBullet:
         mode = mode or ("human" if self.is_version_2 else self.render_mode)
         rendering.require_mode(mode, "Tiny")
         if mode == "rgb_array":
-            self._display.picture()
+            camera = orbit_camera(width, height, target_position, distance, yaw, pitch, roll)
+            return rendering.picture(simulation.world, simulation.bodies.values(), camera)
         if self.real_time:
             self._display.show(simulation.world.time)
         return None

@@ -1,11 +1,20 @@
-"""What a simulation shows: so far it keeps time, and draws nothing."""
+"""What a simulation shows: pictures, and a display that so far only keeps time."""
 
 import time
 import warnings
-from typing import NoReturn
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from manyhands._core import World
+from manyhands._core.render import Camera, Look, Mark
+from manyhands.panda_gym.bodies import Body
 
 MODES = ("human", "rgb_array")
 RENDERERS = ("Tiny", "OpenGL")
+_LOOK = Look(antialiasing=2, shadow_rays=4)
 
 
 def require_mode(mode: str, renderer: str) -> None:
@@ -38,6 +47,18 @@ class Display:
         else:
             self._start = now, simulated
 
-    def picture(self) -> NoReturn:
-        """Raises NotImplementedError."""
-        raise NotImplementedError("render: this version draws no pictures yet; positions are in the observation")
+
+def picture(world: World, bodies: Iterable[Body], camera: Camera) -> NDArray[np.uint8]:
+    """What the camera sees of the world, (height, width, 3), and over it the ghosts, which are not in it."""
+    shapes = [body for body in bodies if body.shape is not None]
+    dice = [body.links[0] for body in shapes if body.in_world and body.look.texture is not None]
+    marks = [_mark(body) for body in shapes if not body.in_world and body.look.rgba[3] > 0]
+    return world.render(camera, look=_LOOK, marks=marks, dice=dice, depth=False, segmentation=False).colour
+
+
+def _mark(ghost: Body) -> Mark:
+    assert ghost.shape is not None and ghost.pose is not None
+    kind, sizes = ghost.shape
+    rgba: Any = ghost.look.rgba
+    position, quaternion = ghost.pose.position.tolist(), ghost.pose.quaternion.tolist()
+    return Mark(kind, sizes, position, quaternion, rgba, is_die=ghost.look.texture is not None)

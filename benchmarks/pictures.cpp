@@ -1,0 +1,102 @@
+// Pictures of the PickAndPlace scene: frames a second of one thread and of two, and where the time of a frame goes.
+#include "manyhands/envs/pictures.h"
+
+#include <functional>
+#include <numbers>
+
+#include "benchmarks/support.h"
+#include "manyhands/envs/make.h"
+
+namespace benchmarks {
+
+namespace {
+
+using namespace manyhands;
+
+constexpr int kWorlds = 256;
+
+std::size_t size(int n) { return static_cast<std::size_t>(n); }
+
+Camera camera_of(int width, int height) {
+  Camera camera = perspective_camera(width, height, std::numbers::pi / 3);
+  camera.X_FC = orbit({0, 0, 0}, 1.4, std::numbers::pi / 4, -std::numbers::pi / 6);
+  return camera;
+}
+
+/// Pictures of the first n worlds, taken again and again.
+struct Job {
+  Job(const EnvPictures& pictures, int n, int width, int height, bool with_colour, bool shadows) {
+    Look look;
+    look.shadows = shadows;
+    for (int i = 0; i < n; ++i) shots.push_back(pictures.shot(i, camera_of(width, height), look));
+    const std::size_t pixels = size(n) * size(width) * size(height);
+    if (with_colour) colour.resize(3 * pixels);
+    depth.resize(pixels);
+    segmentation.resize(pixels);
+  }
+
+  void take(Renderer& renderer) { renderer.render(shots, {colour, depth, segmentation, {}}); }
+
+  /// Of all numbers.
+  [[nodiscard]] std::uint64_t hash() const {
+    Hash hash;
+    for (const std::uint8_t c : colour) hash.add(c);
+    for (const float d : depth) hash.add(d);
+    for (const std::int32_t s : segmentation) hash.add(s);
+    return hash.value();
+  }
+
+  std::vector<Shot> shots;
+  std::vector<std::uint8_t> colour;
+  std::vector<float> depth;
+  std::vector<std::int32_t> segmentation;
+};
+
+void print_rate(const std::string& name, int threads, double seconds, const Timing& timing, const Job& job,
+                const std::string& wrong = {}, const std::string& note = {}) {
+  const double frames = static_cast<double>(job.shots.size());
+  print(
+      {name, "lanes8", threads, frames / seconds, "frames/s", timing.wall, timing.variation, job.hash(), wrong, note});
+}
+
+void run(const Settings& settings) {
+  const auto envs = make_env_batch("PandaPickAndPlace-v3", kWorlds);
+  std::vector<std::uint64_t> seeds(kWorlds);
+  for (std::size_t i = 0; i < seeds.size(); ++i) seeds[i] = i;
+  envs->reset({}, seeds);
+  EnvPictures one(*envs, 1), two(*envs, 2);
+
+  // The stages of a small picture, by what is left out of it.
+  Job all(one, 1, 84, 84, true, true), unshaded(one, 1, 84, 84, true, false), found(one, 1, 84, 84, false, false);
+  Job tiny(one, 1, 1, 1, true, true), large(one, 1, 640, 480, true, true);
+  std::vector<std::function<void()>> calls;
+  for (Job* job : {&all, &unshaded, &found, &tiny, &large})
+    calls.emplace_back([job, &one] { job->take(one.renderer()); });
+  const std::vector<Timing> t = time_in_turns<std::function<void()>>(settings, calls);
+  print_rate("84 x 84 colour, depth, segmentation", 1, t[0].cpu, t[0], all);
+  print_rate("84 x 84 without shadows", 1, t[1].cpu, t[1], unshaded);
+  print_rate("84 x 84 depth, segmentation", 1, t[2].cpu, t[2], found);
+  print_rate("640 x 480 with shadows", 1, t[4].cpu, t[4], large);
+  const auto stage = [&](const char* name, double seconds) {
+    print({std::string("picture stage: ") + name, "lanes8", 1, 1e6 * seconds, "us/frame", 0, 0, 0, {}});
+  };
+  stage("place", t[3].cpu);
+  stage("find", t[2].cpu - t[3].cpu);
+  stage("shade", t[1].cpu - t[2].cpu);
+  stage("shadows", t[0].cpu - t[1].cpu);
+
+  Job many(one, kWorlds, 128, 128, true, true), same = many;
+  std::vector<std::function<void()>> batches{[&] { many.take(one.renderer()); }, [&] { same.take(two.renderer()); }};
+  const std::vector<Timing> b = time_in_turns<std::function<void()>>(settings, batches);
+  print_rate("128 x 128 of 256 worlds", 1, b[0].wall, b[0], many);
+  print_rate("128 x 128 of 256 worlds", 2, b[1].wall, b[1], same,
+             many.hash() == same.hash() ? "" : "not the pictures of one thread", "clock on the wall");
+}
+
+}  // namespace
+
+}  // namespace benchmarks
+
+int main(int argc, char** argv) {
+  benchmarks::run(benchmarks::parse(argc, argv, "Pictures of the PickAndPlace scene."));
+}

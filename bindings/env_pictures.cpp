@@ -1,0 +1,58 @@
+// manyhands._core.envs.EnvPictures: cameras of environments.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/variant.h>
+#include <nanobind/stl/vector.h>
+
+#include "bindings/bindings.h"
+#include "bindings/render.h"
+#include "manyhands/envs/pictures.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace manyhands {
+
+void bind_env_pictures(nb::module_& parent) {
+  using bindings::Cameras;
+  using bindings::Looks;
+  auto m = nb::borrow<nb::module_>(parent.attr("envs"));
+  nb::class_<EnvPictures>(m, "EnvPictures", "Cameras of a batch of environments; goals are drawn over the worlds.")
+      .def(nb::init<const EnvBatch&, int>(), "envs"_a, "num_threads"_a = 0, nb::keep_alive<1, 2>(),
+           "Shows `envs`. Raises RuntimeError where there is nothing to see.")
+      .def_prop_ro(
+          "links",
+          [](const EnvPictures& self) {
+            std::vector<std::string> names;
+            for (const Link& link : self.model().links()) names.push_back(link.name);
+            return names;
+          },
+          "Names of the links that the segmentation's numbers mean.")
+      .def(
+          "take",
+          [](EnvPictures& self, const Cameras& camera, const std::optional<std::vector<int>>& worlds, const Looks& look,
+             bool colour, bool depth, bool segmentation, bool normals) {
+            const std::size_t n = worlds ? worlds->size() : static_cast<std::size_t>(self.envs().num_envs());
+            bindings::require_count("camera", camera, n);
+            bindings::require_count("look", look, n);
+            std::vector<Shot> shots;
+            for (std::size_t i = 0; i < n; ++i) {
+              const int world = worlds ? (*worlds)[i] : static_cast<int>(i);
+              shots.push_back(self.shot(world, bindings::chosen(camera, i), bindings::chosen(look, i)));
+            }
+            return bindings::take_pictures(self.renderer(), std::move(shots), {colour, depth, segmentation, normals},
+                                           false);
+          },
+          "camera"_a, nb::kw_only(), "worlds"_a = nb::none(), "look"_a = Look{}, "colour"_a = true, "depth"_a = false,
+          "segmentation"_a = false, "normals"_a = false,
+          nb::sig("def take(self, camera: manyhands._core.render.Camera | "
+                  "collections.abc.Sequence[manyhands._core.render.Camera], *, worlds: collections.abc.Sequence[int] | "
+                  "None = None, look: manyhands._core.render.Look | "
+                  "collections.abc.Sequence[manyhands._core.render.Look] = ..., colour: bool = True, depth: bool = "
+                  "False, segmentation: bool = False, normals: bool = False) -> manyhands._core.render.Picture"),
+          "Pictures of all worlds, or of those chosen, with the worlds as first axis: one camera and look for all, or "
+          "one each. Raises ValueError on numbers that do not fit, KeyError on a world or frame that is not there.");
+}
+
+}  // namespace manyhands

@@ -1,0 +1,68 @@
+#include "manyhands/envs/pictures.h"
+
+#include "manyhands/math/quaternion.h"
+
+namespace manyhands {
+
+namespace {
+
+constexpr std::size_t kRotation = 4;      // numbers of a goal that is an orientation
+constexpr double kGoalRadius = 0.02;      // of the ball that shows where the hand is to come [m]
+constexpr double kRotationHeight = 0.06;  // where orientations are shown, in the middle of the table [m]
+constexpr float kGoalAlpha = 0.5f;
+
+}  // namespace
+
+EnvPictures::EnvPictures(const EnvBatch& envs, int num_threads) : EnvPictures(envs, envs.scene(), num_threads) {}
+
+EnvPictures::EnvPictures(const EnvBatch& envs, EnvScene scene, int num_threads)
+    : envs_(envs),
+      objects_(std::move(scene.objects)),
+      renderer_(std::make_shared<const Model>(std::move(scene.model)), num_threads) {
+  const std::span<const Geom> geoms = model().geoms();
+  for (const Geom& geom : geoms) {
+    patterns_.push_back(geom.shape.type == ShapeType::kPlane ? Pattern::kChecks : Pattern::kPlain);
+  }
+  // Where a rotation is the goal, one must see how things are turned.
+  if (static_cast<std::size_t>(envs.spec().goal_dim) != kRotation) return;
+  for (const GeomId object : objects_) patterns_[object.index()] = Pattern::kDie;
+}
+
+Shot EnvPictures::shot(int world, const Camera& camera, const Look& look) const {
+  Shot shot{.camera = camera, .look = look, .q = std::vector<double>(static_cast<std::size_t>(model().nq()))};
+  std::vector<Vec3<double>> sizes(objects_.size());
+  envs_.see(world, shot.q, sizes);
+  shot.guise.patterns = patterns_;
+  shot.guise.sizes.resize(patterns_.size(), Vec3<double>::zero());
+  for (std::size_t k = 0; k < objects_.size(); ++k) shot.guise.sizes[objects_[k].index()] = sizes[k];
+  const auto columns = static_cast<std::size_t>(envs_.spec().goal_dim);
+  shot.marks = goal_marks(envs_.desired_goal().subspan(static_cast<std::size_t>(world) * columns, columns), sizes);
+  return shot;
+}
+
+std::vector<Mark> EnvPictures::goal_marks(std::span<const float> goal, std::span<const Vec3<double>> sizes) const {
+  const auto number = [&](std::size_t i) { return static_cast<double>(goal[i]); };
+  if (objects_.empty()) {
+    Mark ball{.shape = {.type = ShapeType::kSphere, .size = {kGoalRadius, 0, 0}}};
+    ball.rgba[3] = kGoalAlpha;
+    ball.X_WM.p = {number(0), number(1), number(2)};
+    return {ball};
+  }
+  std::vector<Mark> marks;
+  for (std::size_t k = 0; k < objects_.size(); ++k) {
+    const Geom& geom = model().geoms()[objects_[k].index()];
+    Mark mark{.shape = {.type = geom.shape.type, .size = sizes[k]}, .rgba = geom.rgba};
+    mark.rgba[3] = kGoalAlpha;
+    mark.pattern = patterns_[objects_[k].index()];
+    if (goal.size() == kRotation) {
+      mark.X_WM = {to_matrix(normalized(Quat<double>{number(0), number(1), number(2), number(3)})),
+                   {0, 0, kRotationHeight}};
+    } else {
+      mark.X_WM.p = {number(3 * k), number(3 * k + 1), number(3 * k + 2)};
+    }
+    marks.push_back(mark);
+  }
+  return marks;
+}
+
+}  // namespace manyhands

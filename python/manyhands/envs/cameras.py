@@ -1,0 +1,149 @@
+"""What environments show: the pictures of `render`, and those of cameras in the observation."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, cast
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from manyhands._core.envs import EnvBatch, EnvPictures
+from manyhands._core.render import Camera, Look
+from manyhands.arguments import whole_number
+from manyhands.envs.spaces import CameraOptions, EnvOptions
+
+RENDER_MODES = ("rgb_array", "depth_array")
+_FINE = Look(antialiasing=2, shadow_rays=4)
+_FEW = 64  # worlds that fit in a tiled picture
+_ROWS = ("observation", "achieved_goal", "desired_goal")
+_PLACES: dict[str, CameraOptions] = {
+    "front": {"eye": (0.75, -0.55, 0.5), "target": (-0.12, 0.0, 0.1), "fov_y": 0.75},
+    "top": {"eye": (0.0, 0.0, 1.1), "target": (0.0, 0.0, 0.0), "up": (1.0, 0.0, 0.0), "fov_y": 0.6},
+    "wrist": {
+        "eye": (0.07, 0.0, 0.0),
+        "target": (0.03, 0.0, 0.2),
+        "up": (1, 0, 0),
+        "frame": "panda_hand",
+        "fov_y": 1.2,
+    },
+}
+
+
+def require_mode(render_mode: str | None) -> None:
+    """Raises ValueError on a mode that is not known."""
+    if render_mode is not None and render_mode not in RENDER_MODES:
+        raise ValueError(f"render_mode is {render_mode!r}, expected None or one of {RENDER_MODES}")
+
+
+def orbit_camera(
+    width: int, height: int, target: Any, distance: float, yaw: float, pitch: float, roll: float
+) -> Camera:
+    """panda-gym's camera: 60 degrees from top to bottom; angles in degrees. Raises ValueError on other numbers."""
+    width, height = (whole_number("render size", size, 1, 16384) for size in (width, height))
+    point = np.zeros(3) if target is None else np.asarray(target, np.float64).reshape(3)
+    camera = Camera.perspective(width, height, math.radians(60)).clipped(0.1, 100)
+    return camera.orbit(point.tolist(), distance, *(math.radians(angle) for angle in (yaw, pitch, roll)))
+
+
+class EnvCameras:
+    """The cameras of a batch: that of `render`, and those that are observed. Nothing is loaded before it is needed."""
+
+    def __init__(self, batch: EnvBatch, render_mode: str | None, options: EnvOptions, num_threads: int) -> None:
+        """Raises ValueError on an unknown mode, or a camera that cannot be."""
+        require_mode(render_mode)
+        self._batch, self._threads, self._mode = batch, num_threads, render_mode
+        self._pictures: EnvPictures | None = None
+        self.final: dict[str, NDArray[Any]] = {}
+        """The pictures that `keep_final` took last."""
+        self._size = options.get("render_width", 720), options.get("render_height", 480)
+        self._orbit = (
+            options.get("render_target_position"),
+            options.get("render_distance", 1.4),
+            options.get("render_yaw", 45),
+            options.get("render_pitch", -30),
+            options.get("render_roll", 0),
+        )
+        orbit_camera(*self._size, *self._orbit)
+        self._observed = {name: _observed(name, given) for name, given in (options.get("cameras") or {}).items()}
+
+    def spaces(self) -> dict[str, spaces.Space[Any]]:
+        """Of one world's pictures, by their names in the observation."""
+        found: dict[str, spaces.Space[Any]] = {}
+        for name, (camera, options) in self._observed.items():
+            size = camera.height, camera.width
+            found[name] = spaces.Box(0, 255, (*size, 3), np.uint8)
+            if options.get("depth"):
+                found[f"{name}_depth"] = spaces.Box(0.0, camera.far, size, np.float32)
+            if options.get("segmentation"):
+                found[f"{name}_segmentation"] = spaces.Box(-1, 2**31 - 1, size, np.int32)
+        return found
+
+    def observe(self, worlds: Sequence[int] | None = None) -> dict[str, NDArray[Any]]:
+        """Pictures of all worlds, or of some: (n, height, width, 3), depth and segmentation (n, height, width)."""
+        seen: dict[str, NDArray[Any]] = {}
+        for name, (camera, options) in self._observed.items():
+            depth, segmentation = options.get("depth", False), options.get("segmentation", False)
+            picture = self._load().take(
+                camera, worlds=worlds, look=options.get("look", Look()), depth=depth, segmentation=segmentation
+            )
+            seen[name] = picture.colour
+            if depth:
+                seen[f"{name}_depth"] = picture.depth
+            if segmentation:
+                seen[f"{name}_segmentation"] = picture.segmentation
+        return seen
+
+    def render(self) -> NDArray[Any] | None:
+        """The picture of the render mode: of one world, or of up to 64 in tiles. None without a mode."""
+        n = min(self._batch.num_envs, _FEW)
+        columns = math.ceil(math.sqrt(n))
+        rows = math.ceil(n / columns)
+        frames = self.frames(range(n), max(self._size[0] // columns, 1), max(self._size[1] // rows, 1))
+        if frames is None or n == 1:
+            return None if frames is None else frames[0]
+        blank = np.zeros((columns * rows - n, *frames.shape[1:]), frames.dtype)
+        tiles = np.concatenate([frames, blank]).reshape(rows, columns, *frames.shape[1:])
+        height, width = frames.shape[1:3]
+        return tiles.swapaxes(1, 2).reshape(rows * height, columns * width, *frames.shape[3:])
+
+    def frames(self, worlds: Sequence[int], width: int | None = None, height: int | None = None) -> NDArray[Any] | None:
+        """What `render` shows of each world: (n, height, width, 3) colours, or (n, height, width) depths [m]."""
+        if self._mode is None:
+            return None
+        camera = orbit_camera(width or self._size[0], height or self._size[1], *self._orbit)
+        is_depth = self._mode == "depth_array"
+        picture = self._load().take(camera, worlds=list(worlds), look=_FINE, colour=not is_depth, depth=is_depth)
+        return picture.depth if is_depth else picture.colour
+
+    def keep_final(self, worlds: list[int]) -> None:
+        """Takes the last pictures of episodes that end, before their worlds start anew."""
+        self.final = self.observe(worlds)
+
+    def _load(self) -> EnvPictures:
+        if self._pictures is None:
+            self._pictures = EnvPictures(self._batch, self._threads)
+        return self._pictures
+
+
+def _observed(name: str, given: CameraOptions | Camera) -> tuple[Camera, CameraOptions]:
+    """A camera of the observation and its options. Raises ValueError if it cannot be made."""
+    if name in _ROWS:
+        raise ValueError(f"cameras: {name!r} is in the observation already; choose another name")
+    if isinstance(given, Camera):
+        return given, {}
+    if not isinstance(given, Mapping):
+        raise ValueError(f"cameras: {name!r} is {given!r}, expected a dict of options or a manyhands.Camera")
+    if unknown := set(given) - set(CameraOptions.__annotations__):
+        raise ValueError(
+            f"cameras: {name!r} has {sorted(unknown)}; options are {sorted(CameraOptions.__annotations__)}"
+        )
+    options = cast(CameraOptions, {**_PLACES.get(name, {}), **given})
+    if "eye" not in options or "target" not in options:
+        raise ValueError(
+            f"cameras: {name!r} needs an eye and a target; only {sorted(_PLACES)} have places of their own"
+        )
+    camera = Camera.perspective(options.get("width", 84), options.get("height", 84), options.get("fov_y", 0.8))
+    points = options["eye"], options["target"], options.get("up", (0, 0, 1))
+    eye, target, up = (np.asarray(point, np.float64).tolist() for point in points)
+    return camera.look_at(eye, target, up, options.get("frame", "")), options

@@ -1,0 +1,151 @@
+"""What environments show: `render`, pictures in the observation, and videos."""
+
+import math
+from pathlib import Path
+
+import gymnasium
+import numpy as np
+import pytest
+
+import manyhands as mh
+from manyhands.envs import PandaEnv, PandaVectorEnv
+from manyhands.envs.cameras import orbit_camera
+
+
+def test_render_has_panda_gyms_arguments() -> None:
+    env = gymnasium.make("PandaPickAndPlace-v3", render_mode="rgb_array")
+    env.reset(seed=0)
+    frame = env.render()
+    assert isinstance(frame, np.ndarray) and frame.shape == (480, 720, 3) and frame.dtype == np.uint8
+    small = PandaEnv("PandaPickAndPlace", render_mode="rgb_array", render_width=84, render_height=48)
+    small.reset(seed=0)
+    picture = small.render()
+    assert picture is not None and picture.shape == (48, 84, 3)
+    turned = PandaEnv("PandaPickAndPlace", render_mode="rgb_array", render_width=84, render_height=48, render_yaw=90)
+    turned.reset(seed=0)
+    assert (turned.render() != picture).any()
+    with pytest.raises(ValueError, match="render size"):
+        PandaEnv(render_mode="rgb_array", render_width=0)
+
+
+def test_depth_of_the_table_is_where_the_table_is() -> None:
+    options = {"render_width": 90, "render_height": 60, "render_target_position": [0.2, -0.2, 0]}
+    env = PandaEnv(render_mode="depth_array", **options)  # pyright: ignore[reportArgumentType]
+    env.reset(seed=0)
+    depth = env.render()
+    assert depth is not None and depth.dtype == np.float32
+    camera = orbit_camera(90, 60, [0.2, -0.2, 0], 1.4, 45, -30, 0)
+    towards = (28.5 - camera.cy) / camera.fy
+    # The pixel (45, 28) shows the table: its plane is z = 0, seen from 0.7 m above at 30 degrees.
+    down = math.sin(math.radians(30)) + math.cos(math.radians(30)) * towards
+    assert depth[28, 45] == pytest.approx(0.7 / down, abs=1e-3)
+
+
+def test_goals_and_dice_are_seen() -> None:
+    """Where the goal is, the picture differs from one of another goal; a cube with a goal of rotation has colours."""
+    colours = {}
+    for task in ("PandaReach", "PandaPush", "PandaFlip"):
+        env = PandaEnv(task, render_mode="rgb_array", render_width=240, render_height=160, render_distance=0.6)
+        env.reset(seed=0)
+        frame = env.render()
+        assert frame is not None
+        spread = frame.max(axis=2).astype(int) - frame.min(axis=2)
+        colours[task] = len(np.unique((frame[spread > 60] // 64).reshape(-1, 3), axis=0))
+        assert (spread > 25).sum() > 30
+    assert colours["PandaFlip"] > colours["PandaPush"]
+
+
+def test_vector_render_is_tiled() -> None:
+    envs = PandaVectorEnv(5, render_mode="rgb_array", render_width=120, render_height=90)
+    envs.reset(seed=7)
+    tiles = envs.render()
+    assert tiles.shape == (90, 120, 3)
+    one = PandaEnv(render_mode="rgb_array", render_width=40, render_height=45)
+    one.reset(seed=7 + 4)
+    np.testing.assert_array_equal(tiles[45:, 40:80], one.render())
+    assert (tiles[45:, 80:] == 0).all()
+    apart = PandaVectorEnv(3, render_mode="rgb_array", render_width=40, render_height=45, render_tiles=False)
+    apart.reset(seed=9)
+    frames = apart.render()
+    assert isinstance(frames, tuple) and len(frames) == 3
+    np.testing.assert_array_equal(frames[2], one.render())
+    assert PandaVectorEnv(2).render() is None
+
+
+def test_cameras_are_observed() -> None:
+    cameras = {"front": {}, "wrist": {"width": 32, "height": 24, "depth": True, "segmentation": True}}
+    env = gymnasium.make("PandaPickAndPlace-v3", cameras=cameras)
+    observation, _ = env.reset(seed=0)
+    assert env.observation_space.contains(observation)
+    assert observation["front"].shape == (84, 84, 3) and observation["front"].dtype == np.uint8
+    assert observation["wrist_depth"].shape == (24, 32) and observation["wrist_segmentation"].dtype == np.int32
+    after, *_ = env.step(np.array([1, 0, -1, 1], np.float32))
+    assert (after["wrist"] != observation["wrist"]).any()
+    assert observation["observation"].dtype == np.float32
+
+
+def test_pictures_of_a_batch_are_those_of_single_environments() -> None:
+    mine = mh.Camera.perspective(16, 16, 1.0).look_at([1, 0, 1], [0, 0, 0])
+    cameras = {"front": {"width": 40, "height": 30}, "mine": mine}
+    envs = gymnasium.make_vec("PandaPush-v3", num_envs=3, cameras=cameras, num_threads=2)
+    together, _ = envs.reset(seed=5)
+    assert envs.observation_space.contains(together)
+    for i in range(3):
+        alone, _ = gymnasium.make("PandaPush-v3", cameras=cameras).reset(seed=5 + i)
+        for name in cameras:
+            np.testing.assert_array_equal(together[name][i], alone[name])
+
+
+def test_the_last_pictures_of_an_episode_are_kept() -> None:
+    envs = PandaVectorEnv(2, max_episode_steps=2, autoreset_mode="SameStep", cameras={"front": {}})
+    envs.reset(seed=0)
+    actions = np.ones((2, 3), np.float32)
+    envs.step(actions)
+    observation, _, _, truncated, info = envs.step(actions)
+    assert truncated.all()
+    single = PandaEnv(cameras={"front": {}})
+    single.reset(seed=1)
+    single.step(actions[1])
+    last, *_ = single.step(actions[1])
+    np.testing.assert_array_equal(info["final_obs"][1]["front"], last["front"])
+    assert (observation["front"][1] != last["front"]).any()
+
+
+@pytest.mark.parametrize(
+    ("cameras", "message"),
+    [
+        ({"observation": {}}, "another name"),
+        ({"side": {}}, "needs an eye"),
+        ({"front": {"zoom": 2}}, "zoom"),
+        ({"front": 3}, "expected a dict"),
+        ({"front": {"width": 0}}, "pixels"),
+    ],
+)
+def test_cameras_that_cannot_be(cameras: dict, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        PandaEnv(cameras=cameras)
+    with pytest.raises(KeyError, match="no frame"):
+        PandaEnv(cameras={"front": {"frame": "elbow"}}).reset()
+
+
+def test_sizes_of_randomised_objects_are_seen() -> None:
+    """The object is the last link, and from the front nothing stands before it."""
+    seen = []
+    for size in (0.8, 1.2):
+        env = PandaEnv("PandaPush", cameras={"front": {"segmentation": True}}, randomize={"object_size": size})
+        observation, _ = env.reset(seed=0)
+        links = observation["front_segmentation"]
+        seen.append((links == links.max()).sum())
+    assert 1.5 < seen[1] / seen[0] < 3.5
+
+
+def test_record_video_writes_what_was_rendered(tmp_path: Path) -> None:
+    pytest.importorskip("moviepy")
+    env = gymnasium.make("PandaReach-v3", render_mode="rgb_array", render_width=96, render_height=64)
+    video = gymnasium.wrappers.RecordVideo(env, str(tmp_path), disable_logger=True)
+    video.reset(seed=0)
+    for _ in range(5):
+        video.step(np.ones(3, np.float32))
+    video.close()
+    (file,) = tmp_path.glob("*.mp4")
+    assert file.stat().st_size > 1000
