@@ -18,6 +18,26 @@ void bind_env_pictures(nb::module_& parent) {
   using bindings::Cameras;
   using bindings::Looks;
   auto m = nb::borrow<nb::module_>(parent.attr("envs"));
+  nb::class_<PictureVariation>(m, "PictureVariation",
+                               "How pictures differ from episode to episode: the most that something is off.")
+      .def(
+          "__init__",
+          [](PictureVariation* self, double position, double direction, double zoom, double light, double brightness,
+             double colour) {
+            for (const double most : {position, direction, zoom, light, brightness, colour}) {
+              if (!(most >= 0 && most < 1)) {
+                throw std::invalid_argument("what varies is off by " + std::to_string(most) +
+                                            "; expected 0 or more, less than 1");
+              }
+            }
+            new (self) PictureVariation{position, direction, zoom, light, brightness, colour};
+          },
+          nb::kw_only(), "position"_a = 0, "direction"_a = 0, "zoom"_a = 0, "light"_a = 0, "brightness"_a = 0,
+          "colour"_a = 0,
+          "position: of the camera, along each of its axes [m]. direction: about each [rad]. zoom: of its focal "
+          "lengths, "
+          "as a share. light: of the unit vector to the sun. brightness: of sun and sky, as a share. colour: of each "
+          "geom's red, green and blue. Raises ValueError unless all lie in [0, 1).");
   nb::class_<EnvPictures>(m, "EnvPictures", "Cameras of a batch of environments; goals are drawn over the worlds.")
       .def(nb::init<const EnvBatch&, int>(), "envs"_a, "num_threads"_a = 0, nb::keep_alive<1, 2>(),
            "Shows `envs`. Raises RuntimeError where there is nothing to see.")
@@ -32,27 +52,31 @@ void bind_env_pictures(nb::module_& parent) {
       .def(
           "take",
           [](EnvPictures& self, const Cameras& camera, const std::optional<std::vector<int>>& worlds, const Looks& look,
-             bool colour, bool depth, bool segmentation, bool normals) {
+             const PictureVariation& variation, std::uint32_t camera_number, bool colour, bool depth, bool segmentation,
+             bool normals) {
             const std::size_t n = worlds ? worlds->size() : static_cast<std::size_t>(self.envs().num_envs());
             bindings::require_count("camera", camera, n);
             bindings::require_count("look", look, n);
             std::vector<Shot> shots;
             for (std::size_t i = 0; i < n; ++i) {
               const int world = worlds ? (*worlds)[i] : static_cast<int>(i);
-              shots.push_back(self.shot(world, bindings::chosen(camera, i), bindings::chosen(look, i)));
+              shots.push_back(
+                  self.shot(world, bindings::chosen(camera, i), bindings::chosen(look, i), variation, camera_number));
             }
             return bindings::take_pictures(self.renderer(), std::move(shots), {colour, depth, segmentation, normals},
                                            false);
           },
-          "camera"_a, nb::kw_only(), "worlds"_a = nb::none(), "look"_a = Look{}, "colour"_a = true, "depth"_a = false,
-          "segmentation"_a = false, "normals"_a = false,
+          "camera"_a, nb::kw_only(), "worlds"_a = nb::none(), "look"_a = Look{}, "variation"_a = PictureVariation{},
+          "camera_number"_a = 0, "colour"_a = true, "depth"_a = false, "segmentation"_a = false, "normals"_a = false,
           nb::sig("def take(self, camera: manyhands._core.render.Camera | "
                   "collections.abc.Sequence[manyhands._core.render.Camera], *, worlds: collections.abc.Sequence[int] | "
                   "None = None, look: manyhands._core.render.Look | "
-                  "collections.abc.Sequence[manyhands._core.render.Look] = ..., colour: bool = True, depth: bool = "
+                  "collections.abc.Sequence[manyhands._core.render.Look] = ..., variation: PictureVariation = ..., "
+                  "camera_number: int = 0, colour: bool = True, depth: bool = "
                   "False, segmentation: bool = False, normals: bool = False) -> manyhands._core.render.Picture"),
           "Pictures of all worlds, or of those chosen, with the worlds as first axis: one camera and look for all, or "
-          "one each. Raises ValueError on numbers that do not fit, KeyError on a world or frame that is not there.");
+          "one each. What varies is drawn for each episode and camera_number. Raises ValueError on numbers that do not "
+          "fit, KeyError on a world or frame that is not there.");
 }
 
 }  // namespace manyhands

@@ -1,5 +1,6 @@
 #include "manyhands/envs/pictures.h"
 
+#include "manyhands/base/hash.h"
 #include "manyhands/math/quaternion.h"
 
 namespace manyhands {
@@ -28,7 +29,8 @@ EnvPictures::EnvPictures(const EnvBatch& envs, EnvScene scene, int num_threads)
   for (const GeomId object : objects_) patterns_[object.index()] = Pattern::kDie;
 }
 
-Shot EnvPictures::shot(int world, const Camera& camera, const Look& look) const {
+Shot EnvPictures::shot(int world, const Camera& camera, const Look& look, const PictureVariation& variation,
+                       std::uint32_t camera_number) const {
   Shot shot{.camera = camera, .look = look, .q = std::vector<double>(static_cast<std::size_t>(model().nq()))};
   std::vector<Vec3<double>> sizes(objects_.size());
   envs_.see(world, shot.q, sizes);
@@ -36,8 +38,38 @@ Shot EnvPictures::shot(int world, const Camera& camera, const Look& look) const 
   shot.guise.sizes.resize(patterns_.size(), Vec3<double>::zero());
   for (std::size_t k = 0; k < objects_.size(); ++k) shot.guise.sizes[objects_[k].index()] = sizes[k];
   const auto columns = static_cast<std::size_t>(envs_.spec().goal_dim);
-  shot.marks = goal_marks(envs_.desired_goal().subspan(static_cast<std::size_t>(world) * columns, columns), sizes);
+  const std::span<const float> goal = envs_.desired_goal().subspan(static_cast<std::size_t>(world) * columns, columns);
+  shot.marks = goal_marks(goal, sizes);
+  if (variation != PictureVariation{}) {
+    Hash hash;
+    for (const float number : goal) hash.add(number);
+    vary(shot, variation, RandomStream(hash.value(), camera_number, 0));
+  }
   return shot;
+}
+
+void EnvPictures::vary(Shot& shot, const PictureVariation& variation, RandomStream random) const {
+  const auto off = [&](double most) { return random.uniform(-most, most); };
+  const auto vector = [&](double most) {
+    const double x = off(most), y = off(most), z = off(most);
+    return Vec3<double>{x, y, z};
+  };
+  const Vec3<double> moved = vector(variation.position);
+  const Mat3<double> turned = to_matrix(quat_from_rotation_vector(vector(variation.direction)));
+  shot.camera.X_FC = shot.camera.X_FC * Transform<double>{turned, moved};
+  const double zoom = 1 + off(variation.zoom);
+  shot.camera.fx *= zoom;
+  shot.camera.fy *= zoom;
+  shot.look.light = (1 / norm(shot.look.light)) * shot.look.light + vector(variation.light);
+  shot.look.sun *= static_cast<float>(1 + off(variation.brightness));
+  shot.look.ambient *= static_cast<float>(1 + off(variation.brightness));
+  if (variation.colour == 0) return;
+  for (const Geom& geom : model().geoms()) {
+    std::array<float, 4> rgba = geom.rgba;
+    for (std::size_t c = 0; c < 3; ++c)
+      rgba[c] = clamp(rgba[c] + static_cast<float>(off(variation.colour)), 0.0f, 1.0f);
+    shot.guise.rgba.push_back(rgba);
+  }
 }
 
 std::vector<Mark> EnvPictures::goal_marks(std::span<const float> goal, std::span<const Vec3<double>> sizes) const {

@@ -139,6 +139,22 @@ def test_sizes_of_randomised_objects_are_seen() -> None:
     assert 1.5 < seen[1] / seen[0] < 3.5
 
 
+def test_what_varies_is_the_episodes_own() -> None:
+    vary = {"position": 0.05, "direction": 0.1, "zoom": 0.1, "light": 0.4, "brightness": 0.3, "colour": 0.2}
+    cameras = {"front": {"vary": vary}, "top": {"vary": vary}}
+    envs = gymnasium.make_vec("PandaReach-v3", num_envs=3, cameras=cameras)
+    first, _ = envs.reset(seed=0)
+    again, _ = envs.reset(seed=0)
+    alone, _ = gymnasium.make("PandaReach-v3", cameras=cameras).reset(seed=2)
+    for name in cameras:
+        np.testing.assert_array_equal(first[name], again[name])
+        np.testing.assert_array_equal(first[name][2], alone[name])
+        assert np.abs(first[name][0].astype(int) - first[name][1]).mean() > 4
+    for bad in ({"postion": 0.1}, {"colour": -0.1}, {"zoom": 1.0}):
+        with pytest.raises(ValueError, match="var"):
+            PandaEnv(cameras={"front": {"vary": bad}})
+
+
 def test_record_video_writes_what_was_rendered(tmp_path: Path) -> None:
     pytest.importorskip("moviepy")
     env = gymnasium.make("PandaReach-v3", render_mode="rgb_array", render_width=96, render_height=64)

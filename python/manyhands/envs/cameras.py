@@ -8,7 +8,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from manyhands._core.envs import EnvBatch, EnvPictures
+from manyhands._core.envs import EnvBatch, EnvPictures, PictureVariation
 from manyhands._core.render import Camera, Look
 from manyhands.arguments import whole_number
 from manyhands.envs.spaces import CameraOptions, EnvOptions
@@ -82,10 +82,16 @@ class EnvCameras:
     def observe(self, worlds: Sequence[int] | None = None) -> dict[str, NDArray[Any]]:
         """Pictures of all worlds, or of some: (n, height, width, 3), depth and segmentation (n, height, width)."""
         seen: dict[str, NDArray[Any]] = {}
-        for name, (camera, options) in self._observed.items():
+        for number, (name, (camera, options)) in enumerate(self._observed.items()):
             depth, segmentation = options.get("depth", False), options.get("segmentation", False)
             picture = self._load().take(
-                camera, worlds=worlds, look=options.get("look", Look()), depth=depth, segmentation=segmentation
+                camera,
+                worlds=worlds,
+                look=options.get("look", Look()),
+                variation=_variation(name, options),
+                camera_number=number,
+                depth=depth,
+                segmentation=segmentation,
             )
             seen[name] = picture.colour
             if depth:
@@ -144,6 +150,17 @@ def _observed(name: str, given: CameraOptions | Camera) -> tuple[Camera, CameraO
             f"cameras: {name!r} needs an eye and a target; only {sorted(_PLACES)} have places of their own"
         )
     camera = Camera.perspective(options.get("width", 84), options.get("height", 84), options.get("fov_y", 0.8))
+    _variation(name, options)
     points = options["eye"], options["target"], options.get("up", (0, 0, 1))
     eye, target, up = (np.asarray(point, np.float64).tolist() for point in points)
     return camera.look_at(eye, target, up, options.get("frame", "")), options
+
+
+def _variation(name: str, options: CameraOptions) -> PictureVariation:
+    """What varies of a camera's pictures. Raises ValueError on unknown names and numbers out of range."""
+    try:
+        return PictureVariation(**options.get("vary", {}))
+    except TypeError as reason:
+        raise ValueError(
+            f"cameras: {name!r} varies {options.get('vary')!r}; {PictureVariation.__init__.__doc__}"
+        ) from reason

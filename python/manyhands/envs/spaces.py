@@ -50,6 +50,7 @@ class CameraOptions(TypedDict, total=False):
     depth: bool  # observe depth [m], too
     segmentation: bool  # and the links' numbers
     look: Look  # light and background
+    vary: "Mapping[str, float]"  # what differs from episode to episode, and how much: docs/cameras.md
 
 
 RENDER_FPS = 25  # one frame per environment step of 0.04 s
