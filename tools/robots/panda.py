@@ -38,8 +38,9 @@ def _rectangle(x: float, y0: float, y1: float, z: float) -> list[Vec3]:
     return [(-x, y0, z), (x, y0, z), (x, y1, z), (-x, y1, z)]
 
 
+# PyBullet's finger tapers: this is its width where it touches things.
 FINGER: list[Shape] = [
-    Box((-0.0105, 0.0, 0.035), (0.0105, 0.0150, 0.0538)),
+    Box((-0.009, 0.0, 0.035), (0.009, 0.0160, 0.0538)),
     Box((-0.0105, 0.003, 0.0), (0.0105, 0.0264, 0.035)),
 ]
 NECK = [*_circle("z", (0.0, 0.0, -0.20), 0.052), *_circle("y", (0.0, 0.046, 0.0), 0.046)]
