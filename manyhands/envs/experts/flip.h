@@ -43,7 +43,7 @@ class Flip {
     kDraw,   ///< the cube nearer to the base, by its middle: at arm's length it cannot be rolled outwards
   };
 
-  static constexpr float kAbove = 0.063f;  ///< of the hand when a press begins
+  static constexpr float kAbove = 0.0593f;  ///< of the hand when a press begins
   static constexpr float kHome = 0.05f, kFar = 0.1f;
 
   /// The squared cosine of half the angle between the two.
@@ -59,15 +59,16 @@ class Flip {
   }
 
   /// Ends a press when the cube has rolled, or did not: a hand that slips off presses nearer to the middle the next
-  /// time, one that only drags the cube along presses farther out.
+  /// time it goes that way, one that only drags the cube along presses farther out.
   void judge_press(const Point& hand, const Quat<float>& pose) {
-    constexpr float kNudge = 0.003f, kMostNudge = 0.006f;
-    constexpr int kMostSteps = 6;
+    constexpr float kNudge = 0.0033f, kMostNudge = 0.0066f;
+    constexpr int kMostSteps = 8;
     const float same = likeness(pose, before_);
-    const bool slipped = hand.z < 0.031f && same > 0.97f, drags = steps_ > kMostSteps;
-    if (slipped) nudge_ = std::max(nudge_ - kNudge, -kMostNudge);
-    if (!slipped && drags) nudge_ = std::min(nudge_ + kNudge, kMostNudge);
-    if (slipped || drags || same < 0.53f) come();
+    const bool slipped = hand.z < 0.0254f && same > 0.97f, drags = steps_ > kMostSteps;
+    float& nudge = nudges_[direction()];
+    if (slipped) nudge = std::max(nudge - kNudge, -kMostNudge);
+    if (!slipped && drags) nudge = std::min(nudge + kNudge, kMostNudge);
+    if (slipped || drags || same < 0.66f) come();
   }
 
   /// Chooses the way, and begins to press or draw where the hand is above a cube that lies.
@@ -75,24 +76,28 @@ class Flip {
     way_ = next_way(pose, goal, cube);
     const bool draws = way_.x > 0.7f && cube.x > kFar;
     start_ = draws ? cube : place(cube);
-    const bool lies = cube.z < 0.022f && turning < 3;
+    const bool lies = cube.z < 0.022f && turning < 2.7f;
     if (!lies || hand.z > kAbove || flat_distance(hand, start_) > (draws ? 0.012f : 0.0068f)) return;
     doing_ = draws ? Doing::kDraw : Doing::kPress;
     before_ = pose;
     steps_ = 0;
   }
 
+  /// Whether the way leads to the base, from it or aside: the finger tips' widths differ, and so does what an arm does.
+  [[nodiscard]] std::size_t direction() const { return way_.x < -0.7f ? 0 : way_.x > 0.7f ? 1 : 2; }
+
   /// Where to press: near the edge ahead, and less so towards the base, where the hand itself drifts outwards.
   [[nodiscard]] Point place(const Point& cube) const {
-    return cube + (0.0257f + 0.0062f * std::min(way_.x, 0.0f) + nudge_) * way_;
+    const float in = std::max(-way_.x, 0.0f), out = std::max(way_.x, 0.0f);
+    return cube + (0.0257f - 0.0089f * in - 0.0015f * out + nudges_[direction()]) * way_;
   }
 
   /// Down and on. An arm that presses drifts outwards, so that way it is to be told little.
   [[nodiscard]] Point press(const Point& hand, const Point& cube) const {
     const float out = std::max(way_.x, 0.0f), in = std::min(way_.x, 0.0f);
     const Point aside{-way_.y, way_.x, 0};
-    Point move = 13 * dot(aside, cube - hand) * aside;
-    move += Point{0.11f * out + in + 0.12f * std::abs(way_.y), 0.5f * way_.y, 0.48f * out - 0.95f};
+    Point move = 18.6f * dot(aside, cube - hand) * aside;
+    move += Point{0.096f * out + 1.12f * in + 0.12f * std::abs(way_.y), 0.35f * way_.y, 0.615f * out - 0.88f};
     return move;
   }
 
@@ -100,7 +105,7 @@ class Flip {
   [[nodiscard]] Point approach(const Point& hand, const Point& cube) const {
     const float off = flat_distance(hand, start_);
     if (hand.z < 0.05f && flat_distance(hand, cube) < 0.08f) return {0, 0, 20 * (0.118f - hand.z)};
-    const float height = off < 0.01f ? 0.053f : 0.075f + 0.66f * std::max(off - 0.03f, 0.0f);
+    const float height = off < 0.0076f ? 0.0504f : 0.0689f + 0.66f * std::max(off - 0.03f, 0.0f);
     return aim(hand, {start_.x, start_.y, height});
   }
 
@@ -124,7 +129,7 @@ class Flip {
     Rolls rolls = rolls_of(pose);
     for (Roll& roll : rolls) {
       if (roll.way.x > 0.5f) roll.extra += cube.x > kFar ? 1.4f : 0.16f;
-      if (dot(roll.way, way_) > 0.8f) roll.extra -= 1.74f;
+      if (dot(roll.way, way_) > 0.8f) roll.extra -= 1.69f;
     }
     Plan best;
     search(pose, goal, rolls, 0, {0, 0}, best);
@@ -160,7 +165,7 @@ class Flip {
       Quat<float> passed = pose;
       for (std::size_t k = 0; k < Roll::kParts; ++k) {
         passed = rolls[i].turns[k] * pose;
-        const float sure = k + 1 == Roll::kParts ? 0.95f : 0.935f, margin = likeness(passed, goal) - sure;
+        const float sure = k + 1 == Roll::kParts ? 0.946f : 0.935f, margin = likeness(passed, goal) - sure;
         const float doubt = margin > 0 ? 2.9f * std::max(0.1f - margin, 0.0f) : 0.4f - 16.5f * margin;
         if (plan.cost + doubt < best.cost) best = {plan.cost + doubt, plan.first};
       }
@@ -173,7 +178,7 @@ class Flip {
   Point way_ = Point::zero();
   Point start_ = Point::zero();  ///< where the hand comes down
   Quat<float> before_{0, 0, 0, 1};
-  float nudge_ = 0;
+  std::array<float, 3> nudges_{};  ///< of the place, for each direction
 };
 
 }  // namespace manyhands::experts
