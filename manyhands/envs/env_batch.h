@@ -24,7 +24,7 @@ struct EnvSpec {
 
 /// What a batch looks like.
 struct EnvScene {
-  Model model;                 ///< with the meshes that are seen
+  Model model;                  ///< with the meshes that are seen
   std::vector<GeomId> objects;  ///< what the task moves
 };
 
