@@ -181,16 +181,18 @@ MANYHANDS_INLINE void fill(Ray& ray, const RayPacket& rays) {
   }
 }
 
+// Neighbouring rays of a small picture meet different triangles of a robot's fine meshes: one by one they are found
+// half as fast again as in packets that stay together.
 void intersect(const int* valid, RTCScene scene, RTCRayHit8& hit) {
 #if RTC_VERSION_MAJOR >= 4
   RTCIntersectArguments arguments;
   rtcInitIntersectArguments(&arguments);
-  arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+  arguments.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
   rtcIntersect8(valid, scene, &hit, &arguments);
 #else
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   rtcIntersect8(valid, scene, &context, &hit);
 #endif
 }
@@ -199,12 +201,12 @@ void occlude(const int* valid, RTCScene scene, RTCRay8& ray) {
 #if RTC_VERSION_MAJOR >= 4
   RTCOccludedArguments arguments;
   rtcInitOccludedArguments(&arguments);
-  arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+  arguments.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
   rtcOccluded8(valid, scene, &ray, &arguments);
 #else
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   rtcOccluded8(valid, scene, &context, &ray);
 #endif
 }
