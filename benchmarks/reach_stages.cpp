@@ -7,6 +7,7 @@
 #include <random>
 
 #include "benchmarks/support.h"
+#include "manyhands/envs/control/control.h"
 #include "manyhands/envs/make.h"
 #include "manyhands/envs/panda.h"
 #include "manyhands/envs/tasks/reach.h"

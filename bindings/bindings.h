@@ -15,6 +15,7 @@ void bind_world(nanobind::module_& m);         // after bind_model
 void bind_batch_worlds(nanobind::module_& m);  // after bind_model
 void bind_render(nanobind::module_& m);        // after bind_world and bind_batch_worlds
 void bind_envs(nanobind::module_& m);
+void bind_env_parts(nanobind::module_& envs);  // of bind_envs
 void bind_env_pictures(nanobind::module_& m);  // after bind_envs and bind_render
 void bind_experts(nanobind::module_& m);       // after bind_envs
 void bind_panda_gym(nanobind::module_& m);     // after bind_world

@@ -2,9 +2,11 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/unique_ptr.h>
+#include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
 #include <cstdint>
@@ -12,6 +14,8 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "bindings/arrays.h"
@@ -165,6 +169,8 @@ void bind_batch(nb::module_& m) {
            "The task's reward (k) of k pairs of goals (k, goal_dim). Raises ValueError on other shapes.");
 }
 
+using Pair = std::pair<double, double>;
+
 void bind_make(nb::module_& m) {
   m.def("env_ids", &env_ids, "The ids that `make_env_batch` knows.");
   m.def("max_episode_steps", &max_episode_steps, "id"_a,
@@ -173,34 +179,39 @@ void bind_make(nb::module_& m) {
       "make_env_batch",
       [](const std::string& id, int num_envs, int num_threads, int n_substeps, double time_step,
          bool terminate_on_success, double distance_threshold, const Ranges& randomize, const std::string& object_shape,
-         int lanes) {
+         int lanes, const std::variant<std::string, ArmSpec>& robot, const std::string& control_type,
+         const Pair& stiffness, const Pair& damping, const std::vector<Obstacle>& obstacles) {
         const nb::gil_scoped_release release;
-        std::vector<RandomRange> ranges;
-        for (const auto& [name, low, high, logarithmic] : randomize) ranges.push_back({name, low, high, logarithmic});
-        return make_env_batch(id, num_envs,
-                              {.num_threads = num_threads,
-                               .n_substeps = n_substeps,
-                               .time_step = time_step,
-                               .terminate_on_success = terminate_on_success,
-                               .distance_threshold = distance_threshold,
-                               .randomize = ranges,
-                               .object_shape = object_shape,
-                               .lanes = lanes});
+        EnvOptions options{.num_threads = num_threads,
+                           .n_substeps = n_substeps,
+                           .time_step = time_step,
+                           .terminate_on_success = terminate_on_success,
+                           .distance_threshold = distance_threshold,
+                           .object_shape = object_shape,
+                           .lanes = lanes,
+                           .impedance = {stiffness.first, damping.first, stiffness.second, damping.second},
+                           .obstacles = obstacles};
+        for (const auto& [name, low, high, logarithmic] : randomize)
+          options.randomize.push_back({name, low, high, logarithmic});
+        const std::string* name = std::get_if<std::string>(&robot);
+        options.arm = name != nullptr ? arm_spec(*name) : std::get<ArmSpec>(robot);
+        if (!control_type.empty()) options.control = arm_control(control_type);
+        return make_env_batch(id, num_envs, options);
       },
       "id"_a, "num_envs"_a, nb::kw_only(), "num_threads"_a = EnvOptions{}.num_threads,
       "n_substeps"_a = EnvOptions{}.n_substeps, "time_step"_a = EnvOptions{}.time_step,
       "terminate_on_success"_a = EnvOptions{}.terminate_on_success,
       "distance_threshold"_a = EnvOptions{}.distance_threshold, "randomize"_a = Ranges{},
-      "object_shape"_a = EnvOptions{}.object_shape, "lanes"_a = EnvOptions{}.lanes,
+      "object_shape"_a = EnvOptions{}.object_shape, "lanes"_a = EnvOptions{}.lanes, "robot"_a = "panda",
+      "control_type"_a = "", "stiffness"_a = Pair{Impedance{}.stiffness, Impedance{}.rotational_stiffness},
+      "damping"_a = Pair{Impedance{}.damping, Impedance{}.rotational_damping}, "obstacles"_a = std::vector<Obstacle>{},
       "`num_envs` worlds of the environment `id`. Threads: `num_threads`, or if 0 the variable MANYHANDS_THREADS, or "
-      "one "
-      "for each core. Physics: `n_substeps` of `time_step` [s] in one environment step. Success: nearer than "
+      "one for each core. Physics: `n_substeps` of `time_step` [s] in one environment step. Success: nearer than "
       "`distance_threshold`, 0 for what the task says. `randomize`: (name, low, high, whether the logarithm is "
       "uniform) of what differs from episode to episode. `object_shape`: box, cylinder, sphere or capsule in place of "
-      "what the task says. `lanes`: worlds in one register, 0 for the fastest. Raises "
-      "ValueError on an unknown "
-      "id "
-      "or an option out of range.");
+      "what the task says. `lanes`: worlds in one register, 0 for the fastest. `robot`: 'panda', 'arm6' or an ArmSpec. "
+      "`control_type`: empty for what the id says. `stiffness` [N/m, N m/rad] and `damping` [N s/m, N m s/rad] are "
+      "those of impedance control. Raises ValueError on an unknown id or an option out of range.");
 }
 
 nb::tuple outcome(const AutoresetBatch& batch) {
@@ -290,6 +301,7 @@ void bind_envs(nb::module_& m) {
   nb::module_ envs = m.def_submodule("envs", "Batches of environments.");
   bind_spec(envs);
   bind_batch(envs);
+  bind_env_parts(envs);
   bind_make(envs);
   bind_autoreset(envs);
 }

@@ -26,12 +26,13 @@ namespace manyhands {
 namespace {
 
 using bindings::named;
+using bindings::NumberOrNumbers;
 using bindings::Numbers3;
 using bindings::Numbers4;
+using bindings::size_of;
 using bindings::transform;
 using bindings::vec3;
 using Matrix3 = std::array<Numbers3, 3>;
-using NumberOrNumbers = std::variant<double, std::vector<double>>;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -63,24 +64,6 @@ JointId joint_of(const ModelBuilder& builder, const std::string& name) {
     if (builder.joints()[i].name == name) return JointId(i);
   }
   throw std::out_of_range("joint '" + name + "' has not been added to the builder");
-}
-
-/// The size of a shape from the numbers that it takes.
-Vec3<double> size_of(const std::string& shape, ShapeType type, const NumberOrNumbers& given) {
-  const std::vector<double> numbers = std::holds_alternative<double>(given)
-                                          ? std::vector<double>{std::get<double>(given)}
-                                          : std::get<std::vector<double>>(given);
-  const bool is_round = type == ShapeType::kCapsule || type == ShapeType::kCylinder;
-  const std::size_t expected = type == ShapeType::kSphere ? 1 : is_round ? 2 : type == ShapeType::kBox ? 3 : 0;
-  if (numbers.size() != expected) {
-    throw ModelError("a geom of shape '" + shape + "' has a size of " + std::to_string(expected) + " numbers, not " +
-                     std::to_string(numbers.size()));
-  }
-  Vec3<double> size{};
-  if (expected > 0) size.x = numbers[0];
-  if (expected > 1) size.y = numbers[1];
-  if (expected > 2) size.z = numbers[2];
-  return size;
 }
 
 /// A row of three numbers for each vertex or triangle.

@@ -6,6 +6,7 @@
 #include <array>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "bindings/arrays.h"
@@ -41,6 +42,26 @@ using Numbers4 = std::array<double, 4>;
   const double length2 = r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3];
   if (!(abs(length2 - 1) < 1e-6)) throw ModelError(what + ": the quaternion (x, y, z, w) must have length 1");
   return {to_matrix(normalized(Quat<double>{r[0], r[1], r[2], r[3]})), vec3(position)};
+}
+
+using NumberOrNumbers = std::variant<double, std::vector<double>>;
+
+/// The size of a shape from the numbers that it takes. Throws ModelError if their number is another.
+[[nodiscard]] inline Vec3<double> size_of(const std::string& shape, ShapeType type, const NumberOrNumbers& given) {
+  const std::vector<double> numbers = std::holds_alternative<double>(given)
+                                          ? std::vector<double>{std::get<double>(given)}
+                                          : std::get<std::vector<double>>(given);
+  const bool is_round = type == ShapeType::kCapsule || type == ShapeType::kCylinder;
+  const std::size_t expected = type == ShapeType::kSphere ? 1 : is_round ? 2 : type == ShapeType::kBox ? 3 : 0;
+  if (numbers.size() != expected) {
+    throw ModelError("a geom of shape '" + shape + "' has a size of " + std::to_string(expected) + " numbers, not " +
+                     std::to_string(numbers.size()));
+  }
+  Vec3<double> size{};
+  if (expected > 0) size.x = numbers[0];
+  if (expected > 1) size.y = numbers[1];
+  if (expected > 2) size.z = numbers[2];
+  return size;
 }
 
 template <class Part>

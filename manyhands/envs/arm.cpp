@@ -1,37 +1,83 @@
 #include "manyhands/envs/arm.h"
 
+#include <algorithm>
+#include <stdexcept>
+
 namespace manyhands {
 
 namespace {
 
+void require(bool condition, const std::string& message) {
+  if (!condition) throw std::invalid_argument(message);
+}
+
+const Body& body_of(const Model& scene, const std::string& joint) {
+  const bool known = std::ranges::any_of(scene.joints(), [&](const Joint& j) { return j.name == joint; });
+  std::string message = "the arm has no joint '" + joint + "'; those that move are:";
+  for (const Joint& j : scene.joints()) {
+    const bool moves =
+        j.type == JointType::kRevolute || j.type == JointType::kContinuous || j.type == JointType::kPrismatic;
+    if (moves) message += " '" + j.name + "'";
+  }
+  require(known, message);
+  const Body& body = scene.body(scene.link(scene.joint(scene.joint_id(joint)).child).body);
+  require(body.nq == 1 && body.iq == body.iv,
+          "joint '" + joint + "': an arm's joints must have one degree of freedom each");
+  return body;
+}
+
 std::vector<std::size_t> dofs_of(const Model& scene, const std::vector<std::string>& names) {
   std::vector<std::size_t> dofs;
-  for (const std::string& name : names) {
-    const Body& body = scene.body(scene.link(scene.joint(scene.joint_id(name)).child).body);
-    if (body.nq != 1 || body.iq != body.iv)
-      throw ModelError("joint '" + name + "': an arm's joints must have one degree of freedom each, and come first");
-    dofs.push_back(static_cast<std::size_t>(body.iv));
-  }
+  for (const std::string& name : names) dofs.push_back(static_cast<std::size_t>(body_of(scene, name).iv));
   return dofs;
 }
 
+std::vector<std::size_t> fingers_of(const Model& scene, const std::vector<std::string>& names) {
+  for (const std::string& name : names)
+    require(body_of(scene, name).type == JointType::kPrismatic, "joint '" + name + "': fingers must slide");
+  return dofs_of(scene, names);
+}
+
+FrameId hand_of(const Model& scene, const std::string& name) {
+  const bool known = std::ranges::any_of(scene.frames(), [&](const Frame& frame) { return frame.name == name; });
+  require(known, "the arm has no link or frame '" + name + "' to be its hand");
+  return scene.frame_id(name);
+}
+
+/// One finite number for each joint, `least` or more.
+void check(const std::string& what, const std::vector<double>& numbers, std::size_t count, double least) {
+  require(numbers.size() == count, "an arm of " + std::to_string(count) + " joints, fingers included, has " +
+                                       std::to_string(numbers.size()) + " numbers in " + what);
+  for (const double x : numbers)
+    require(is_finite(x) && x >= least,
+            what + " holds " + std::to_string(x) + (least == 0 ? "; expected 0 or more" : "; expected finite numbers"));
+}
+
+/// Meets a pose that is in reach; where none is, as near as the limits let it.
+IkSettings exact_ik() { return {.max_iterations = 20, .damping = 1e-4}; }
+
 }  // namespace
 
-Arm::Arm(const ArmSpec& spec, const Model& scene, ArmControl control_, bool has_gripper_)
+Arm::Arm(const ArmSpec& spec, const Model& scene, ArmControl control_, bool has_gripper_, const Impedance& impedance_)
     : control(control_),
+      impedance(impedance_),
       has_gripper(has_gripper_),
       joints(dofs_of(scene, spec.joints)),
-      fingers(dofs_of(scene, spec.fingers)),
+      fingers(fingers_of(scene, spec.fingers)),
       neutral(spec.neutral),
       max_force(spec.max_force),
       tips(spec.tips),
-      hand(scene.frame_id(spec.hand)),
+      hand(hand_of(scene, spec.hand)),
       chain(scene, hand),
-      ik(panda_gym_ik()) {
+      ik(control == ArmControl::kEndEffector ? panda_gym_ik() : exact_ik()) {
   const std::size_t count = joints.size() + fingers.size();
-  if (neutral.size() != count || max_force.size() != count || joints.size() >= kMostActions)
-    throw ModelError("an arm of " + std::to_string(count) + " joints has " + std::to_string(neutral.size()) +
-                     " neutral positions and " + std::to_string(max_force.size()) + " largest forces");
+  require(!joints.empty() && joints.size() < kMostActions,
+          "an arm has " + std::to_string(joints.size()) + " joints; expected 1 to " + std::to_string(kMostActions - 1));
+  require(!has_gripper || !fingers.empty(), "the task needs a gripper, but the arm has no fingers");
+  check("neutral", neutral, count, -std::numeric_limits<double>::infinity());
+  check("max_force", max_force, count, 0);
+  check("the impedance",
+        {impedance.stiffness, impedance.damping, impedance.rotational_stiffness, impedance.rotational_damping}, 4, 0);
 }
 
 IkSettings panda_gym_ik() {
@@ -41,11 +87,6 @@ IkSettings panda_gym_ik() {
           .position_tolerance = 1e-4,
           .rotation_tolerance = std::numeric_limits<double>::infinity(),
           .respect_limits = false};
-}
-
-int action_size(const Arm& arm) {
-  const std::size_t moves = arm.control == ArmControl::kJoints ? arm.joints.size() : 3;
-  return static_cast<int>(moves) + (arm.has_gripper ? 1 : 0);
 }
 
 }  // namespace manyhands

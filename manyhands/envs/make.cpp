@@ -49,8 +49,9 @@ std::vector<Variant> variants(const std::string& task) {
 
 template <class T, class Task>
 std::unique_ptr<EnvBatch> make_task(const Variant& variant, int num_envs, const EnvOptions& options) {
-  return std::make_unique<TaskBatch<T, Task>>(EnvSpec{.id = variant.id}, panda_arm(), variant.control, variant.reward,
-                                              num_envs, options);
+  return std::make_unique<TaskBatch<T, Task>>(EnvSpec{.id = variant.id}, options.arm.value_or(panda_arm()),
+                                              options.control.value_or(variant.control), variant.reward, num_envs,
+                                              options);
 }
 
 template <class Task>

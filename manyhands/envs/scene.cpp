@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "manyhands/base/assets.h"
 #include "manyhands/model/compose.h"
 #include "manyhands/model/io/urdf.h"
 #include "manyhands/model/solids.h"
+#include "manyhands/physics/step/world.h"
 
 namespace manyhands {
 
@@ -41,6 +41,20 @@ void add_object(ModelBuilder& builder, const ObjectSpec& object) {
 }
 
 constexpr std::array kShapes{"box", "cylinder", "sphere", "capsule"};
+std::string obstacle_name(std::size_t i) { return "obstacle " + std::to_string(i); }
+
+void add_obstacle(ModelBuilder& builder, std::size_t i, const Obstacle& obstacle) {
+  const ShapeType type = obstacle.shape.type;
+  const bool solid = type == ShapeType::kBox || type == ShapeType::kSphere || type == ShapeType::kCylinder ||
+                     type == ShapeType::kCapsule;
+  if (!solid) throw std::invalid_argument(obstacle_name(i) + " is no box, sphere, cylinder or capsule");
+  const LinkId link = builder.add_link(obstacle_name(i));
+  builder.add_joint({.name = obstacle_name(i), .parent = builder.world(), .child = link});
+  Geom geom{
+      .name = obstacle_name(i), .link = link, .X_LG = obstacle.X_WO, .shape = obstacle.shape, .rgba = obstacle.rgba};
+  geom.surface.lateral_friction = obstacle.friction;
+  builder.add_geom(geom);
+}
 
 }  // namespace
 
@@ -68,22 +82,41 @@ void reshape(ObjectSpec& object, const std::string& shape, std::span<const char*
   if (round) object.rolling_friction = 5e-4;
 }
 
-Model load_arm(const ArmSpec& spec, bool load_meshes) {
+Model load_arm(const ArmSpec& spec) {
   UrdfOptions options;
   options.base_pose = spec.X_WA;
-  options.load_meshes = load_meshes;
-  return load_urdf(asset_path(spec.asset), options).model;
+  options.load_meshes = spec.meshes;
+  return load_urdf(spec.urdf, options).model;
 }
 
-Model task_scene(const ArmSpec& arm, const Table& table, std::span<const ObjectSpec> objects, bool load_meshes) {
-  ModelBuilder builder = builder_of(load_arm(arm, load_meshes));
+Model task_scene(const ArmSpec& arm, const Table& table, std::span<const ObjectSpec> objects,
+                 std::span<const Obstacle> obstacles) {
+  ModelBuilder builder = builder_of(load_arm(arm));
   // Hung on the world before the objects are, so that its numbers come first.
   const LinkId base(1);
   const Transform<double> X_WA = builder.links()[base.index()].X_BL;
   builder.add_joint({.name = "arm_base", .parent = builder.world(), .child = base, .X_PF = X_WA});
   add_surroundings(builder, table);
   for (const ObjectSpec& object : objects) add_object(builder, object);
+  for (std::size_t i = 0; i < obstacles.size(); ++i) add_obstacle(builder, i, obstacles[i]);
   return builder.build();
+}
+
+void require_clear(const Arm& arm, const Model& scene, std::size_t obstacles) {
+  World world(std::make_shared<const Model>(scene));
+  std::vector<double> q = scene.initial_configuration();
+  for (std::size_t i = 0; i < arm.neutral.size(); ++i) q[arm.dof(i)] = arm.neutral[i];
+  world.set_q(q);
+  for (const LinkDistance& near : world.near_links(0)) {
+    for (std::size_t i = 0; i < obstacles; ++i) {
+      const LinkId obstacle = scene.link_id(obstacle_name(i));
+      if (near.link_a != obstacle && near.link_b != obstacle) continue;
+      const Link& other = scene.link(near.link_a == obstacle ? near.link_b : near.link_a);
+      if (scene.body(other.body).type == JointType::kFloating) continue;  // an object, which is put elsewhere
+      throw std::invalid_argument(obstacle_name(i) + " touches the arm's link '" + other.name +
+                                  "' where episodes start; move it away");
+    }
+  }
 }
 
 }  // namespace manyhands

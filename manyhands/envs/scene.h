@@ -5,6 +5,7 @@
 #include <string>
 
 #include "manyhands/envs/arm.h"
+#include "manyhands/envs/obstacle.h"
 
 namespace manyhands {
 
@@ -33,10 +34,14 @@ struct ObjectSpec {
 /// Throws std::invalid_argument on a shape that is not one of `allowed`; the message lists them.
 void reshape(ObjectSpec& object, const std::string& shape, std::span<const char* const> allowed = object_shapes());
 
-[[nodiscard]] Model load_arm(const ArmSpec& spec, bool load_meshes = false);
+[[nodiscard]] Model load_arm(const ArmSpec& spec);
 
-/// The arm first, then floor and table, then the objects, each floating.
+/// The arm first, then floor and table, then the objects, each floating, then the obstacles. Throws
+/// std::invalid_argument, which names the obstacle by its place in the list, if one cannot be.
 [[nodiscard]] Model task_scene(const ArmSpec& arm, const Table& table, std::span<const ObjectSpec> objects,
-                               bool load_meshes = false);
+                               std::span<const Obstacle> obstacles = {});
+
+/// Throws std::invalid_argument if an obstacle of the scene touches the arm in its neutral pose.
+void require_clear(const Arm& arm, const Model& scene, std::size_t obstacles);
 
 }  // namespace manyhands

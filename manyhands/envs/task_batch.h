@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "manyhands/base/thread_pool.h"
+#include "manyhands/envs/control/control.h"
 #include "manyhands/envs/randomize.h"
 #include "manyhands/envs/tasks/task.h"
 
@@ -17,7 +18,8 @@ namespace manyhands {
 template <Number T, TaskLike Task>
 class TaskBatch final : public EnvBatch {
  public:
-  /// `spec` needs only an id; the rest follows from the task.
+  /// `spec` needs only an id; the rest follows from the task. Throws std::invalid_argument if the arm or an obstacle
+  /// cannot be.
   TaskBatch(EnvSpec spec, const ArmSpec& arm, ArmControl control, Reward reward, int num_envs,
             const EnvOptions& options, const Task& task = {});
 
@@ -48,10 +50,11 @@ class TaskBatch final : public EnvBatch {
   struct Block {
     State<T> state;
     std::array<T, Task::kGoalSize> goal;
-    HandState<T> hand;                  ///< at the end of the last step
-    std::array<int, W> worlds;          ///< in its lanes; -1: none
-    std::array<bool, W> touches;        ///< whether the lane's arm touches something, or is about to
-    std::optional<Params<T>> params{};  ///< its worlds' own, where physics are randomised
+    HandState<T> hand;                        ///< at the end of the last step
+    std::array<T, Arm::kMostActions> action;  ///< of this step
+    std::array<int, W> worlds;                ///< in its lanes; -1: none
+    std::array<bool, W> touches;              ///< whether the lane's arm touches something, or is about to
+    std::optional<Params<T>> params{};        ///< its worlds' own, where physics are randomised
   };
   struct World {
     NumpyRandom random;

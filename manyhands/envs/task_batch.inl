@@ -68,8 +68,8 @@ TaskBatch<T, Task>::TaskBatch(EnvSpec spec, const ArmSpec& arm, ArmControl contr
       options_(options),
       num_envs_(num_envs),
       arm_spec_(arm),
-      scene_(task_scene(arm, task.table(), internal::objects_of(task, options.object_shape))),
-      arm_(arm, scene_, control, Task::kHasGripper),
+      scene_(task_scene(arm, task.table(), internal::objects_of(task, options.object_shape), options.obstacles)),
+      arm_(arm, scene_, control, Task::kHasGripper, options.impedance),
       system_(scene_),
       params_(scene_),
       randomizer_(options.randomize),
@@ -80,6 +80,7 @@ TaskBatch<T, Task>::TaskBatch(EnvSpec spec, const ArmSpec& arm, ArmControl contr
   spec_.randomized = randomizer_.names();
   // A block waits for its slowest world, and what four sweeps leave the next step's continue.
   system_.solver.max_sweeps = 4;
+  if (!options.obstacles.empty()) require_clear(arm_, scene_, options.obstacles.size());
   set_arm_motors(arm_, params_);
   for (const ObjectSpec& object : task.objects()) {
     const BodyId id = scene_.link(scene_.link_id(object.name)).body;
@@ -94,7 +95,7 @@ TaskBatch<T, Task>::TaskBatch(EnvSpec spec, const ArmSpec& arm, ArmControl contr
     for (std::size_t k = 0; k < pair.manifolds; ++k) arm_manifolds_.push_back(pair.manifold + k);
   }
   for (int k = 0; k < W; ++k) reset_arm(arm_, start_, k);
-  Block empty{start_, {}, {}, {}, {}};
+  Block empty{start_, {}, {}, {}, {}, {}};
   empty.worlds.fill(-1);
   if (randomizer_.varies_physics()) empty.params.emplace(scene_), set_arm_motors(arm_, *empty.params);
   blocks_.assign(internal::rows((num_envs + W - 1) / W, 1), empty);
@@ -256,6 +257,7 @@ void TaskBatch<T, Task>::swap_lanes(Block& a, int lane_a, Block& b, int lane_b) 
     swap_numbers((a.hand.*part).z, (b.hand.*part).z);
   }
   swap_numbers(a.hand.open_width, b.hand.open_width);
+  for (std::size_t i = 0; i < a.action.size(); ++i) swap_numbers(a.action[i], b.action[i]);
   std::swap(a.worlds[static_cast<std::size_t>(lane_a)], b.worlds[static_cast<std::size_t>(lane_b)]);
   std::swap(a.touches[static_cast<std::size_t>(lane_a)], b.touches[static_cast<std::size_t>(lane_b)]);
 }
@@ -276,15 +278,14 @@ void TaskBatch<T, Task>::foresee_touches(Block& block, Workspace<T>& ws) const {
 
 template <Number T, TaskLike Task>
 void TaskBatch<T, Task>::act(Block& block, StepWorkspace<T>& ws, std::span<const float> action) {
-  std::array<T, Arm::kMostActions> lanes{};
   for_each_world(block, [&](int i, int lane) {
     std::array<float, Arm::kMostActions> row{};
     std::copy_n(&action[internal::rows(i, spec_.action_dim)], spec_.action_dim, row.begin());
     disturb(i, std::span(row).first(static_cast<std::size_t>(spec_.action_dim)));
     for (std::size_t k = 0; k < static_cast<std::size_t>(spec_.action_dim); ++k)
-      set_lane(lanes[k], lane, static_cast<R>(row[k]));
+      set_lane(block.action[k], lane, static_cast<R>(row[k]));
   });
-  apply_action(arm_, system_.tree, params_, block.hand, lanes.data(), block.state, ws.dynamics);
+  apply_action(arm_, system_.tree, params_, block.hand, block.action.data(), block.state, ws.dynamics);
   if constexpr (W > 1) foresee_touches(block, ws.dynamics);
 }
 
@@ -312,6 +313,7 @@ void TaskBatch<T, Task>::simulate(Block& block, const Params<P>& params, StepWor
     for (const Object& object : objects_)
       apply_drag(params.inertia[object.body], block.state.q() + object.iq, block.state.v() + object.iv,
                  block.state.tau() + object.iv);
+    drive_arm(arm_, system_.tree, params, block.action.data(), block.state, ws.dynamics);
     manyhands::step(system_, params, static_cast<R>(options_.time_step), block.state, ws);
   }
 }

@@ -8,7 +8,9 @@ namespace manyhands {
 template <Number T, TaskLike Task>
 EnvScene TaskBatch<T, Task>::scene() const {
   const auto objects = internal::objects_of(task_, options_.object_shape);
-  EnvScene scene{task_scene(arm_spec_, task_.table(), objects, true), {}};
+  ArmSpec arm = arm_spec_;
+  arm.meshes = true;
+  EnvScene scene{task_scene(arm, task_.table(), objects, options_.obstacles), {}};
   for (const ObjectSpec& object : objects) {
     const std::span<const Geom> geoms = scene.model.geoms();
     const auto found = std::ranges::find(geoms, object.name, &Geom::name);

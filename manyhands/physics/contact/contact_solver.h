@@ -42,8 +42,10 @@ MANYHANDS_INLINE ContactStiffness<T> diagonalise(const Mat3<T>& G, T softness) {
   k.c = select(turned, sqrt(half * (one + ratio)), one);
   k.s = select(turned, copysign(one, d) * s_12 / (max(r, tiny) * (k.c + k.c)), zero);
   const T mean = half * (s_11 + s_22), spread = copysign(r, d);
-  k.sigma_1 = max(mean + spread, zero);
-  k.sigma_2 = max(mean - spread, zero);
+  // Where the surfaces cannot slide at all, as on a link that has two joints before it, rounding leaves less than this.
+  const T least = T(R(8) * std::numeric_limits<R>::epsilon()) * (G.y.y + G.z.z);
+  k.sigma_1 = max(mean + spread, least);
+  k.sigma_2 = max(mean - spread, least);
   k.slope_1 = fma(k.c, slope_1, k.s * slope_2);
   k.slope_2 = fma(k.c, slope_2, -(k.s * slope_1));
   return k;

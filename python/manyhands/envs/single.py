@@ -19,10 +19,20 @@ class PandaEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
 
     Tasks: PandaReach, PandaPush, PandaSlide, PandaPickAndPlace, PandaStack, PandaFlip. Observations are dicts of
     float32 arrays: `observation` (observation_dim,), `achieved_goal` and `desired_goal` (goal_dim,), in SI units. An
-    action (action_dim,) lies in [-1, 1] and is clipped to it: a displacement of the gripper (unit 0.05 m) with
-    `control_type="ee"`, of the seven joints (unit 0.05 rad) with "joints"; where the task needs the gripper the last
-    number opens it. A step takes 0.04 s. An episode terminates with success; its length is limited by
-    `gymnasium.make`.
+    action (action_dim,) lies in [-1, 1] and is clipped to it. What it means is up to `control_type`:
+
+    - "ee": displacement of the hand, which points straight down (3 numbers, unit 0.05 m);
+    - "joints": displacement of the joints (one each, unit 0.05 rad);
+    - "ee_pose": displacement of the hand, and its rotation vector from pointing straight down, about the world's axes
+      (6, units 0.05 m and 90 degrees); an action turns the hand and each joint by 0.2 rad at most;
+    - "joint_velocity": velocity of the joints (one each, unit 1 rad/s);
+    - "joint_torque": torque beyond what holds the arm against gravity and Coriolis forces (one each, unit a tenth of
+      the motor's largest);
+    - "impedance": as "ee_pose", of the goal to which a spring and a damper pull the hand; the goal stays when the hand
+      is pushed away.
+
+    Where the task needs the gripper one more number opens it (unit 0.2 m). A step takes 0.04 s. An episode terminates
+    with success; its length is limited by `gymnasium.make`.
 
     Calls from several Python threads take turns.
 
@@ -51,8 +61,7 @@ class PandaEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         )
         self.render_mode = render_mode
         self._turn = threading.Lock()
-        name = spaces.env_id(task, reward_type, control_type)
-        self._batch = spaces.make_batch(name, 1, 1, options)
+        self._batch = spaces.make_batch(task, reward_type, control_type, 1, 1, options)
         self._cameras = EnvCameras(self._batch, render_mode, options, 1)
         self.observation_space = spaces.observation_space(self._batch.spec, self._cameras.spaces())
         self.action_space = spaces.action_space(self._batch.spec)

@@ -8,18 +8,19 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import ArrayLike, NDArray
 
-from manyhands._core.envs import EnvBatch, EnvSpec, make_env_batch
+from manyhands._core.envs import EnvBatch, EnvSpec, control_types, make_env_batch
 from manyhands._core.render import Camera, Look
 from manyhands.arguments import whole_number
+from manyhands.envs.parts import ArmSpec, Obstacle, as_core
 
 Observation: TypeAlias = dict[str, NDArray[Any]]
 RewardType: TypeAlias = Literal["sparse", "dense"]
 Randomize: TypeAlias = Mapping[str, float | tuple[float, float] | tuple[float, float, str]]
-ControlType: TypeAlias = Literal["ee", "joints"]
+ControlType: TypeAlias = Literal["ee", "joints", "ee_pose", "joint_velocity", "joint_torque", "impedance"]
 
 
 class EnvOptions(TypedDict, total=False):
-    """How the physics of an environment runs, and when an episode ends well."""
+    """How the physics of an environment runs, when an episode ends well, and what the scene is made of."""
 
     n_substeps: int  # physics steps of one environment step: 20
     time_step: float  # of the physics [s]: 0.002
@@ -27,6 +28,10 @@ class EnvOptions(TypedDict, total=False):
     distance_threshold: float  # success is nearer than this; 0: what the task says
     randomize: Randomize | None  # what differs from episode to episode: docs/randomization.md
     object_shape: str  # "box", "cylinder", "sphere" or "capsule" in place of what the task says
+    robot: str | ArmSpec  # "panda"; "arm6" ships too
+    obstacles: Sequence[Obstacle]  # none
+    stiffness: tuple[float, float]  # of control_type="impedance": 1000 N/m, 50 N m/rad
+    damping: tuple[float, float]  # of the same: 100 N s/m, 2 N m s/rad
     render_width: int  # of `render` [pixels]: 720
     render_height: int  # 480
     render_target_position: ArrayLike | None  # what it looks at (3) [m]: the middle of the table
@@ -53,28 +58,41 @@ class CameraOptions(TypedDict, total=False):
     vary: "Mapping[str, float]"  # what differs from episode to episode, and how much: docs/cameras.md
 
 
+_CONVERTED = {"randomize", "robot", "obstacles", "cameras"}  # `cameras` elsewhere, with what begins with render_
 RENDER_FPS = 25  # one frame per environment step of 0.04 s
 
 
 def env_id(task: str, reward_type: str, control_type: str) -> str:
-    """The id of a variant, for example "PandaReachJointsDense-v3". Raises ValueError on an unknown type."""
+    """The id of a variant, for example "PandaReachJointsDense-v3". Raises ValueError on an unknown type.
+
+    Controls that panda-gym does not have are variants of none: they get the id of "ee".
+    """
     if reward_type not in ("sparse", "dense"):
         raise ValueError(f"reward_type is {reward_type!r}, expected 'sparse' or 'dense'")
-    if control_type not in ("ee", "joints"):
-        raise ValueError(f"control_type is {control_type!r}, expected 'ee' or 'joints'")
+    if control_type not in control_types():
+        raise ValueError(f"control_type is {control_type!r}, expected one of {control_types()}")
     return f"{task}{'Joints' * (control_type == 'joints')}{'Dense' * (reward_type == 'dense')}-v3"
 
 
-def make_batch(name: str, num_envs: int, num_threads: int, options: EnvOptions) -> EnvBatch:
-    """The batch of an id. Raises ValueError on an option out of range."""
+def make_batch(
+    task: str, reward_type: str, control_type: str, num_envs: int, num_threads: int, options: EnvOptions
+) -> EnvBatch:
+    """The batch of a variant. Raises ValueError on an unknown task or type, or an option out of range."""
     randomize = options.get("randomize")
     if randomize is not None and not isinstance(randomize, Mapping):
         raise ValueError(f"randomize is {randomize!r}, expected a dict of names and ranges")
-    ranges = [as_range(key, value) for key, value in (randomize or {}).items()]
-    others: Any = {
-        key: value for key, value in options.items() if key not in ("randomize", "cameras") and key[:7] != "render_"
-    }
-    return make_env_batch(name, num_envs, num_threads=num_threads, randomize=ranges, **others)
+    others: Any = {key: value for key, value in options.items() if key not in _CONVERTED and key[:7] != "render_"}
+    robot, obstacles = as_core(options.get("robot", "panda"), options.get("obstacles", ()))
+    return make_env_batch(
+        env_id(task, reward_type, control_type),
+        num_envs,
+        num_threads=num_threads,
+        control_type=control_type,
+        randomize=[as_range(key, value) for key, value in (randomize or {}).items()],
+        robot=robot,
+        obstacles=obstacles,
+        **others,
+    )
 
 
 def as_range(name: str, value: Any) -> tuple[str, float, float, bool]:

@@ -62,8 +62,7 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         if max_episode_steps is not None:
             max_episode_steps = whole_number("max_episode_steps", max_episode_steps, -1, 2**31 - 1)
         mode = AutoresetMode(autoreset_mode)
-        name = spaces.env_id(task, reward_type, control_type)
-        self._envs = spaces.make_batch(name, num_envs, threads, options)
+        self._envs = spaces.make_batch(task, reward_type, control_type, num_envs, threads, options)
         spec = self._envs.spec
         limit = spec.max_episode_steps if max_episode_steps is None else max(max_episode_steps, 0)
         self._batch = AutoresetBatch(self._envs, CoreMode[mode.name], limit)

@@ -1,0 +1,61 @@
+// Which arm stands in a task, and what an action means to it.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "manyhands/math/vec3.h"
+
+namespace manyhands {
+
+/// What an action (each number in [-1, 1]) does to the arm within one environment step. The gripper's number comes
+/// after these; it opens the fingers by 20 cm per unit. See control/*.h.
+enum class ArmControl {
+  kEndEffector,      ///< (3) displacement of the hand, 5 cm per unit; the hand points straight down
+  kJoints,           ///< (joints) displacement of the joints, 0.05 rad or m per unit
+  kEndEffectorPose,  ///< (6) displacement of the hand, and its turn from pointing down, 90 degrees per unit
+  kJointVelocity,    ///< (joints) their velocity, 1 rad/s or m/s per unit
+  kJointTorque,      ///< (joints) force beyond what holds the arm, a tenth of the motor's largest per unit
+  kImpedance,        ///< (6) as kEndEffectorPose, of the pose to which a spring pulls the hand
+};
+
+/// By the names that users give them: "ee", "joints", "ee_pose", "joint_velocity", "joint_torque", "impedance".
+inline constexpr std::array<std::pair<const char*, ArmControl>, 6> kArmControls{{
+    {"ee", ArmControl::kEndEffector},
+    {"joints", ArmControl::kJoints},
+    {"ee_pose", ArmControl::kEndEffectorPose},
+    {"joint_velocity", ArmControl::kJointVelocity},
+    {"joint_torque", ArmControl::kJointTorque},
+    {"impedance", ArmControl::kImpedance},
+}};
+
+/// Throws std::invalid_argument, which lists the names, on an unknown one.
+[[nodiscard]] ArmControl arm_control(const std::string& name);
+
+/// The spring and damper between the hand and its goal under ArmControl::kImpedance.
+struct Impedance {
+  double stiffness = 1000;           ///< [N/m]
+  double damping = 100;              ///< [N s/m]
+  double rotational_stiffness = 50;  ///< [N m/rad]
+  double rotational_damping = 2;     ///< [N m s/rad]
+};
+
+/// What tasks must know of an arm besides its URDF. Its joints are named in the order of actions, fingers last.
+struct ArmSpec {
+  std::filesystem::path urdf;
+  Transform<double> X_WA = Transform<double>::identity();  ///< of its base
+  std::vector<std::string> joints, fingers;                ///< fingers slide; the hand opens by the sum of their q
+  std::string hand;               ///< the frame or link between the finger tips, z away from the hand
+  double tips = 0;                ///< how far the finger tips reach beyond it [m]
+  std::vector<double> neutral;    ///< where every episode starts [rad or m]
+  std::vector<double> max_force;  ///< of the motors [N m or N]
+  bool meshes = true;             ///< whether collision shapes that need a mesh file count
+};
+
+/// The arms that ship with the library: "panda" and "arm6". Throws std::invalid_argument, which lists them, on others.
+[[nodiscard]] ArmSpec arm_spec(const std::string& name);
+
+}  // namespace manyhands

@@ -1,0 +1,49 @@
+"""What an environment may be made with: another arm, obstacles."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from manyhands._core import envs as core
+
+
+@dataclass(frozen=True, kw_only=True)
+class ArmSpec:
+    """An arm with a gripper from a URDF file, for `gymnasium.make("PandaPush-v3", robot=ArmSpec(...))`.
+
+    The base stands at a pose in the world, where the table's top is z = 0. Movable joints that are not named swing
+    freely, except for those that follow others by `<mimic>`. What does not fit raises ValueError when the environment
+    is made.
+    """
+
+    urdf: str | Path
+    joints: Sequence[str]  # of the arm, in the order of actions: revolute, continuous or prismatic
+    fingers: Sequence[str] = ()  # prismatic; the hand opens by the sum of their positions
+    hand: str  # the link between the finger tips; its z axis points away from the hand
+    neutral: Sequence[float]  # where episodes start: of the joints, then of the fingers [rad or m]
+    max_force: Sequence[float]  # of the motors: of the joints, then of the fingers [N m or N]
+    tips: float = 0.0  # how far the finger tips reach beyond the hand's origin [m]
+    position: Sequence[float] = (-0.6, 0.0, 0.0)  # of the base [m]
+    quaternion: Sequence[float] = (0.0, 0.0, 0.0, 1.0)  # of the base, xyzw
+    meshes: bool = True  # whether collision shapes from mesh files count, as their convex hulls
+
+
+@dataclass(frozen=True)
+class Obstacle:
+    """A shape that never moves, for `gymnasium.make("PandaReach-v3", obstacles=[Obstacle("sphere", 0.05)])`.
+
+    Goals and objects are drawn as without it: keep it away from the square of 0.3 m about the origin in which they
+    start. Raises ValueError, when the environment is made, if it cannot be or touches the arm in its neutral pose.
+    """
+
+    shape: str  # "box", "sphere", "cylinder" or "capsule"
+    size: float | Sequence[float]  # half extents; radius; radius and half length [m]
+    position: Sequence[float] = (0.0, 0.0, 0.0)  # of the centre [m]
+    quaternion: Sequence[float] = (0.0, 0.0, 0.0, 1.0)  # xyzw
+    friction: float = 0.5
+
+
+def as_core(robot: str | ArmSpec, obstacles: Sequence[Obstacle]) -> tuple[str | core.ArmSpec, list[core.Obstacle]]:
+    """The same for the extension module."""
+    arm = robot if isinstance(robot, str) else core.ArmSpec(**asdict(robot))
+    return arm, [core.Obstacle(**asdict(one)) for one in obstacles]
