@@ -5,7 +5,7 @@ include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/manyhands)
 install(TARGETS manyhands manyhands_learn manyhands_flags EXPORT manyhandsTargets)
 install(EXPORT manyhandsTargets NAMESPACE manyhands:: DESTINATION ${package_dir})
-install(DIRECTORY manyhands DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
+install(DIRECTORY manyhands DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h" PATTERN "*.inl")
 install(DIRECTORY assets/ DESTINATION ${CMAKE_INSTALL_DATADIR}/manyhands/assets)
 
 configure_package_config_file(cmake/manyhandsConfig.cmake.in "${PROJECT_BINARY_DIR}/manyhandsConfig.cmake"

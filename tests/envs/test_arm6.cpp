@@ -125,10 +125,14 @@ struct Task {
 };
 
 class Arm6Experts : public ::testing::TestWithParam<Task> {};
-INSTANTIATE_TEST_SUITE_P(All, Arm6Experts, ::testing::Values(Task{"PandaPickAndPlace-v3", 99}), [](const auto& test) {
-  const std::string id = test.param.id;
-  return id.substr(5, id.find('-') - 5);
-});
+INSTANTIATE_TEST_SUITE_P(All, Arm6Experts,
+                         ::testing::Values(Task{"PandaReach-v3", 99}, Task{"PandaPickAndPlace-v3", 99},
+                                           Task{"PandaStack-v3", 95}, Task{"PandaSlide-v3", 75},
+                                           Task{"PandaPush-v3", 65}, Task{"PandaFlip-v3", 50}),
+                         [](const auto& test) {
+                           const std::string id = test.param.id;
+                           return id.substr(5, id.find('-') - 5);
+                         });
 
 /// The Panda's experts, as they are, in its place.
 TEST_P(Arm6Experts, Succeed) {

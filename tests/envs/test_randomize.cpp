@@ -7,6 +7,7 @@
 #include <numeric>
 #include <random>
 
+#include "manyhands/envs/control/control.h"
 #include "manyhands/envs/make.h"
 #include "manyhands/envs/panda.h"
 #include "manyhands/envs/randomize.h"

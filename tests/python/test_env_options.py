@@ -1,0 +1,133 @@
+"""Other robots, other controls and obstacles: through gymnasium.make and make_vec."""
+
+import copy
+import pickle
+import warnings
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+import manyhands as mh
+from manyhands.envs import ArmSpec, Expert, Obstacle
+
+CONTROLS = {"ee": 3, "joints": 7, "ee_pose": 6, "joint_velocity": 7, "joint_torque": 7, "impedance": 6}
+ARM6 = ArmSpec(
+    urdf=mh.asset_path("arm6/arm6.urdf"),
+    joints=[f"arm6_joint{i}" for i in range(1, 7)],
+    fingers=["arm6_finger_joint1", "arm6_finger_joint2"],
+    hand="arm6_grasptarget",
+    neutral=[-0.209817, -1.198085, 1.524398, -1.89711, -1.570796, -0.209817, 0, 0],
+    max_force=[150, 150, 150, 28, 28, 28, 235, 235],
+    tips=0.007,
+)
+WALL = Obstacle("box", [0.01, 0.2, 0.2], position=[0.16, 0, 0.2])
+
+
+def rollout(env: Any, steps: int = 20) -> list[Any]:
+    env.action_space.seed(0)
+    seen = [env.reset(seed=3)]
+    for _ in range(steps):
+        seen.append(env.step(env.action_space.sample()))
+    return seen
+
+
+@pytest.mark.parametrize("control", CONTROLS)
+@pytest.mark.parametrize("robot", ["panda", "arm6"])
+def test_every_control_passes_gymnasiums_checks(robot: str, control: str) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        env = gymnasium.make("PandaPickAndPlace-v3", robot=robot, control_type=control)
+        check_env(env.unwrapped)
+    size = CONTROLS[control] - (robot == "arm6" and CONTROLS[control] == 7) + 1
+    assert env.action_space == gymnasium.spaces.Box(-1, 1, (size,), np.float32)
+
+
+@pytest.mark.parametrize("control", CONTROLS)
+def test_one_world_is_any_of_many(control: str) -> None:
+    options: dict[str, Any] = {"robot": "arm6", "control_type": control, "obstacles": [WALL]}
+    one = gymnasium.make("PandaPush-v3", **options)
+    many = gymnasium.make_vec("PandaPush-v3", num_envs=5, num_threads=2, **options)
+    observation, _ = many.reset(seed=10)
+    alone, _ = one.reset(seed=12)
+    many.action_space.seed(1)
+    for _ in range(20):
+        np.testing.assert_equal(alone["observation"], observation["observation"][2])
+        actions = many.action_space.sample()
+        observation, *_ = many.step(actions)
+        alone, *_ = one.step(actions[2])
+
+
+@pytest.mark.parametrize("task", ["Reach", "Push", "Slide", "PickAndPlace", "Stack", "Flip"])
+def test_every_task_has_the_second_robot(task: str) -> None:
+    env = gymnasium.make(f"Panda{task}-v3", robot="arm6")
+    observation, _ = env.reset(seed=0)
+    np.testing.assert_allclose(observation["observation"][:3], [0.04, 0, 0.2], atol=1e-4)
+    expert = Expert(f"Panda{task}-v3")
+    for _ in range(10):
+        observation, *_ = env.step(expert(observation))
+    assert np.isfinite(observation["observation"]).all()
+
+
+def test_an_arm_spec_of_ones_own_is_the_robot_it_describes() -> None:
+    def make(robot: str | ArmSpec) -> Any:
+        return gymnasium.make("PandaPickAndPlace-v3", robot=robot, control_type="joints").unwrapped
+
+    ours, shipped = rollout(make(ARM6)), rollout(make("arm6"))
+    np.testing.assert_equal(ours, shipped)
+    env = make(ARM6)
+    for other in (copy.deepcopy(env), pickle.loads(pickle.dumps(env))):
+        np.testing.assert_equal(rollout(other), shipped)
+
+
+def test_an_arm_stands_where_it_is_put() -> None:
+    turned = ArmSpec(**{**vars(ARM6), "position": [0.6, 0, 0.1], "quaternion": [0, 0, 1, 0]})
+    observation, _ = gymnasium.make("PandaReach-v3", robot=turned).reset(seed=0)
+    np.testing.assert_allclose(observation["observation"][:3], [-0.04, 0, 0.3], atol=1e-4)
+
+
+def test_obstacles_stop_the_hand() -> None:
+    def end(**options: Any) -> float:
+        env = gymnasium.make("PandaReach-v3", **options).unwrapped
+        env.reset(seed=0)
+        for _ in range(40):
+            observation, *_ = env.step(np.array([0.4, 0, 0]))
+        return float(observation["observation"][0])
+
+    assert end() > 0.18
+    assert 0.08 < end(obstacles=[WALL]) < 0.15
+
+
+def test_a_stiffer_hand_presses_harder() -> None:
+    """Both goals lie as deep in the wall; what presses the wall does not show, but what the softer arm yields does."""
+
+    def lag(stiffness: float) -> float:
+        env = gymnasium.make("PandaReach-v3", control_type="impedance", stiffness=(stiffness, 50)).unwrapped
+        start = env.reset(seed=0)[0]["observation"][0]
+        observation, *_ = env.step(np.array([1.0, 0, 0, 0, 0, 0]))
+        return float(0.05 - (observation["observation"][0] - start))
+
+    assert lag(4000) < lag(1000) < lag(200) < 0.05
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"robot": "pandaa"}, "robot is 'pandaa', expected 'panda', 'arm6' or an ArmSpec"),
+        ({"robot": ArmSpec(**{**vars(ARM6), "hand": "palm"})}, "'palm'"),
+        ({"robot": ArmSpec(**{**vars(ARM6), "neutral": [0] * 7})}, "has 7 numbers in neutral"),
+        ({"robot": ArmSpec(**{**vars(ARM6), "quaternion": [0, 0, 0, 2]})}, "length 1"),
+        ({"control_type": "magic"}, "control_type is 'magic', expected one of"),
+        ({"obstacles": [Obstacle("cone", 0.1)]}, "no shape 'cone'"),
+        ({"obstacles": [Obstacle("box", 0.1)]}, "size of 3 numbers, not 1"),
+        ({"obstacles": [Obstacle("sphere", -0.1, position=[0.5, 0.3, 0])]}, "obstacle 0"),
+        ({"obstacles": [WALL, Obstacle("sphere", 0.1, position=[0, 0, 0.3])]}, "obstacle 1 touches the arm's link"),
+        ({"control_type": "impedance", "damping": (-1, 0)}, "impedance holds -1"),
+    ],
+)
+def test_what_cannot_be_is_refused(options: dict[str, Any], message: str) -> None:
+    for make in (gymnasium.make, gymnasium.make_vec):
+        with pytest.raises(ValueError, match=message):
+            make("PandaPush-v3", **options)
