@@ -100,16 +100,14 @@ def test_obstacles_stop_the_hand() -> None:
     assert 0.08 < end(obstacles=[WALL]) < 0.15
 
 
-def test_a_stiffer_hand_presses_harder() -> None:
-    """Both goals lie as deep in the wall; what presses the wall does not show, but what the softer arm yields does."""
-
+def test_a_stiffer_hand_lags_less() -> None:
     def lag(stiffness: float) -> float:
         env = gymnasium.make("PandaReach-v3", control_type="impedance", stiffness=(stiffness, 50)).unwrapped
         start = env.reset(seed=0)[0]["observation"][0]
         observation, *_ = env.step(np.array([1.0, 0, 0, 0, 0, 0]))
         return float(0.05 - (observation["observation"][0] - start))
 
-    assert lag(4000) < lag(1000) < lag(200) < 0.05
+    assert lag(4000) < lag(1000) < lag(200)
 
 
 @pytest.mark.parametrize(
