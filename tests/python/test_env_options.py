@@ -28,10 +28,7 @@ WALL = Obstacle("box", [0.01, 0.2, 0.2], position=[0.16, 0, 0.2])
 
 def rollout(env: Any, steps: int = 20) -> list[Any]:
     env.action_space.seed(0)
-    seen = [env.reset(seed=3)]
-    for _ in range(steps):
-        seen.append(env.step(env.action_space.sample()))
-    return seen
+    return [env.reset(seed=3), *(env.step(env.action_space.sample()) for _ in range(steps))]
 
 
 @pytest.mark.parametrize("control", CONTROLS)
