@@ -128,7 +128,7 @@ class Arm6Experts : public ::testing::TestWithParam<Task> {};
 INSTANTIATE_TEST_SUITE_P(All, Arm6Experts,
                          ::testing::Values(Task{"PandaReach-v3", 99}, Task{"PandaPickAndPlace-v3", 99},
                                            Task{"PandaStack-v3", 95}, Task{"PandaSlide-v3", 75},
-                                           Task{"PandaPush-v3", 65}, Task{"PandaFlip-v3", 50}),
+                                           Task{"PandaPush-v3", 65}, Task{"PandaFlip-v3", 65}),
                          [](const auto& test) {
                            const std::string id = test.param.id;
                            return id.substr(5, id.find('-') - 5);
