@@ -160,7 +160,7 @@ MANYHANDS_INLINE Light reflected(const PictureFrame& frame, const Vec& n, const 
   const Rays from_sky = Rays(look.ambient) * fma(Rays(0.35f), n.z, Rays(0.65f));
   const Rays from_sun = Rays(look.sun) * share * max(dot(n, light), Rays(0.0f));
   const Vec middle = light - (Rays(1.0f) / norm(d)) * d;
-  Rays gloss = max(dot(n, middle), Rays(0.0f)) / norm(middle);
+  Rays gloss = max(dot(n, middle), Rays(0.0f)) / max(norm(middle), Rays(1e-6f));
   for (int i = 0; i < 5; ++i) gloss = gloss * gloss;
   gloss = gloss * Rays(kGloss * look.sun) * share;
   const Rays both = from_sky + from_sun;
