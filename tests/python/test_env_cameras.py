@@ -139,6 +139,15 @@ def test_sizes_of_randomised_objects_are_seen() -> None:
     assert 1.5 < seen[1] / seen[0] < 3.5
 
 
+def test_the_wrist_is_that_of_the_robot() -> None:
+    """A camera behind the finger tips sees them, and the table beyond."""
+    for robot in ("panda", "arm6"):
+        env = PandaEnv("PandaPush", robot=robot, cameras={"wrist": {"segmentation": True, "depth": True}})
+        observation, _ = env.reset(seed=0)
+        assert len(np.unique(observation["wrist_segmentation"])) >= 2
+        assert 0.1 < np.median(observation["wrist_depth"]) < 0.6
+
+
 def test_what_varies_is_the_episodes_own() -> None:
     vary = {"position": 0.05, "direction": 0.1, "zoom": 0.1, "light": 0.4, "brightness": 0.3, "colour": 0.2}
     cameras = {"front": {"vary": vary}, "top": {"vary": vary}}

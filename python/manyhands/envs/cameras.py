@@ -14,19 +14,13 @@ from manyhands.arguments import whole_number
 from manyhands.envs.spaces import CameraOptions, EnvOptions
 
 RENDER_MODES = ("rgb_array", "depth_array")
-_FINE = Look(antialiasing=2, shadow_rays=4)
+FINE = Look(antialiasing=2, shadow_rays=6, sun_size=0.05)
 _FEW = 64  # worlds that fit in a tiled picture
 _ROWS = ("observation", "achieved_goal", "desired_goal")
 _PLACES: dict[str, CameraOptions] = {
     "front": {"eye": (0.75, -0.55, 0.5), "target": (-0.12, 0.0, 0.1), "fov_y": 0.75},
     "top": {"eye": (0.0, 0.0, 1.1), "target": (0.0, 0.0, 0.0), "up": (1.0, 0.0, 0.0), "fov_y": 0.6},
-    "wrist": {
-        "eye": (0.07, 0.0, 0.0),
-        "target": (0.03, 0.0, 0.2),
-        "up": (1, 0, 0),
-        "frame": "panda_hand",
-        "fov_y": 1.2,
-    },
+    "wrist": {"eye": (0.07, 0.0, -0.1), "target": (0.03, 0.0, 0.1), "up": (1.0, 0.0, 0.0), "fov_y": 1.2},  # of the hand
 }
 
 
@@ -65,7 +59,9 @@ class EnvCameras:
             options.get("render_roll", 0),
         )
         orbit_camera(*self._size, *self._orbit)
-        self._observed = {name: _observed(name, given) for name, given in (options.get("cameras") or {}).items()}
+        self._observed = {
+            name: _observed(name, given, options) for name, given in (options.get("cameras") or {}).items()
+        }
 
     def spaces(self) -> dict[str, spaces.Space[Any]]:
         """Of one world's pictures, by their names in the observation."""
@@ -119,7 +115,7 @@ class EnvCameras:
             return None
         camera = orbit_camera(width or self._size[0], height or self._size[1], *self._orbit)
         is_depth = self._mode == "depth_array"
-        picture = self._load().take(camera, worlds=list(worlds), look=_FINE, colour=not is_depth, depth=is_depth)
+        picture = self._load().take(camera, worlds=list(worlds), look=FINE, colour=not is_depth, depth=is_depth)
         return picture.depth if is_depth else picture.colour
 
     def keep_final(self, worlds: list[int]) -> None:
@@ -132,7 +128,7 @@ class EnvCameras:
         return self._pictures
 
 
-def _observed(name: str, given: CameraOptions | Camera) -> tuple[Camera, CameraOptions]:
+def _observed(name: str, given: CameraOptions | Camera, env: EnvOptions) -> tuple[Camera, CameraOptions]:
     """A camera of the observation and its options. Raises ValueError if it cannot be made."""
     if name in _ROWS:
         raise ValueError(f"cameras: {name!r} is in the observation already; choose another name")
@@ -144,7 +140,11 @@ def _observed(name: str, given: CameraOptions | Camera) -> tuple[Camera, CameraO
         raise ValueError(
             f"cameras: {name!r} has {sorted(unknown)}; options are {sorted(CameraOptions.__annotations__)}"
         )
-    options = cast(CameraOptions, {**_PLACES.get(name, {}), **given})
+    robot = env.get("robot", "panda")
+    place = dict(_PLACES.get(name, {}))
+    if name == "wrist":
+        place["frame"] = f"{robot}_grasptarget" if isinstance(robot, str) else robot.hand
+    options = cast(CameraOptions, {**place, **given})
     if "eye" not in options or "target" not in options:
         raise ValueError(
             f"cameras: {name!r} needs an eye and a target; only {sorted(_PLACES)} have places of their own"

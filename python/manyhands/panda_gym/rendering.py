@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from manyhands._core import World
-from manyhands._core.render import Camera, Look, Mark
+from manyhands._core.render import Camera, Mark
+from manyhands.envs.cameras import FINE
 from manyhands.panda_gym.bodies import Body
 
 MODES = ("human", "rgb_array")
 RENDERERS = ("Tiny", "OpenGL")
-_LOOK = Look(antialiasing=2, shadow_rays=4)
 
 
 def require_mode(mode: str, renderer: str) -> None:
@@ -53,7 +53,7 @@ def picture(world: World, bodies: Iterable[Body], camera: Camera) -> NDArray[np.
     shapes = [body for body in bodies if body.shape is not None]
     dice = [body.links[0] for body in shapes if body.in_world and body.look.texture is not None]
     marks = [_mark(body) for body in shapes if not body.in_world and body.look.rgba[3] > 0]
-    return world.render(camera, look=_LOOK, marks=marks, dice=dice, depth=False, segmentation=False).colour
+    return world.render(camera, look=FINE, marks=marks, dice=dice, depth=False, segmentation=False).colour
 
 
 def _mark(ghost: Body) -> Mark:
