@@ -76,6 +76,7 @@ $(VENV)/.train: $(VENV)/.core pyproject.toml
 
 $(VENV)/.test: $(VENV)/.train pyproject.toml
 	@tools/setup.sh python core test dev
+	@tools/setup.sh browser
 	@touch $@
 
 $(VENV)/.installed: $(VENV)/.core $(SOURCES)

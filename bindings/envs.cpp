@@ -20,6 +20,7 @@
 
 #include "bindings/arrays.h"
 #include "bindings/bindings.h"
+#include "bindings/python_model.h"
 #include "manyhands/envs/autoreset.h"
 #include "manyhands/envs/env_batch.h"
 #include "manyhands/envs/make.h"
@@ -169,6 +170,41 @@ void bind_batch(nb::module_& m) {
            "The task's reward (k) of k pairs of goals (k, goal_dim). Raises ValueError on other shapes.");
 }
 
+/// The bodies of a batch's worlds, loaded once.
+struct EnvBodies {
+  explicit EnvBodies(const EnvBatch& of) : envs(of), scene(of.scene()) {}
+
+  [[nodiscard]] std::vector<double> configuration(int world) const {
+    if (world < 0 || world >= envs.num_envs()) {
+      throw std::invalid_argument(envs.spec().id + ": there is no world " + std::to_string(world) + "; there are " +
+                                  std::to_string(envs.num_envs()));
+    }
+    std::vector<double> q(size(scene.model.nq()));
+    std::vector<Vec3<double>> sizes(scene.objects.size());
+    envs.see(world, q, sizes);
+    return q;
+  }
+
+  const EnvBatch& envs;
+  EnvScene scene;
+};
+
+void bind_bodies(nb::module_& m) {
+  nb::class_<EnvBodies>(m, "EnvBodies", "The bodies of a batch's worlds, as they are seen.")
+      .def(nb::init<const EnvBatch&>(), "envs"_a, nb::keep_alive<1, 2>())
+      .def_prop_ro(
+          "model", [](const EnvBodies& self) { return std::make_unique<PythonModel>(self.scene.model); },
+          "The same for all worlds, with all that is seen of them: a copy.")
+      .def(
+          "configuration",
+          [](const EnvBodies& self, int world) {
+            const std::vector<double> q = self.configuration(world);
+            return copied(q.data(), {q.size()});
+          },
+          "world"_a = 0, nb::sig("def configuration(self, world: int = 0) -> numpy.typing.NDArray[numpy.float64]"),
+          "Where the bodies of a world are: q (nq) of `model`. Raises ValueError if there is no such world.");
+}
+
 using Pair = std::pair<double, double>;
 
 void bind_make(nb::module_& m) {
@@ -302,6 +338,7 @@ void bind_envs(nb::module_& m) {
   bind_spec(envs);
   bind_batch(envs);
   bind_env_parts(envs);
+  bind_bodies(envs);
   bind_make(envs);
   bind_autoreset(envs);
 }

@@ -239,6 +239,14 @@ void bind_world(nb::module_& m) {
           "or one each (nv); targets [rad or m] and [rad/s or m/s], forces [N m or N], 0 switches a motor off. "
           "target_q is not read for rotations by quaternion. Raises ValueError where a position or velocity actuator "
           "drives the dof: command it by `ctrl`.")
+      .def(
+          "show",
+          [](const nb::object& self, const nb::kwargs& options) {
+            return nb::module_::import_("manyhands.viewer").attr("view")(self, **options);
+          },
+          nb::sig("def show(self, **options: typing.Any) -> manyhands.viewer.Viewer"),
+          "Opens a page for the browser that shows this world: `manyhands.view`. Needs pip install "
+          "'manyhands[viewer]'.")
       .def_prop_ro("time_step", &World::time_step, "[s]")
       .def_prop_ro("time", &World::time, "[s]");
   bind_state(world);

@@ -3,6 +3,7 @@
 #   tools/setup.sh system PACKAGE...   Debian/Ubuntu packages, only the missing ones
 #   tools/setup.sh venv                .venv with the build tools
 #   tools/setup.sh python NAME...      requirements of pyproject.toml into .venv (see tools/requirements.py)
+#   tools/setup.sh browser             Chromium for the viewer's tests: Debian's, elsewhere Playwright's own
 set -euo pipefail
 cd "$(dirname "$0")/.."
 python=${PYTHON:-python3}
@@ -49,11 +50,27 @@ install_requirements() {
   .venv/bin/python tools/requirements.py "$@" | .venv/bin/pip install --quiet -r /dev/stdin
 }
 
+# Ubuntu's package of that name is a snap, which containers cannot run; Playwright's own build needs its download site.
+install_browser() {
+  local name
+  for name in chromium chromium-browser google-chrome; do
+    if command -v "$name" >/dev/null && "$name" --version >/dev/null 2>&1; then return 0; fi
+  done
+  if grep -qsx 'ID=debian' /etc/os-release; then
+    install_system_packages chromium
+  else
+    say "Installing Playwright's Chromium"
+    .venv/bin/playwright install --with-deps chromium-headless-shell ||
+      say "No browser: the viewer's page is not tested"
+  fi
+}
+
 command=${1:-}
 shift || true
 case $command in
   system) install_system_packages "$@" ;;
   venv) make_venv ;;
   python) say "Installing Python packages: $*"; install_requirements "$@" ;;
-  *) fail "usage: tools/setup.sh system PACKAGE... | venv | python NAME..." ;;
+  browser) install_browser ;;
+  *) fail "usage: tools/setup.sh system PACKAGE... | venv | python NAME... | browser" ;;
 esac

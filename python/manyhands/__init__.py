@@ -35,6 +35,7 @@ from manyhands._core import (
 )
 from manyhands._core.render import Camera, Look, Mark, Picture, Renderer
 from manyhands.kinematics import IkResult, inverse_kinematics
+from manyhands.viewer import view
 
 try:
     __version__ = version("manyhands")
@@ -85,4 +86,5 @@ __all__ = [
     "load_mjcf",
     "load_mjcf_string",
     "load_urdf",
+    "view",
 ]

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from manyhands._core.envs import env_ids, make_env_batch
 from manyhands._core.learn import CheckpointError
 from manyhands.arguments import whole_number
+from manyhands.viewer import command
 
 if TYPE_CHECKING:
     from manyhands.training.run import Outcome
@@ -38,6 +39,7 @@ start here:
   manyhands envs                  what there is to learn
   manyhands train PandaReach      learn it
   manyhands evaluate runs/...     measure what was learned
+  manyhands view PandaPush        see it in the browser, and drive it
 """
 _INTERRUPTED = 130  # the shell's code for Ctrl-C
 _MOST_THREADS = 1024
@@ -85,6 +87,13 @@ def _parser() -> argparse.ArgumentParser:
     evaluate.add_argument("--json", action="store_true", help="print JSON")
 
     commands.add_parser("envs", help="list the environments")
+
+    show = commands.add_parser(
+        "view", help="show a robot, a scene or an environment in the browser",
+        description="Shows a robot, a scene or an environment on a page in the browser, to play with.",
+        epilog=command.EXAMPLES, formatter_class=raw,
+    )  # fmt: skip
+    command.add_arguments(show)
     return parser
 
 
@@ -236,12 +245,15 @@ def main(argv: Sequence[str] | None = None) -> int:
             return _train(arguments)
         if arguments.command == "evaluate":
             return _evaluate(arguments)
+        if arguments.command == "view":
+            return command.run(arguments)
         return _envs()
     except (ValueError, OSError, CheckpointError) as error:
         print(f"manyhands {arguments.command}: {error}", file=sys.stderr)
         return 2
     except ModuleNotFoundError as error:
-        print(f"manyhands {arguments.command} needs {error.name}: pip install 'manyhands[train]'", file=sys.stderr)
+        extra = "viewer" if arguments.command == "view" else "train"
+        print(f"manyhands {arguments.command} needs {error.name}: pip install 'manyhands[{extra}]'", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         return _INTERRUPTED

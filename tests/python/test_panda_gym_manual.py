@@ -21,8 +21,6 @@ gymnasium.registry.update(_REGISTRY)  # other tests make the environments of man
 V2_IDS = [name.replace("-v3", "-v2") for name in panda_gym.ENV_IDS]
 MANUAL = Path(__file__).parents[2] / "docs" / "panda_gym.md"
 
-pytestmark = pytest.mark.filterwarnings("ignore:this version opens no window:UserWarning")
-
 
 @pytest.fixture(autouse=True)
 def registry() -> Iterator[None]:
@@ -36,7 +34,7 @@ def registry() -> Iterator[None]:
 @pytest.fixture
 def hurry(monkeypatch: pytest.MonkeyPatch) -> None:
     """Simulated time does not wait for the clock."""
-    monkeypatch.setattr(rendering.time, "sleep", lambda seconds: None)
+    monkeypatch.setattr(rendering.Display, "show", lambda *_: None)
 
 
 def with_our_imports(text: str) -> str:

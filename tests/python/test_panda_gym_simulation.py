@@ -1,6 +1,7 @@
 """panda_gym.pybullet.PyBullet: what the manual and panda-gym's own tests promise of every method."""
 
 import math
+import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -350,8 +351,7 @@ def test_changed_masses_outlast_what_is_forgotten(sim: PyBullet) -> None:
 def test_human_rendering_keeps_real_time() -> None:
     sim = PyBullet(render_mode="human")
     sim.place_visualizer([0, 0, 0], 1.4, 45, -30)
-    with pytest.warns(UserWarning, match="no window"):
-        assert sim.render() is None
+    assert sim.render() is None
     start = time.perf_counter()
     for _ in range(5):
         sim.step()
@@ -364,13 +364,26 @@ def test_human_rendering_keeps_real_time() -> None:
         sim.step()
         sim.render()
     assert time.perf_counter() - start < 1.0
+    sim.close()
 
 
-def test_pictures_are_refused_clearly(sim: PyBullet) -> None:
-    with pytest.raises(NotImplementedError, match="no pictures"):
-        sim.render(84, 48, target_position=[0, 0, 0], distance=1.0, yaw=0, pitch=0, roll=0)
-    with pytest.raises(NotImplementedError, match="no pictures"):
-        PyBullet(render=False).render("rgb_array")
+def test_human_rendering_without_the_viewer_only_keeps_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "viser", None)
+    monkeypatch.delitem(sys.modules, "manyhands.viewer.viewer", raising=False)
+    monkeypatch.delitem(sys.modules, "manyhands.viewer.gate", raising=False)
+    sim = PyBullet(render_mode="human")
+    with pytest.warns(UserWarning, match=r"manyhands\[viewer\]"):
+        sim.render()
+    start = time.perf_counter()
+    for _ in range(5):
+        sim.step()
+        sim.render()
+    assert time.perf_counter() - start > 0.19
+
+
+def test_pictures_have_the_size_that_is_asked_for(sim: PyBullet) -> None:
+    picture = sim.render(84, 48, target_position=[0, 0, 0], distance=1.0, yaw=0, pitch=0, roll=0)
+    assert picture is not None and picture.shape == (48, 84, 3)
 
 
 def test_rendering_may_be_suspended_in_itself_and_through_errors(sim: PyBullet) -> None:

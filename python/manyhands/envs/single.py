@@ -9,8 +9,10 @@ from gymnasium.utils import EzPickle
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import Unpack
 
+from manyhands._core.envs import EnvBodies
 from manyhands.envs import spaces
 from manyhands.envs.cameras import RENDER_MODES, EnvCameras
+from manyhands.envs.page import Page
 from manyhands.envs.spaces import ControlType, EnvOptions, Observation, RewardType
 
 
@@ -41,7 +43,7 @@ class PandaEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
     made from the same arguments.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": [*RENDER_MODES], "render_fps": spaces.RENDER_FPS}  # pyright: ignore[reportIncompatibleVariableOverride]
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["human", *RENDER_MODES], "render_fps": spaces.RENDER_FPS}  # pyright: ignore[reportIncompatibleVariableOverride]
 
     def __init__(
         self,
@@ -54,15 +56,19 @@ class PandaEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
     ) -> None:
         """`options` are those of `spaces.EnvOptions`.
 
+        render_mode: "human" shows every step on a page in the browser, in real time; needs the extra `viewer`.
+
         Raises ValueError on an unknown task, type or render mode, or an option out of range.
         """
         EzPickle.__init__(
             self, task, reward_type=reward_type, control_type=control_type, render_mode=render_mode, **options
         )
         self.render_mode = render_mode
+        self._page = Page()
         self._turn = threading.Lock()
+        self.control_type = control_type
         self._batch = spaces.make_batch(task, reward_type, control_type, 1, 1, options)
-        self._cameras = EnvCameras(self._batch, render_mode, options, 1)
+        self._cameras = EnvCameras(self._batch, None if render_mode == "human" else render_mode, options, 1)
         self.observation_space = spaces.observation_space(self._batch.spec, self._cameras.spaces())
         self.action_space = spaces.action_space(self._batch.spec)
 
@@ -73,7 +79,10 @@ class PandaEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         with self._turn:
             super().reset(seed=seed)
             self._batch.reset(seeds=None if seed is None else spaces.as_seeds([seed]))
-            return self._observation(), self._info()
+            observation, info = self._observation(), self._info()
+        if self.render_mode == "human":
+            self.render()
+        return observation, info
 
     def step(self, action: ArrayLike) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """One step of 0.04 s; `truncated` is always False. Raises ValueError on a wrong shape or a NaN."""
@@ -82,12 +91,38 @@ class PandaEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         with self._turn:
             self._batch.step(actions)
             reward, terminated = float(self._batch.reward[0]), bool(self._batch.terminated[0])
-            return self._observation(), reward, terminated, False, self._info()
+            observation, info = self._observation(), self._info()
+        if self.render_mode == "human":
+            self.render()
+        return observation, reward, terminated, False, info
 
     def render(self) -> NDArray[Any] | None:  # pyright: ignore[reportIncompatibleMethodOverride]
-        """What the render mode says: "rgb_array" (height, width, 3) uint8, "depth_array" (height, width) [m]."""
+        """What the render mode says: "rgb_array" (height, width, 3) uint8, "depth_array" (height, width) [m]; "human"
+        waits for real time, and while the page is paused."""
+        if self.render_mode == "human":
+            self._page.show(self)
+            return None
         with self._turn:
             return self._cameras.render()
+
+    def close(self) -> None:
+        """Takes the page away; may be called again."""
+        self._page.close()
+
+    def observe(self) -> Observation:
+        """What is observed now."""
+        with self._turn:
+            return self._observation()
+
+    @property
+    def dt(self) -> float:
+        """What a step takes [s]."""
+        return self._batch.spec.dt
+
+    @property
+    def bodies(self) -> EnvBodies:
+        """What is seen of the world: `bodies.model`, and `bodies.configuration()`, its q, between two steps."""
+        return EnvBodies(self._batch)
 
     def save_state(self) -> bytes:
         """All that a run needs to continue bit for bit: physics, goal and random stream."""

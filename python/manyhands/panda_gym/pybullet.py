@@ -83,6 +83,7 @@ class PyBullet:
 
     def close(self) -> None:
         """Ends the simulation; may be called again."""
+        self._display.close()
         self._simulation = None
 
     def forget(self) -> None:
@@ -115,7 +116,8 @@ class PyBullet:
         roll: float = 0,
         mode: str | None = None,
     ) -> NDArray[np.uint8] | None:
-        """In human mode, waits for real time; in rgb_array mode, a picture (height, width, 3), angles in degrees.
+        """In human mode, a page in the browser, in real time; in rgb_array mode, a picture (height, width, 3), angles
+        in degrees.
 
         mode: that of the constructor, or "human" in the manner of panda-gym 2, where it comes first.
         """
@@ -127,8 +129,7 @@ class PyBullet:
         if mode == "rgb_array":
             camera = orbit_camera(width, height, target_position, distance, yaw, pitch, roll)
             return rendering.picture(simulation.world, simulation.bodies.values(), camera)
-        if self.real_time:
-            self._display.show(simulation.world.time)
+        self._display.show(self, simulation.world.time, self.real_time)
         return None
 
     @contextmanager
@@ -137,7 +138,9 @@ class PyBullet:
         yield
 
     def place_visualizer(self, target_position: ArrayLike, distance: float, yaw: float, pitch: float) -> None:
-        """Turns the window's camera; there is no window yet."""
+        """Turns the page's camera, in human mode: it looks at target_position (3) from a distance [m], angles in
+        degrees."""
+        self._display.look(target_position, distance, yaw, pitch)
 
     # ---- bases ---------------------------------------------------------------------------------------------------
 

@@ -1,4 +1,4 @@
-"""What a simulation shows: pictures, and a display that so far only keeps time."""
+"""What a simulation shows: pictures, and a page in the browser."""
 
 import time
 import warnings
@@ -6,11 +6,12 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import World
 from manyhands._core.render import Camera, Mark
 from manyhands.envs.cameras import FINE
+from manyhands.envs.page import Page
 from manyhands.panda_gym.bodies import Body
 
 MODES = ("human", "rgb_array")
@@ -26,17 +27,38 @@ def require_mode(mode: str, renderer: str) -> None:
 
 
 class Display:
-    """Makes simulated time pass no faster than real time; says once that there is nothing to see."""
+    """A page in the browser that shows a simulation in real time; without the extra `viewer`, it only keeps time."""
 
     def __init__(self) -> None:
-        self._has_warned = False
+        self._page = Page()
+        self._has_page = True
         self._start: tuple[float, float] | None = None  # on the clock, in simulated time
 
-    def show(self, simulated: float) -> None:
-        """Waits until the wall clock has caught up with `simulated` [s]. Who comes late is not hurried afterwards."""
-        if not self._has_warned:
-            self._has_warned = True
-            warnings.warn("this version opens no window: human rendering only keeps real time", UserWarning, 3)
+    def show(self, sim: Any, simulated: float, real_time: bool) -> None:
+        """After each step: waits until the wall clock has caught up with `simulated` [s], and while the page is paused.
+        Who comes late is not hurried afterwards."""
+        if self._has_page:
+            try:
+                self._page.show(sim, real_time=real_time)
+                return
+            except ModuleNotFoundError as reason:
+                self._has_page = False
+                warnings.warn(f"human rendering only keeps real time: {reason}", UserWarning, 3)
+        if real_time:
+            self._wait(simulated)
+
+    def look(self, target: ArrayLike, distance: float, yaw: float, pitch: float) -> None:
+        """Turns the page's camera as PyBullet's: angles in degrees."""
+        turn, rise = np.radians(yaw), np.radians(pitch)
+        ahead = np.array([-np.sin(turn) * np.cos(rise), np.cos(turn) * np.cos(rise), np.sin(rise)])
+        look_at = np.asarray(target, np.float64)
+        self._page.look(look_at - distance * ahead, look_at)
+
+    def close(self) -> None:
+        """Takes the page away."""
+        self._page.close()
+
+    def _wait(self, simulated: float) -> None:
         now = time.perf_counter()
         if self._start is None or simulated < self._start[1]:
             self._start = now, simulated

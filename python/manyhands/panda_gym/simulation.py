@@ -1,6 +1,6 @@
 """The world behind the class PyBullet: bodies by name, their joints and saved states."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
@@ -37,11 +37,19 @@ class Simulation:
         self.bodies: dict[str, Body] = {}
         self._joints = Joints(self.world)
         self._states: dict[int, SavedState] = {}
+        self.before_each_step: Callable[[], None] | None = None
+        """Called before each time step: who pushes bodies about does it there."""
 
     def step(self, n: int) -> None:
         """Advances by n time steps. The air slows free shapes; arms, which their motors hold, it does not."""
         self._joints.places()
-        _core.step(self.world, n, [body.links[0] for body in self.bodies.values() if body.is_free_shape])
+        free = [body.links[0] for body in self.bodies.values() if body.is_free_shape]
+        if self.before_each_step is None:
+            _core.step(self.world, n, free)
+            return
+        for _ in range(n):
+            self.before_each_step()
+            _core.step(self.world, 1, free)
 
     def forget(self) -> None:
         """Joints are held where they are, and the solver remembers nothing: what follows depends on poses alone."""
@@ -158,6 +166,10 @@ class Simulation:
         names, targets, limits = zip(*moving, strict=True) if moving else ((), (), ())
         self._joints.drive(names, targets, limits)
 
+    def drive(self, names: Iterable[str], angles: Sequence[float], forces: Sequence[float]) -> None:
+        """The same of joints by their names in the world."""
+        self._joints.drive(names, angles, forces)
+
     def movable_joints(self, body: str) -> list[int]:
         """The indices of the joints of one degree of freedom."""
         known = self._joints.places()
@@ -205,21 +217,29 @@ class Simulation:
     def save(self) -> int:
         """Keeps all that moves and all poses; gives the smallest number that is not in use."""
         state = next(i for i in count() if i not in self._states)
-        poses = {name: body.pose for name, body in self.bodies.items() if body.pose is not None}
-        self._states[state] = SavedState(self.world.snapshot(), poses, self._joints.commands)
+        self._states[state] = self.state()
         return state
+
+    def state(self) -> SavedState:
+        """All that moves and all poses."""
+        poses = {name: body.pose for name, body in self.bodies.items() if body.pose is not None}
+        return SavedState(self.world.snapshot(), poses, self._joints.commands)
 
     def restore(self, state: int) -> None:
         """Raises error on an unknown number, or if bodies were added since."""
         saved = self._states.get(state)
         if saved is None:
             raise error(f"there is no saved state {state}; there are {sorted(self._states)}")
-        for name, pose in saved.poses.items():
-            self._put(self.bodies[name], pose)
         try:
-            self.world.restore(saved.snapshot)
+            self.go_back(saved)
         except ValueError as reason:
             raise error(f"state {state} was saved before bodies were added") from reason
+
+    def go_back(self, saved: SavedState) -> None:
+        """To what `state` gave. Raises ValueError if bodies were added since."""
+        for name, pose in saved.poses.items():
+            self._put(self.bodies[name], pose)
+        self.world.restore(saved.snapshot)
         self._joints.commands = saved.commands
 
     def remove(self, state: int) -> None:

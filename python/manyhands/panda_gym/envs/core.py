@@ -255,6 +255,10 @@ class RobotTaskEnv(gymnasium.Env[dict[str, NDArray[Any]], Any]):
             self.robot.reset()
             self.task.reset()
 
+    def observe(self) -> dict[str, NDArray[Any]]:
+        """What is observed now."""
+        return self._get_obs()
+
     def _get_obs(self) -> dict[str, NDArray[Any]]:
         kind = np.float64 if self.sim.is_version_2 else np.float32
 

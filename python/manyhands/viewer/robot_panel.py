@@ -1,0 +1,152 @@
+"""The tab with joints: sliders, the hand's gizmo and the gripper."""
+
+import time
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import viser
+
+from manyhands.measures import chain, hand_of
+from manyhands.viewer.environments import EnvSource
+from manyhands.viewer.joints import JointDrive
+from manyhands.viewer.player import Frame
+
+if TYPE_CHECKING:
+    from manyhands.viewer.viewer import Viewer
+
+_TOUCHED_FOR = 1.0  # [s] for which a slider belongs to the one who moved it
+
+
+class RobotPanel:
+    """Sliders drive joints while time passes, and put them in place while it stands still."""
+
+    def __init__(self, viewer: "Viewer", tabs: viser.GuiTabGroupHandle) -> None:
+        self._viewer, self._player = viewer, viewer.player
+        assert viewer.source.joints is not None
+        self._drive: JointDrive = viewer.source.joints
+        self._sliders: dict[str, Any] = {}
+        self._touched = -np.inf
+        self._gizmo: Any = None
+        self._dragging = -np.inf
+        self._tab = tabs.add_tab("Robot", viser.Icon.ROBOT)
+        self._folder: Any = None
+        self.rebuild()
+
+    def rebuild(self) -> None:
+        """Controls for the joints that there are now."""
+        if self._folder is not None:
+            self._folder.remove()
+        if self._gizmo is not None:
+            self._gizmo.remove()
+            self._gizmo = None
+        model = self._viewer.source.model
+        links = [link.name for link in model.links if len(chain(model, link.name)) > 1]
+        with self._tab:
+            self._folder = self._viewer.server.gui.add_folder(None)
+        with self._folder:
+            self._make_hand(links, hand_of(model))
+            self._make_sliders()
+
+    @property
+    def hand(self) -> str | None:
+        """The link that the gizmo moves."""
+        return self._hand.value if self._hand is not None else None
+
+    def _make_hand(self, links: list[str], hand: str | None) -> None:
+        gui, self._hand, self._grip = self._viewer.server.gui, None, None
+        if hand is not None:
+            self._handle = gui.add_checkbox("Drag the hand", False, hint="A gizmo that the joints follow")
+            self._handle.on_update(lambda _: self._show_gizmo(self._handle.value))
+            self._hand = gui.add_dropdown("Hand", links, initial_value=hand)
+            self._hand.on_update(lambda _: self._show_gizmo(self._handle.value))
+        if self._drive.opening is not None:
+            self._grip = gui.add_slider("Gripper", 0.0, 1.0, 0.01, float(np.clip(self._drive.opening, 0, 1)))
+            self._grip.on_update(self._on_grip)
+        pull = gui.add_number(
+            "Pull [N/m]", self._viewer.pull, min=0.0, step=10.0,
+            hint="Hold Ctrl (or Cmd) and drag a body with the mouse: it is pulled by a spring this stiff",
+        )  # fmt: skip
+        pull.on_update(lambda _: setattr(self._viewer, "pull", float(pull.value)))
+
+    def _make_sliders(self) -> None:
+        gui, self._sliders = self._viewer.server.gui, {}
+        for knob in self._drive.knobs:
+            value = float(np.clip(self._drive.value(knob), knob.lower, knob.upper))
+            label = knob.name.rpartition("/")[2].removeprefix("panda_").replace("_", " ")
+            slider = gui.add_slider(label, round(knob.lower, 4), round(knob.upper, 4), 0.001, round(value, 3))
+            slider.on_update(lambda event, name=knob.name: self._on_slider(event, name))
+            self._sliders[knob.name] = slider
+
+    def take_over(self) -> None:
+        """In an environment: hands, not a policy, move the joints from now on."""
+        if isinstance(self._viewer.source, EnvSource) and self._viewer.panel.teleop is not None:
+            self._viewer.panel.teleop.choose_sliders()
+
+    def _on_slider(self, event: Any, name: str) -> None:
+        if event.client_id is None:
+            return
+        self._touched = time.perf_counter()
+        value = float(event.target.value)
+        self.take_over()
+        self._player.do(lambda: self._drive.move({name: value}, place=not self._player.playing))
+
+    def _on_grip(self, event: Any) -> None:
+        if event.client_id is None:
+            return
+        self._touched = time.perf_counter()
+        opening = float(event.target.value)
+        self.take_over()
+        self._player.do(lambda: self._drive.grip(opening, place=not self._player.playing))
+
+    def refresh(self, _: Frame) -> None:
+        """Sliders follow the joints, or what drives them: who types a number is not interrupted."""
+        if time.perf_counter() - self._touched < _TOUCHED_FOR:
+            return
+        for knob in self._drive.knobs:
+            slider = self._sliders.get(knob.name)
+            value = round(float(np.clip(self._drive.target(knob.name), knob.lower, knob.upper)), 3)
+            if slider is not None and abs(slider.value - value) > 1e-4:
+                slider.value = value
+        opening = self._drive.opening
+        if self._grip is not None and opening is not None and abs(self._grip.value - opening) > 0.005:
+            self._grip.value = round(float(np.clip(opening, 0, 1)), 2)
+
+    # ---- the gizmo -----------------------------------------------------------------------------------------------
+
+    def _show_gizmo(self, shown: bool) -> None:
+        if self._gizmo is not None:
+            self._gizmo.remove()
+            self._gizmo = None
+        if not shown or self.hand is None:
+            return
+        position, quaternion = self._hand_pose()
+        self._gizmo = self._viewer.server.scene.add_transform_controls(
+            "/gizmo", scale=0.22, line_width=3.0, depth_test=False, position=position, wxyz=quaternion[[3, 0, 1, 2]]
+        )
+        self._gizmo.on_update(self._on_gizmo)
+
+    def _hand_pose(self) -> tuple[Any, Any]:
+        positions, quaternions = self._viewer.source.poses()
+        index = self._viewer.stage.index[self.hand or ""]
+        return positions[index], quaternions[index]
+
+    def _on_gizmo(self, event: Any) -> None:
+        self._dragging = time.perf_counter()
+        target, hand = event.target, self.hand
+        position, quaternion = np.array(target.position), np.array(target.wxyz)[[1, 2, 3, 0]]
+        self.take_over()
+
+        def reach() -> None:
+            if hand is not None:
+                self._drive.reach(hand, position, quaternion, place=not self._player.playing)
+
+        self._player.do(reach)
+
+    def follow(self, frame: Frame) -> None:
+        """The gizmo stays at the hand when nobody drags it, and nothing is driven to it."""
+        if self._gizmo is None or time.perf_counter() - self._dragging < _TOUCHED_FOR or self.hand is None:
+            return
+        index = self._viewer.stage.index.get(self.hand)
+        if index is not None:
+            self._gizmo.position = frame.positions[index]
+            self._gizmo.wxyz = frame.quaternions[index][[3, 0, 1, 2]]

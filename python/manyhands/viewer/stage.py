@@ -1,0 +1,198 @@
+"""Bodies, ground and light in the browser."""
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+
+from manyhands._core import Model
+from manyhands.viewer import shapes
+from manyhands.viewer.player import Frame
+from manyhands.viewer.sources import Marker
+
+Array = NDArray[np.float64]
+DragHandler = Callable[[str, Any], None]
+
+_SKY, _HAZE = np.array([203, 216, 228]), np.array([246, 248, 250])
+_GROUND, _LINES, _SECTIONS = (244, 246, 248), (214, 220, 226), (184, 194, 204)
+_COLLISION = (255, 140, 60)
+_WIDE = 1.0  # a fixed flat box of more than this half extent [m] is ground
+_GLOSS_LIMIT = 0.96  # the brightest that a surface may be, so that its shading shows
+
+
+class Stage:
+    """A scene of viser's that follows the bodies of a model.
+
+    Links with visual shapes show these, others what they collide with. `on_drag` hears of drags of bodies with the
+    control key held: the link's name and viser's event.
+    """
+
+    def __init__(self, server: viser.ViserServer, on_drag: DragHandler | None = None) -> None:
+        self._server, self._scene, self._on_drag = server, server.scene, on_drag
+        self._bodies: list[viser.FrameHandle] = []
+        self._collision: list[viser.MeshHandle] = []
+        self._markers: dict[str, viser.MeshHandle] = {}
+        self._shows_collision = False
+        self.index: dict[str, int] = {}
+        """Of the links, by name."""
+        self.center = np.zeros(3)
+        self.radius = 1.0
+        self._light()
+
+    def _light(self) -> None:
+        # A large soft light from above, a key light with shadows, and the sky's blue from behind.
+        scene = self._scene
+        scene.configure_default_lights(enabled=False)
+        scene.configure_environment_map("studio", environment_intensity=0.35)
+        scene.add_light_hemisphere(
+            "/light/sky", sky_color=(255, 255, 255), ground_color=(214, 208, 202), intensity=0.95
+        )
+        self._key_light = scene.add_light_directional(
+            "/light/key", color=(255, 246, 234), intensity=2.1, cast_shadow=True, position=(1.2, -1.0, 2.4)
+        )
+        scene.add_light_directional("/light/rim", color=(214, 230, 255), intensity=0.9, position=(-1.5, 1.6, 1.2))
+        height = np.linspace(0, 1, 256)[:, None, None]
+        sky = _SKY + (_HAZE - _SKY) * np.clip(height * 1.6, 0, 1)
+        scene.set_background_image(np.broadcast_to(sky, (256, 4, 3)).astype(np.uint8), format="png")
+
+    # ---- bodies ------------------------------------------------------------------------------------------------
+
+    def build(self, model: Model, positions: Array, quaternions: Array) -> None:
+        """Replaces all bodies by those of a model, at the poses of its links (n, 3), (n, 4)."""
+        for handle in self._bodies:
+            handle.remove()
+        self._bodies, self._collision = [], []
+        self.index = {link.name: index for index, link in enumerate(model.links)}
+        height, ground = _ground(model, positions)
+        self._draw_ground(height)
+        for index, link in enumerate(model.links):
+            body = self._scene.add_frame(f"/bodies/{index} {link.name.replace('/', ' ')}", show_axes=False)
+            body.axes_length, body.axes_radius = 0.1, 0.003
+            self._bodies.append(body)
+        seen = {geom.link for geom in model.geoms if geom.is_visual}
+        for number, geom in enumerate(model.geoms):
+            if number != ground:
+                self._add_geom(model, number, hides=not geom.is_visual and geom.link in seen)
+        self._measure(model, positions, ground)
+        self.show(positions, quaternions)
+
+    def show(self, positions: Array, quaternions: Array) -> None:
+        """Puts the links at poses (n, 3), xyzw (n, 4)."""
+        for body, position, quaternion in zip(self._bodies, positions, quaternions, strict=True):
+            body.position, body.wxyz = position, quaternion[[3, 0, 1, 2]]
+
+    def show_markers(self, markers: list[Marker]) -> None:
+        """Goals: as glassy shapes."""
+        for name in self._markers.keys() - {marker.name for marker in markers}:
+            self._markers.pop(name).remove()
+        for marker in markers:
+            if marker.name not in self._markers:
+                size = np.array([*marker.size, 0.0, 0.0])[:3]
+                surface = shapes.primitive(marker.shape, size)
+                self._markers[marker.name] = self._scene.add_mesh_simple(
+                    f"/goals/{marker.name}", surface.vertices, surface.triangles, color=_color(marker.rgba),
+                    opacity=min(marker.rgba[3], 0.55) if len(marker.rgba) > 3 else 0.55, cast_shadow=False,
+                )  # fmt: skip
+            handle = self._markers[marker.name]
+            handle.position, handle.wxyz = marker.position, marker.quaternion[[3, 0, 1, 2]]
+
+    def placed(self, frame: Frame) -> Iterator[tuple[str, Array, Array]]:
+        """The nodes of the scene that move, and where a frame has them: position (3), xyzw (4)."""
+        for body, position, quaternion in zip(self._bodies, frame.positions, frame.quaternions, strict=True):
+            yield body.name, position, quaternion
+        for marker in frame.markers:
+            if marker.name in self._markers:
+                yield self._markers[marker.name].name, marker.position, marker.quaternion
+
+    def show_frames(self, links: set[int]) -> None:
+        """Shows the axes of these links, hides the others'."""
+        for index, body in enumerate(self._bodies):
+            body.show_axes = index in links
+
+    @property
+    def shadows(self) -> bool:
+        """Whether bodies cast them."""
+        return self._key_light.cast_shadow
+
+    @shadows.setter
+    def shadows(self, on: bool) -> None:
+        self._key_light.cast_shadow = on
+
+    @property
+    def shows_collision(self) -> bool:
+        """Whether shapes that collide are shown over those that are seen."""
+        return self._shows_collision
+
+    @shows_collision.setter
+    def shows_collision(self, on: bool) -> None:
+        self._shows_collision = on
+        for handle in self._collision:
+            handle.visible = on
+
+    def camera(self) -> tuple[Array, Array]:
+        """Where to look from, and at, to see all that moves: positions (3)."""
+        look_at = self.center
+        return look_at + self.radius * np.array([1.55, -1.75, 1.0]), look_at
+
+    def _add_geom(self, model: Model, number: int, hides: bool) -> None:
+        """A geom on its link's body; `hides`: a shape that only collides, on a body that shows others."""
+        geom, body = model.geoms[number], self._bodies[model.geoms[number].link]
+        surface = shapes.surface(model, geom)
+        if surface is None or not len(surface.triangles):
+            return
+        handle = self._scene.add_mesh_simple(
+            f"{body.name}/{number}", surface.vertices, surface.triangles,
+            color=_COLLISION if hides else _color(geom.rgba),
+            opacity=0.35 if hides else (geom.rgba[3] if geom.rgba[3] < 1 else None),
+            cast_shadow=not hides, receive_shadow=not hides, side="double" if geom.shape == "height_field" else "front",
+            position=geom.position, wxyz=geom.quaternion[[3, 0, 1, 2]], visible=not hides or self._shows_collision,
+        )  # fmt: skip
+        if hides:
+            self._collision.append(handle)
+        elif self._on_drag is not None and geom.link > 0:
+            link, on_drag = model.links[geom.link].name, self._on_drag
+
+            # Coroutines are run in the order of the events; plain functions are not.
+            async def dragged(event: Any) -> None:
+                on_drag(link, event)
+
+            handle.on_drag("left", modifier="cmd/ctrl")(dragged)
+
+    def _draw_ground(self, height: float) -> None:
+        self._scene.add_grid(
+            "/ground", infinite_grid=True, cell_size=0.1, section_size=0.5, cell_color=_LINES, section_color=_SECTIONS,
+            cell_thickness=0.7, section_thickness=1.0, fade_distance=9.0, fade_strength=1.6, shadow_opacity=0.22,
+            plane_color=_GROUND, plane_opacity=1.0, position=(0.0, 0.0, height - 5e-4),
+        )  # fmt: skip
+
+    def _measure(self, model: Model, positions: Array, ground: int) -> None:
+        """A ball about all that is not ground."""
+        points = [
+            positions[geom.link]
+            for number, geom in enumerate(model.geoms)
+            if number != ground and geom.shape not in ("plane", "height_field")
+        ]
+        if points:
+            low, high = np.min(points, 0), np.max(points, 0)
+            self.center = (low + high) / 2
+            self.radius = float(np.clip(np.linalg.norm(high - low) / 2 + 0.15, 0.4, 5.0))
+
+
+def _ground(model: Model, positions: Array) -> tuple[float, int]:
+    """The height of the ground, and the geom that it stands for; -1 without one."""
+    for number, geom in enumerate(model.geoms):
+        is_still = model.links[geom.link].body == 0
+        is_level = abs(abs(geom.quaternion[3]) - 1) < 1e-6
+        height = float(positions[geom.link][2] + geom.position[2])
+        if is_still and is_level and geom.shape == "plane":
+            return height, number
+        if is_still and is_level and geom.shape == "box" and min(geom.size[:2]) > _WIDE:
+            return height + float(geom.size[2]), number
+    return min(0.0, float(positions[:, 2].min(initial=0.0))), -1
+
+
+def _color(rgba: Any) -> tuple[int, int, int]:
+    r, g, b = (round(255 * min(float(c), _GLOSS_LIMIT)) for c in rgba[:3])
+    return r, g, b

@@ -1,0 +1,184 @@
+"""The tab of an environment: who acts in it, and how to act by hand."""
+
+import time
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+
+from manyhands.envs import Expert
+from manyhands.viewer.environments import EnvSource, Outcome
+from manyhands.viewer.episodes import EpisodeWriter
+from manyhands.viewer.player import Frame
+
+if TYPE_CHECKING:
+    from manyhands.viewer.viewer import Viewer
+
+_HELD_FOR = 0.15  # [s] that a key acts: longer than a keyboard takes to repeat it
+_HANDS, _SLIDERS, _EXPERT, _RANDOM = "keys and buttons", "sliders and gizmo", "scripted expert", "random actions"
+_PAUSE_AFTER_END = 1.0  # [s] that a finished episode of the expert's is left standing
+
+# Keys, what they say on the page, and the direction of the action: the camera has W A S D and the arrows.
+_MOVES = (
+    ("I", "Forward", 0, 1.0), ("K", "Back", 0, -1.0), ("J", "Left", 1, 1.0), ("L", "Right", 1, -1.0),
+    ("U", "Up", 2, 1.0), ("O", "Down", 2, -1.0),
+)  # fmt: skip
+_TURNS = (
+    ("1", "Roll +", 3, 1.0), ("2", "Roll -", 3, -1.0), ("3", "Pitch +", 4, 1.0), ("4", "Pitch -", 4, -1.0),
+    ("5", "Yaw +", 5, 1.0), ("6", "Yaw -", 5, -1.0),
+)  # fmt: skip
+_JOINT_KEYS = (("I", "K"), ("J", "L"), ("U", "O"), ("1", "2"), ("3", "4"), ("5", "6"), ("7", "8"), ("9", "0"))
+
+
+class TeleopPanel:
+    """Turns keys and buttons into actions."""
+
+    def __init__(self, viewer: "Viewer", tabs: viser.GuiTabGroupHandle) -> None:
+        self._viewer = viewer
+        assert isinstance(viewer.source, EnvSource)
+        self._source = viewer.source
+        self._until: dict[tuple[int, float], float] = {}
+        self._grip = 0.0
+        self._ended_at: float | None = None
+        self._writer = EpisodeWriter(self._source)
+        gui = viewer.server.gui
+        with tabs.add_tab("Drive", viser.Icon.DEVICE_GAMEPAD_2):
+            actors = [_HANDS, *((_SLIDERS,) if self._source.joints is not None else ()), _RANDOM]
+            if (expert := self._expert()) is not None:
+                actors.insert(2, _EXPERT)
+            self._make_expert = expert
+            self._actor = gui.add_dropdown("Who acts", actors, initial_value=_HANDS)
+            self._actor.on_update(lambda _: self._choose())
+            self._strength = gui.add_slider("Strength", 0.05, 1.0, 0.05, 0.6, hint="Of an action by key or button")
+            self._add_buttons(gui)
+            self._add_grip(gui)
+            self._status = gui.add_markdown("")
+            self._keep = gui.add_button(
+                "Record episodes", icon=viser.Icon.PLAYER_RECORD, hint="Every step from now on (key B)"
+            )
+            self._keep.on_click(lambda _: self._record())
+            gui.add_command("Record episodes", hotkey="B").on_trigger(lambda _: self._record())
+        self._choose()
+
+    # ---- who acts ------------------------------------------------------------------------------------------------
+
+    def choose_sliders(self) -> None:
+        """Leaves the joints to sliders and the gizmo."""
+        if self._actor.value != _SLIDERS:
+            self._actor.value = _SLIDERS
+
+    def _expert(self) -> Callable[[], Expert] | None:
+        """What makes an expert for this environment; None if there is none."""
+        spec = self._source.env.spec
+        name = spec.id if spec is not None else self._source.title
+        try:
+            Expert(name)
+        except ValueError:
+            return None
+        return lambda: Expert(name)
+
+    def _choose(self) -> None:
+        actor, space = self._actor.value, self._source.env.action_space
+        if actor == _EXPERT:
+            assert self._make_expert is not None
+            expert = self._make_expert()
+
+            def act(outcome: Outcome) -> Any:
+                return expert(outcome.observation)
+
+            policy = act
+        else:
+            policies = {_HANDS: self._by_hand, _SLIDERS: None, _RANDOM: lambda _: space.sample()}
+            policy = policies[actor]
+
+        def choose() -> None:
+            self._source.policy = policy
+            if actor != _SLIDERS and self._source.joints is not None:
+                self._source.joints.forget()
+
+        self._viewer.player.do(choose)
+
+    # ---- by hand -------------------------------------------------------------------------------------------------
+
+    def press(self, axis: int, sign: float) -> None:
+        """A key or button is held: it acts a little longer than the next such call takes to come."""
+        self._until[axis, sign] = time.perf_counter() + _HELD_FOR
+        if not self._viewer.player.playing and not self._viewer.player.problem:
+            self._viewer.play()
+
+    def _by_hand(self, _: Outcome) -> NDArray[np.float32]:
+        action = np.zeros(self._source.action_size, np.float32)
+        now = time.perf_counter()
+        for (axis, sign), until in list(self._until.items()):
+            if until > now:
+                action[axis] += sign * self._strength.value
+        if self._has_grip:
+            action[-1] = self._grip
+        return action
+
+    def _add_buttons(self, gui: viser.GuiApi) -> None:
+        size = self._source.action_size
+        self._has_grip = size in (4, 7)
+        if self._source.is_joint_control:
+            self._has_grip = size == 8
+            arm = size - self._has_grip
+            moves = [
+                (key, f"Joint {joint + 1} {sign}", joint, 1.0 if sign == "+" else -1.0)
+                for joint, keys in zip(range(arm), _JOINT_KEYS, strict=False)
+                for key, sign in zip(keys, "+-", strict=True)
+            ]
+        else:
+            moves = [*_MOVES, *_TURNS][: 2 * min(6, size - self._has_grip)]
+        for key, label, axis, sign in moves:
+            button = gui.add_button(f"{label}  ({key})")
+            button.on_hold(callback_hz=20.0)(lambda _, axis=axis, sign=sign: self.press(axis, sign))
+            command = gui.add_command(label, hotkey=key)  # pyright: ignore[reportArgumentType]
+            command.on_trigger(lambda _, axis=axis, sign=sign: self.press(axis, sign))
+
+    def _add_grip(self, gui: viser.GuiApi) -> None:
+        if not self._has_grip:
+            return
+        button = gui.add_button("Open or close the gripper  (G)")
+        button.on_click(lambda _: self._toggle_grip())
+        gui.add_command("Open or close the gripper", hotkey="G").on_trigger(lambda _: self._toggle_grip())
+
+    def _toggle_grip(self) -> None:
+        self._grip = -1.0 if self._grip > 0 else 1.0
+        if not self._viewer.player.playing and not self._viewer.player.problem:
+            self._viewer.play()
+
+    # ---- episodes ------------------------------------------------------------------------------------------------
+
+    def _record(self) -> None:
+        def switch() -> None:
+            if self._writer.is_writing:
+                self._writer.stop()
+            else:
+                self._writer.start()
+            self._keep.label = "Stop recording" if self._writer.is_writing else "Record episodes"
+
+        self._viewer.player.do(switch)
+
+    def refresh(self, _: Frame) -> None:
+        """Says how the episode goes; a finished one of a policy's is followed by another."""
+        outcome = self._source.outcome
+        state = "**Reached!**" if outcome.success else "on the way"
+        text = f"{state} &nbsp; step {outcome.length}, return {outcome.total:.1f}"
+        if self._writer.where is not None:
+            text += f"\n\n{'Recording to' if self._writer.is_writing else 'Recorded:'} `{self._writer.where}`"
+        if self._status.content != text:
+            self._status.content = text
+        if self._actor.value not in (_EXPERT, _RANDOM) or not self._viewer.player.playing:
+            self._ended_at = None
+            return
+        limit = self._source.max_steps
+        if not (outcome.success or (limit is not None and outcome.length >= limit)):
+            self._ended_at = None
+        elif self._ended_at is None:
+            self._ended_at = time.perf_counter()
+        elif time.perf_counter() - self._ended_at > _PAUSE_AFTER_END:
+            self._ended_at = None
+            self._choose()
+            self._viewer.reset()

@@ -1,0 +1,67 @@
+"""Recordings of runs, and their pictures."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import manyhands as mh
+from manyhands.plots import panels, plot
+from manyhands.recording import Recorder, Recording
+
+
+@pytest.fixture(scope="module")
+def run() -> Recording:
+    """An arm that is let go while a cube falls on the floor."""
+    world = mh.World.from_file(mh.asset_path("panda/panda.urdf"))
+    world.add_plane("floor")
+    world.add_box("cube", [0.03, 0.03, 0.03], mass=0.2, position=[1.5, 0, 0.05])
+    recorder = Recorder(world)
+    for _ in range(200):
+        world.step(2)
+        recorder.add(reward=-world.body_pose("cube")[0][2])
+    return recorder.recording()
+
+
+def test_a_recording_is_what_happened(run: Recording) -> None:
+    assert len(run.time) == 200 and run.time[-1] == pytest.approx(0.8)
+    assert run.positions.shape == run.velocities.shape == run.forces.shape == (200, 9)
+    # Velocities are the rates of the positions, by differences of 4 ms, but where a joint hits its limit.
+    rates = np.diff(run.positions, axis=0) / 0.004
+    assert np.quantile(np.abs(rates - (run.velocities[1:] + run.velocities[:-1]) / 2), 0.9) < 0.02
+    assert run.contacts[-1, run.touched.index("cube")] == pytest.approx(0.2 * 9.81, rel=1e-3)
+    assert run.rewards[-1] == pytest.approx(-0.03, abs=1e-4)
+
+
+def test_files_keep_recordings(run: Recording, tmp_path: Path) -> None:
+    again = Recording.load(run.save(tmp_path / "run.npz"))
+    assert again.joints == run.joints and again.touched == run.touched
+    assert np.array_equal(again.positions, run.positions) and np.array_equal(again.contacts, run.contacts)
+    np.savez(tmp_path / "other.npz", a=1)
+    with pytest.raises(ValueError, match="no recording"):
+        Recording.load(tmp_path / "other.npz")
+
+
+def test_one_call_draws_a_picture(run: Recording, tmp_path: Path) -> None:
+    assert [panel.title for panel in panels(run)] == [
+        "Joint positions", "Joint velocities", "Joint forces", "Contact forces", "Hand", "Reward",
+    ]  # fmt: skip
+    picture = np.asarray(Image.open(plot(run.save(tmp_path / "run.npz"), tmp_path / "run.png")).convert("RGB"))
+    assert picture.shape[1] > 1000 and len(np.unique(picture.reshape(-1, 3), axis=0)) > 100
+
+
+def test_one_call_draws_a_page_that_opens_alone(run: Recording, tmp_path: Path) -> None:
+    text = plot(run, tmp_path / "run.html").read_text()
+    assert "panda_joint4" in text and "Contact forces" in text
+    assert '<script src="http' not in text
+
+
+def test_other_endings_are_refused(run: Recording, tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="expected"):
+        plot(run, tmp_path / "run.pdf")
+
+
+def test_nothing_recorded_is_said() -> None:
+    with pytest.raises(RuntimeError, match="call add"):
+        Recorder(mh.World()).recording()

@@ -1,0 +1,315 @@
+"""The viewer's page in a real browser, without a display or a GPU."""
+
+import os
+import re
+import shutil
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+import viser
+from PIL import Image
+
+import manyhands as mh
+from manyhands.measures import rotate
+from manyhands.viewer import Viewer
+
+_REGISTRY = dict(gymnasium.registry)
+from manyhands.panda_gym import registration  # noqa: E402
+
+gymnasium.registry.update(_REGISTRY)  # other tests make the environments of manyhands.envs
+
+playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed: make test installs it")
+
+READY = [0.0, 0.41, 0.0, -1.85, 0.0, 2.26, 0.79, 0.02, 0.02]
+SIZE = {"width": 860, "height": 480}  # 470 of it for the scene
+FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with playwright.sync_playwright() as driver:
+        names = ("chromium", "chromium-browser", "google-chrome")
+        found = next((path for name in names if (path := shutil.which(name))), None)
+        own = Path(driver.chromium.executable_path)
+        if found is None and not own.exists():
+            text = "there is no Chromium: tools/setup.sh browser installs one"
+            pytest.fail(text) if os.environ.get("CI") else pytest.skip(text)
+        running = driver.chromium.launch(executable_path=found or str(own), args=FLAGS)
+        yield running
+        running.close()
+
+
+@pytest.fixture(scope="module")
+def page(browser: Any) -> Any:
+    """The only page: each one that is open draws all the time, by the processor alone."""
+    page = browser.new_page(viewport=SIZE)
+    page.set_default_timeout(60000)
+    return page
+
+
+@pytest.fixture(scope="module")
+def arm() -> Iterator[Viewer]:
+    """A Panda that its motors hold."""
+    world = mh.World.from_file(mh.asset_path("panda/panda.urdf"))
+    with Viewer(world, port=18510, title="Panda", announce=False) as viewer:
+        joints = viewer.source.joints
+        assert joints is not None
+        ready = dict(zip([knob.name for knob in joints.knobs], READY, strict=True))
+        viewer.player.do(lambda: joints.move(ready, place=True), wait=5.0)
+        yield viewer
+
+
+@pytest.fixture(scope="module")
+def reach() -> Iterator[Viewer]:
+    env = registration.make_env(**registration.VARIANTS["PandaReach"])
+    env.reset(seed=0)
+    with Viewer(env, port=18520, title="PandaReach-v3", announce=False) as viewer:
+        yield viewer
+
+
+def opened(page: Any, viewer: Viewer) -> None:
+    """Shows a viewer on the page, without shadows: software draws them slowly."""
+    viewer.stage.shadows = False
+    if not page.url.startswith(viewer.url.partition("?")[0]):
+        page.goto(viewer.url)
+        page.get_by_role("button", name="Play", exact=True).wait_for()
+        # What browsers say of WebGL in software would cover the scene.
+        page.add_style_tag(content=".mantine-Notifications-root { display: none }")
+        until(lambda: viewer.server.get_clients())
+
+
+def until(condition: Any, seconds: float = 60.0) -> None:
+    deadline = time.perf_counter() + seconds
+    while not condition():
+        assert time.perf_counter() < deadline, "it did not come about"
+        time.sleep(0.02)
+
+
+def pixels(page: Any, path: Path, width: int = 470) -> np.ndarray[Any, np.dtype[np.uint8]]:
+    """The part of the page where the scene is."""
+    page.screenshot(path=path)
+    return np.asarray(Image.open(path).convert("RGB"))[:, :width]
+
+
+def number_box(page: Any, label: str) -> Any:
+    """The box with the number of a slider."""
+    row = page.locator(f"xpath=//label[normalize-space()='{label}']/ancestor::*[.//input][1]")
+    return row.locator("input[type=text], input[inputmode]").last
+
+
+def test_the_page_shows_the_arm(arm: Viewer, page: Any, tmp_path: Path) -> None:
+    opened(page, arm)
+    shown = pixels(page, tmp_path / "arm.png")
+
+    def differs() -> bool:
+        """From a page without bodies, at thousands of pixels, some of them dark and some orange as the arm's rings."""
+        nonlocal shown
+        shown = pixels(page, tmp_path / "arm.png")
+        dark = (shown.max(-1) < 70).sum()
+        orange = ((shown[..., 0] > 150) & (shown[..., 2] < 90)).sum()
+        return dark > 100 and orange > 5
+
+    until(differs)
+    for body in arm.stage._bodies:
+        body.visible = False
+    until(lambda: (pixels(page, tmp_path / "empty.png").max(-1) < 70).sum() < 20)
+    empty = pixels(page, tmp_path / "empty.png")
+    for body in arm.stage._bodies:
+        body.visible = True
+    assert (np.abs(shown.astype(int) - empty).max(-1) > 8).sum() > 5000
+
+
+def test_moving_a_slider_moves_the_robot(arm: Viewer, page: Any) -> None:
+    opened(page, arm)
+    world = arm.source.world
+    assert world is not None
+    before, _ = world.body_pose("panda_grasptarget")
+    page.get_by_role("tab", name="Robot").click()
+    box = number_box(page, "joint1")
+    box.fill("0.8")
+    box.press("Enter")
+    until(lambda: abs(world.q[0] - 0.8) < 1e-6)
+    after, _ = world.body_pose("panda_grasptarget")
+    assert np.allclose(after[:2], np.hypot(*before[:2]) * np.array([np.cos(0.8), np.sin(0.8)]), atol=1e-6)
+    assert world.time == 0  # it stands still: the joint was put there
+
+    page.get_by_role("button", name="Play", exact=True).click()
+    until(lambda: world.time > 0)
+    box = number_box(page, "joint1")
+    box.fill("0.2")
+    box.press("Enter")
+    until(lambda: abs(world.q[0] - 0.2) < 5e-3)  # driven there, by its motor
+    page.get_by_role("button", name="Pause", exact=True).click()
+    until(lambda: not arm.player.playing)
+
+
+def test_pause_step_and_reset(arm: Viewer, page: Any) -> None:
+    opened(page, arm)
+    arm.pause()
+    time.sleep(0.2)
+    stopped = arm.source.time
+    page.get_by_role("button", name="Step", exact=True).click()
+    until(lambda: arm.source.time > stopped)
+    time.sleep(0.2)
+    assert arm.source.time == pytest.approx(stopped + arm.source.dt)
+    page.keyboard.press("n")
+    until(lambda: arm.source.time > stopped + 1.5 * arm.source.dt)
+    page.keyboard.press("p")
+    until(lambda: arm.player.playing)
+    page.keyboard.press("p")
+    until(lambda: not arm.player.playing)
+    page.get_by_role("button", name="Reset", exact=True).click()
+    until(lambda: arm.source.time == 0)
+
+
+def test_rewinding_by_the_slider(arm: Viewer, page: Any) -> None:
+    opened(page, arm)
+    arm.reset()
+    arm.play()
+    until(lambda: arm.source.time > 2.0)
+    arm.pause()
+    end = arm.player.history.span[1]
+    box = number_box(page, "Rewind [s]")
+    until(lambda: arm.panel._rewind.min <= -1.5)
+    box.fill("-1")
+    box.press("Enter")
+    until(lambda: arm.player.moment < end - 0.8)
+    assert arm.player.moment == pytest.approx(end - 1.0, abs=0.1)
+
+
+def on_page(viewer: Viewer, page: Any, point: Any) -> tuple[float, float]:
+    """Where a place in the world (3) is seen on the page [pixels]."""
+    (client,) = viewer.server.get_clients().values()
+    camera, box = client.camera, page.locator("canvas").first.bounding_box()
+    w, x, y, z = camera.wxyz
+    turned = rotate(np.array([-x, -y, -z, w]), np.asarray(point) - camera.position)
+    scale = box["height"] / 2 / np.tan(camera.fov / 2)
+    return (
+        box["x"] + box["width"] / 2 + scale * turned[0] / turned[2],
+        box["y"] + box["height"] / 2 + scale * turned[1] / turned[2],
+    )
+
+
+def test_a_body_is_pulled_with_the_mouse(page: Any) -> None:
+    world = mh.World()
+    world.add_plane("floor")
+    world.add_box("box", [0.3, 0.3, 0.3], mass=0.5, position=[0, 0, 0.3])
+    with Viewer(world, port=18515, announce=False) as viewer:
+        opened(page, viewer)
+        viewer.pull = 200.0
+        x, y = on_page(viewer, page, [0, 0, 0.3])
+        page.keyboard.down("Control")
+        try:
+            page.mouse.move(x, y)
+            page.mouse.down()
+            for k in range(1, 9):
+                page.mouse.move(x, y - 15 * k)
+                time.sleep(0.2)
+            until(lambda: viewer.source.pushes)
+            (push,) = viewer.source.pushes.values()
+            assert push.link == "box"
+            assert push.force[2] > 7.0  # upwards, where it is dragged to, and more than its weight
+            viewer.play()
+            until(lambda: world.body_pose("box")[0][2] > 0.31)
+            page.mouse.up()
+        finally:
+            page.keyboard.up("Control")
+        until(lambda: not viewer.source.pushes)
+        page.goto("about:blank")
+
+
+def test_a_reach_by_hand_succeeds(reach: Viewer, page: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Keys are pressed as a person would: whichever brings the hand nearer to the goal."""
+    opened(page, reach)
+    source: Any = reach.source
+    keys = {(0, True): "i", (0, False): "k", (1, True): "j", (1, False): "l", (2, True): "u", (2, False): "o"}
+    deadline = time.perf_counter() + 60
+    while not source.outcome.success:
+        assert time.perf_counter() < deadline, "the goal was not reached"
+        seen = source.outcome.observation
+        way = seen["desired_goal"] - seen["achieved_goal"]
+        axis = int(np.abs(way).argmax())
+        page.keyboard.press(keys[axis, bool(way[axis] > 0)])
+        time.sleep(0.05)
+    page.get_by_text("Reached!").wait_for()
+    reach.pause()
+
+
+def test_buttons_drive_too(reach: Viewer, page: Any) -> None:
+    opened(page, reach)
+    source: Any = reach.source
+    reach.reset()
+    until(lambda: source.outcome.length == 0)
+    before = source.outcome.observation["achieved_goal"][2]
+    button = page.get_by_role("button", name=re.compile("^Up"))
+    button.hover()
+    page.mouse.down()
+    until(lambda: source.outcome.observation["achieved_goal"][2] > before + 0.02)
+    page.mouse.up()
+    reach.pause()
+
+
+def test_the_recording_opens_alone(arm: Viewer, page: Any, browser: Any, tmp_path: Path) -> None:
+    opened(page, arm)
+    joints = arm.source.joints
+    assert joints is not None
+    start = arm.source.time
+    arm.player.do(lambda: joints.move({"panda_joint1": -1.0}))
+    arm.play()
+    until(lambda: arm.source.time > start + 1.0)
+    arm.pause()
+    page.get_by_role("tab", name="Record").click()
+    with page.expect_download() as download:
+        page.get_by_role("button", name="Save as a page").click()
+    path = tmp_path / "recording.html"
+    download.value.save_as(path)
+    page.goto("about:blank")
+    alone = browser.new_context(offline=True, viewport=SIZE).new_page()
+    asked: list[str] = []
+    alone.on("request", lambda request: asked.append(request.url))
+    alone.goto(path.as_uri())
+    shown = tmp_path / "alone.png"
+    until(lambda: (pixels(alone, shown, 860).max(-1) < 70).sum() > 100)
+    assert not [address for address in asked if address.startswith(("http", "ws"))]
+    # It moves: the pictures of two moments differ.
+    first = pixels(alone, shown, 860).astype(int)
+    until(lambda: (np.abs(pixels(alone, shown, 860) - first).max(-1) > 30).sum() > 50)
+    alone.close()
+
+
+def test_a_picture_is_saved(arm: Viewer, page: Any, tmp_path: Path) -> None:
+    opened(page, arm)
+    page.get_by_role("tab", name="View").click()
+    with page.expect_download() as download:
+        page.get_by_role("button", name="Save a picture").click()
+    download.value.save_as(tmp_path / "picture.png")
+    assert (np.asarray(Image.open(tmp_path / "picture.png").convert("RGB")).max(-1) < 70).sum() > 100
+    assert arm.picture(320, 200).shape == (200, 320, 3)
+
+
+def test_a_foreign_page_cannot_connect(arm: Viewer, page: Any) -> None:
+    address = f"ws://127.0.0.1:{arm.server.get_port()}"
+    connect = """([address, version]) => new Promise(done => {
+        const socket = new WebSocket(address, 'viser-v' + version)
+        socket.onopen = () => done('open'); socket.onerror = () => done('refused') })"""
+    page.goto("data:text/html,<p>elsewhere</p>")
+    assert page.evaluate(connect, [address, viser.__version__]) == "refused"
+    page.goto(address.replace("ws", "http"))
+    assert page.evaluate(connect, [address, viser.__version__]) == "open"
+
+
+def test_with_a_token_the_page_opens_and_without_it_does_not(page: Any) -> None:
+    world = mh.World()
+    world.add_box("box", [0.1, 0.1, 0.1], mass=1.0, position=[0, 0, 0.1])
+    with Viewer(world, host="0.0.0.0", port=18530, announce=False) as viewer:
+        assert page.goto(viewer.url.partition("?")[0]).status == 403
+        page.goto("about:blank")
+        opened(page, viewer)
+        page.get_by_role("button", name="Step", exact=True).click()
+        until(lambda: viewer.source.time > 0)
+        page.goto("about:blank")
