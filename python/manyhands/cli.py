@@ -10,6 +10,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from manyhands import video
 from manyhands._core.envs import env_ids, make_env_batch
 from manyhands._core.learn import CheckpointError
 from manyhands.arguments import whole_number
@@ -94,6 +95,12 @@ def _parser() -> argparse.ArgumentParser:
         epilog=command.EXAMPLES, formatter_class=raw,
     )  # fmt: skip
     command.add_arguments(show)
+
+    film = commands.add_parser(
+        "record", help="a video of episodes", description="Writes a video of a scripted expert, or of a policy.",
+        epilog=video.EXAMPLES, formatter_class=raw,
+    )  # fmt: skip
+    video.add_arguments(film)
     return parser
 
 
@@ -247,12 +254,14 @@ def main(argv: Sequence[str] | None = None) -> int:
             return _evaluate(arguments)
         if arguments.command == "view":
             return command.run(arguments)
+        if arguments.command == "record":
+            return video.run(arguments)
         return _envs()
     except (ValueError, OSError, CheckpointError) as error:
         print(f"manyhands {arguments.command}: {error}", file=sys.stderr)
         return 2
     except ModuleNotFoundError as error:
-        extra = "viewer" if arguments.command == "view" else "train"
+        extra = {"view": "viewer", "record": "video"}.get(arguments.command, "train")
         print(f"manyhands {arguments.command} needs {error.name}: pip install 'manyhands[{extra}]'", file=sys.stderr)
         return 2
     except KeyboardInterrupt:

@@ -19,16 +19,17 @@ def register() -> None:
             entry_point="manyhands.envs:PandaEnv",
             vector_entry_point="manyhands.envs:PandaVectorEnv",
             max_episode_steps=max_episode_steps(name),
-            kwargs=_variant(name),
+            kwargs=variant_of(name),
         )
 
 
 def make_vector_env(name: str, num_envs: int, **kwargs: Any) -> PandaVectorEnv:
     """The vector environment of a registered id, whatever other package has registered the same id since."""
-    return PandaVectorEnv(num_envs, **_variant(name), **kwargs)
+    return PandaVectorEnv(num_envs, **variant_of(name), **kwargs)
 
 
-def _variant(name: str) -> dict[str, Any]:
+def variant_of(name: str) -> dict[str, Any]:
+    """What an id stands for, as arguments of `PandaEnv`. Raises ValueError on an id of another form."""
     match = _ID.fullmatch(name)
     if match is None:
         raise ValueError(f"{name!r} is not of the form Panda<Task>[Joints][Dense]-v3")

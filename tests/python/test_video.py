@@ -1,0 +1,60 @@
+"""Videos of episodes."""
+
+from pathlib import Path
+
+import imageio_ffmpeg
+import numpy as np
+import pytest
+from PIL import Image
+
+from manyhands import cli
+from manyhands.video import write_video
+
+
+def length(path: Path) -> tuple[int, float]:
+    """Pictures and seconds of an MP4."""
+    return imageio_ffmpeg.count_frames_and_secs(str(path))
+
+
+def test_an_experts_episode_as_mp4(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "reach.mp4"
+    assert cli.main(["record", "PandaReach", "--episodes", "2", "--out", str(out), "--size", "161", "120"]) == 0
+    assert str(out) in capsys.readouterr().out
+    frames, seconds = length(out)
+    assert 2 * 9 < frames < 2 * 50  # until shortly after success, which takes a handful of steps
+    assert seconds == pytest.approx(frames / 25, abs=0.1)
+    reader = imageio_ffmpeg.read_frames(str(out))
+    size = next(reader)["size"]
+    first = np.frombuffer(next(reader), np.uint8).reshape(size[1], size[0], 3)
+    assert tuple(size) == (160, 120)
+    assert first.std() > 10  # not one colour
+
+
+def test_an_experts_episode_as_gif(tmp_path: Path) -> None:
+    out = tmp_path / "reach.gif"
+    assert cli.main(["record", "PandaReach-v3", "--episodes", "1", "--out", str(out), "--size", "80", "60"]) == 0
+    with Image.open(out) as gif:
+        assert gif.size == (80, 60) and getattr(gif, "n_frames", 1) > 5
+
+
+def test_pictures_stay_in_their_order(tmp_path: Path) -> None:
+    greys = [np.full((32, 32, 3), grey, np.uint8) for grey in (0, 100, 200)]
+    with Image.open(write_video(greys, tmp_path / "greys.gif")) as gif:
+        seen = []
+        for frame in range(3):
+            gif.seek(frame)
+            seen.append(int(np.asarray(gif.convert("L")).mean()))
+    assert seen == pytest.approx([0, 100, 200], abs=3)
+
+
+def test_nonsense_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for arguments, text in (
+        (["PandaReach", "--out", str(tmp_path / "a.avi")], ".mp4 or .gif"),
+        (["PandaReach", "--episodes", "0"], "--episodes"),
+        (["PandaNothing"], "no environment"),
+        (["PandaReach", "--policy", str(tmp_path / "none.onnx")], "there is no file"),
+    ):
+        assert cli.main(["record", *arguments]) == 2
+        assert text in capsys.readouterr().err
+    with pytest.raises(ValueError, match="no pictures"):
+        write_video([], tmp_path / "empty.mp4")
