@@ -508,6 +508,34 @@ def test_a_recording_is_one_file_with_all_that_moved(here: Viewer, tmp_path: Pat
     assert "http-equiv" not in text.lower() and 'src="http' not in text
 
 
+def test_axes_trails_and_plots_are_chosen(here: Viewer) -> None:
+    view, graphs, body = here.panel.view, here.panel.graphs, here.stage.index["ball"]
+    for name, shown in (("ball", [body]), ("all links", [*here.stage.index.values()]), ("none", [])):
+        view._frames.value = name
+        until(lambda shown=shown: [k for k, each in enumerate(here.stage._bodies) if each.show_axes] == shown)
+    view._trail.value = "ball"
+    until(lambda: here.overlays.trails == ["ball"])
+    here.plot("height", lambda: here.source.poses()[0][body][2])
+    for quantity in ("height", "Energy", "Contact force"):
+        graphs._choice.value = quantity
+        until(lambda quantity=quantity: list(here.player.watched) == [quantity])
+        here.play()
+        until(lambda: graphs._plot is not None and len(graphs._rows) > 3)
+        here.pause()
+    graphs._choice.value = "none"
+    view._trail.value = "none"
+    until(lambda: not here.player.watched and not here.overlays.trails)
+    assert not here.player.problem
+
+
+def test_cameras_see_the_scene(here: Viewer) -> None:
+    cameras = here.panel.cameras
+    cameras._choice.value = "front"
+    until(lambda: cameras._image.image.shape == (240, 320, 3), 20.0)
+    assert cameras._image.image.std() > 5
+    cameras._choice.value = "none"
+
+
 def test_parts_may_come_and_go_while_they_are_seen(here: Viewer) -> None:
     world = here.source.world
     assert world is not None

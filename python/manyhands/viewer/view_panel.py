@@ -65,7 +65,8 @@ class ViewPanel:
 
     def _choose_frames(self) -> None:
         index, name = self._viewer.stage.index, self._frames.value
-        self._viewer.stage.show_frames(set(index.values()) if name == _ALL else {index[name]} & set(index.values()))
+        shown = set(index.values()) if name == _ALL else {index[name]} if name in index else set()
+        self._viewer.stage.show_frames(shown)
 
     def _choose_trail(self) -> None:
         overlays, name = self._viewer.overlays, self._trail.value
