@@ -32,7 +32,7 @@ class CameraPanel:
             name: self._eye.through(camera) for name, camera in self._usual(viewer).items()
         }
         gui = viewer.server.gui
-        with tabs.add_tab("Cameras", viser.Icon.CAMERA):
+        with tabs.add_tab("Cameras"):
             self._choice: Any = gui.add_dropdown("Camera", (_NOTHING, *self._cameras))
             self._image = gui.add_image(np.full((3, 4, 3), 235, np.uint8))
 

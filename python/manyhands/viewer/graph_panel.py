@@ -36,7 +36,7 @@ class GraphPanel:
         self._own: dict[str, Quantity] = {}
         self._rows: deque[NDArray[np.float64]] = deque(maxlen=_LENGTH)
         self._plot: Any = None
-        self._tab = tabs.add_tab("Plots", viser.Icon.CHART_LINE)
+        self._tab = tabs.add_tab("Plots")
         with self._tab:
             self._choice = self._gui.add_dropdown("Quantity", (_NOTHING, *self._known()))
             self._choice.on_update(lambda _: self._choose())

@@ -28,7 +28,7 @@ class RobotPanel:
         self._touched = -np.inf
         self._gizmo: Any = None
         self._dragging = -np.inf
-        self._tab = tabs.add_tab("Robot", viser.Icon.ROBOT)
+        self._tab = tabs.add_tab("Robot")
         self._folder: Any = None
         self.rebuild()
 

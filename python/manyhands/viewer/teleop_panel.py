@@ -44,7 +44,7 @@ class TeleopPanel:
         self._ended_at: float | None = None
         self._writer = EpisodeWriter(self._source)
         gui = viewer.server.gui
-        with tabs.add_tab("Drive", viser.Icon.DEVICE_GAMEPAD_2):
+        with tabs.add_tab("Drive"):
             actors = [_HANDS, *((_SLIDERS,) if self._source.joints is not None else ()), _RANDOM]
             if (expert := self._expert()) is not None:
                 actors.insert(2, _EXPERT)

@@ -26,7 +26,7 @@ class ViewPanel:
     def __init__(self, viewer: "Viewer", tabs: viser.GuiTabGroupHandle) -> None:
         self._viewer = viewer
         gui, overlays = viewer.server.gui, viewer.overlays
-        with tabs.add_tab("View", viser.Icon.EYE):
+        with tabs.add_tab("View"):
             camera = gui.add_button_group("Camera", tuple(_DIRECTIONS))
             camera.on_click(lambda event: self._look_from(event.client, event.target.value))
             save = gui.add_button("Save a picture", icon=viser.Icon.CAMERA, hint="As PNG, in the size of your window")
