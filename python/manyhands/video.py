@@ -64,7 +64,7 @@ def episodes(
             yield _picture(env)
 
 
-def write_video(pictures: Iterable[NDArray[np.uint8]], path: str | Path, fps: float = RENDER_FPS) -> Path:
+def write_video(pictures: Iterable[NDArray[np.uint8]], path: str | Path, fps: int = RENDER_FPS) -> Path:
     """Writes pictures (h, w, 3) as MP4 or GIF, as the name of the file ends. Raises ValueError on another ending,
     ModuleNotFoundError without the extra `video`."""
     path = Path(path)
