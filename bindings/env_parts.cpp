@@ -33,20 +33,19 @@ void bind_env_parts(nb::module_& m) {
       .def(
           "__init__",
           [](ArmSpec* self, std::filesystem::path urdf, std::vector<std::string> joints,
-             std::vector<std::string> fingers, std::string hand, double tips, std::vector<double> neutral,
+             std::vector<std::string> fingers, std::string hand, std::vector<double> neutral,
              std::vector<double> max_force, const Numbers3& position, const Numbers4& quaternion, bool meshes) {
             new (self) ArmSpec{.urdf = std::move(urdf),
                                .X_WA = bindings::transform("the arm's base", position, quaternion),
                                .joints = std::move(joints),
                                .fingers = std::move(fingers),
                                .hand = std::move(hand),
-                               .tips = tips,
                                .neutral = std::move(neutral),
                                .max_force = std::move(max_force),
                                .meshes = meshes};
           },
-          nb::kw_only(), "urdf"_a, "joints"_a, "fingers"_a, "hand"_a, "tips"_a, "neutral"_a, "max_force"_a,
-          "position"_a, "quaternion"_a, "meshes"_a, "Raises ValueError on a quaternion that is not of length 1.");
+          nb::kw_only(), "urdf"_a, "joints"_a, "fingers"_a, "hand"_a, "neutral"_a, "max_force"_a, "position"_a,
+          "quaternion"_a, "meshes"_a, "Raises ValueError on a quaternion that is not of length 1.");
   nb::class_<Obstacle>(m, "Obstacle", "What stands in the way; see manyhands.envs.Obstacle.")
       .def(
           "__init__",

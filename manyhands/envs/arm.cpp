@@ -66,7 +66,6 @@ Arm::Arm(const ArmSpec& spec, const Model& scene, ArmControl control_, bool has_
       fingers(fingers_of(scene, spec.fingers)),
       neutral(spec.neutral),
       max_force(spec.max_force),
-      tips(spec.tips),
       hand(hand_of(scene, spec.hand)),
       chain(scene, hand),
       ik(control == ArmControl::kEndEffector ? panda_gym_ik() : exact_ik()) {

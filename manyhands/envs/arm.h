@@ -19,7 +19,6 @@ struct Arm {
   bool has_gripper;                          ///< else the fingers stay closed
   std::vector<std::size_t> joints, fingers;  ///< their dofs, the same in q and v
   std::vector<double> neutral, max_force;    ///< of `joints`, then of `fingers`
-  double tips;                               ///< how far they reach beyond the hand's frame [m]
   FrameId hand;
   IkChain chain;  ///< of the hand
   IkSettings ik;  ///< of controls that move the hand

@@ -49,7 +49,6 @@ struct ArmSpec {
   Transform<double> X_WA = Transform<double>::identity();  ///< of its base
   std::vector<std::string> joints, fingers;                ///< fingers slide; the hand opens by the sum of their q
   std::string hand;               ///< the frame or link between the finger tips, z away from the hand
-  double tips = 0;                ///< how far the finger tips reach beyond it [m]
   std::vector<double> neutral;    ///< where every episode starts [rad or m]
   std::vector<double> max_force;  ///< of the motors [N m or N]
   bool meshes = true;             ///< whether collision shapes that need a mesh file count

@@ -11,7 +11,6 @@ ArmSpec panda_arm() {
   for (int i = 1; i <= 7; ++i) spec.joints.push_back("panda_joint" + std::to_string(i));
   spec.fingers = {"panda_finger_joint1", "panda_finger_joint2"};
   spec.hand = "panda_grasptarget";
-  spec.tips = 0.0072;
   spec.neutral = {0, 0.41, 0, -1.85, 0, 2.26, 0.79, 0, 0};
   spec.max_force = {87, 87, 87, 87, 12, 120, 120, 170, 170};
   spec.meshes = false;

@@ -8,13 +8,14 @@
 
 #include "manyhands/base/thread_pool.h"
 #include "manyhands/envs/control/control.h"
+#include "manyhands/envs/gather_lanes.h"
 #include "manyhands/envs/randomize.h"
 #include "manyhands/envs/tasks/task.h"
 
 namespace manyhands {
 
-/// Worlds live in blocks of W = width_v<T> lanes. A block takes as long as its slowest world, so before each step those
-/// whose arm will touch something, as far as one can tell, are gathered in blocks of their own.
+/// Worlds live in blocks of W = width_v<T> lanes. A block takes as long as its slowest world, so those whose arm
+/// touches something are gathered in blocks of their own, every few substeps.
 template <Number T, TaskLike Task>
 class TaskBatch final : public EnvBatch {
  public:
@@ -46,6 +47,7 @@ class TaskBatch final : public EnvBatch {
  private:
   using R = real_t<T>;
   static constexpr int W = width_v<T>;
+  static constexpr int kSubstepsBetweenGatherings = 2;
 
   struct Block {
     State<T> state;
@@ -53,7 +55,7 @@ class TaskBatch final : public EnvBatch {
     HandState<T> hand;                        ///< at the end of the last step
     std::array<T, Arm::kMostActions> action;  ///< of this step
     std::array<int, W> worlds;                ///< in its lanes; -1: none
-    std::array<bool, W> touches;              ///< whether the lane's arm touches something, or is about to
+    std::array<Work, W> work;                 ///< of its lanes in the last step
     std::optional<Params<T>> params{};        ///< its worlds' own, where physics are randomised
   };
   struct World {
@@ -83,8 +85,7 @@ class TaskBatch final : public EnvBatch {
   [[nodiscard]] const Block& block_of(const World& world) const {
     return blocks_[static_cast<std::size_t>(world.block)];
   }
-  void regroup();
-  void exchange(std::size_t full, std::size_t sparse);
+  void gather();
   static void swap_lanes(Block& a, int lane_a, Block& b, int lane_b);
   void reset_block(int block, StepWorkspace<T>& ws, std::span<const std::uint8_t> mask,
                    std::span<const std::uint64_t> seeds);
@@ -103,11 +104,12 @@ class TaskBatch final : public EnvBatch {
   void disturb(int world, std::span<float> action);
   void add_noise(int world);
   void act(Block& block, StepWorkspace<T>& ws, std::span<const float> action);
-  void step_block(Block& block, StepWorkspace<T>& ws);
+  void simulate(Block& block, StepWorkspace<T>& ws, int substeps);
   template <Number P>
-  void simulate(Block& block, const Params<P>& params, StepWorkspace<T>& ws);
+  void simulate(Block& block, const Params<P>& params, StepWorkspace<T>& ws, int substeps);
+  void finish_step(Block& block, StepWorkspace<T>& ws);
   [[nodiscard]] View look(Block& block, StepWorkspace<T>& ws) const;
-  void foresee_touches(Block& block, Workspace<T>& ws) const;
+  void note_work(const ContactSet<T>& contacts, Block& block) const;
   void write_row(int world, int lane, const View& view, const Block& block);
   [[nodiscard]] std::size_t bytes_of_world() const;
 
@@ -120,15 +122,13 @@ class TaskBatch final : public EnvBatch {
   Model scene_;
   Arm arm_;
   std::vector<Object> objects_;
-  std::vector<std::size_t> arm_manifolds_;  ///< of the arm with anything, in the memory of contacts
+  std::vector<bool> is_of_arm_;  ///< (manifolds) whether one side is the arm
   System<R> system_;
   Params<R> params_;  ///< the same for all worlds, unless they are randomised
   Randomizer randomizer_;
   SceneParts parts_;
   State<T> start_;  ///< the arm as every episode begins
   std::vector<Block> blocks_;
-  std::vector<int> touching_;       ///< (blocks) worlds whose arm touches something
-  std::vector<std::size_t> mixed_;  ///< scratch: blocks in which the arm touches in some worlds only
   std::vector<World> worlds_;
   ThreadPool pool_;
   std::vector<StepWorkspace<T>> workspaces_;  ///< one for each worker

@@ -87,20 +87,19 @@ TaskBatch<T, Task>::TaskBatch(EnvSpec spec, const ArmSpec& arm, ArmControl contr
     const Body& body = scene_.body(id);
     objects_.push_back({id.index(), static_cast<std::size_t>(body.iq), static_cast<std::size_t>(body.iv)});
   }
+  is_of_arm_.resize(system_.colliders.num_manifolds);
   for (const ColliderPair& pair : system_.colliders.pairs) {
     const int a = system_.tree.last_dof[system_.colliders.geoms[pair.a].body],
               b = system_.tree.last_dof[system_.colliders.geoms[pair.b].body];
     const int joints = static_cast<int>(arm_.neutral.size());
     if ((a < 0 || a >= joints) && (b < 0 || b >= joints)) continue;
-    for (std::size_t k = 0; k < pair.manifolds; ++k) arm_manifolds_.push_back(pair.manifold + k);
+    for (std::size_t k = 0; k < pair.manifolds; ++k) is_of_arm_[pair.manifold + k] = true;
   }
   for (int k = 0; k < W; ++k) reset_arm(arm_, start_, k);
   Block empty{start_, {}, {}, {}, {}, {}};
   empty.worlds.fill(-1);
   if (randomizer_.varies_physics()) empty.params.emplace(scene_), set_arm_motors(arm_, *empty.params);
   blocks_.assign(internal::rows((num_envs + W - 1) / W, 1), empty);
-  touching_.resize(blocks_.size());
-  mixed_.reserve(blocks_.size());
   for (int worker = 0; worker < pool_.num_threads(); ++worker) workspaces_.emplace_back(system_);
   std::random_device device;
   for (int i = 0; i < num_envs; ++i) {
@@ -162,7 +161,7 @@ void TaskBatch<T, Task>::reset_block(int b, StepWorkspace<T>& ws, std::span<cons
 template <Number T, TaskLike Task>
 void TaskBatch<T, Task>::start_episode(Block& block, int lane, NumpyRandom& random, double size) {
   copy_lane(start_, lane, block.state, lane);
-  block.touches[static_cast<std::size_t>(lane)] = false;
+  block.work[static_cast<std::size_t>(lane)] = Work::kFree;
   TaskStart<Task::kGoalSize, Task::kObjects> start = task_.draw(random);
   if constexpr (requires { task_.resize(start, size); }) task_.resize(start, size);
   for (std::size_t i = 0; i < Task::kGoalSize; ++i)
@@ -184,55 +183,36 @@ void TaskBatch<T, Task>::step(std::span<const float> action) {
                                 std::to_string(i / static_cast<std::size_t>(spec_.action_dim)) +
                                 " is not a finite number");
   }
-  const auto for_each_block = [&](auto&& body) {
-    pool_.for_each(static_cast<int>(blocks_.size()), [&](int block, int worker) {
-      body(blocks_[static_cast<std::size_t>(block)], workspaces_[static_cast<std::size_t>(worker)]);
+  for (int done = 0; done < options_.n_substeps; done += kSubstepsBetweenGatherings) {
+    const int substeps = std::min(kSubstepsBetweenGatherings, options_.n_substeps - done);
+    if constexpr (W > 1) gather();
+    pool_.for_each(static_cast<int>(blocks_.size()), [&](int b, int worker) {
+      Block& block = blocks_[static_cast<std::size_t>(b)];
+      StepWorkspace<T>& ws = workspaces_[static_cast<std::size_t>(worker)];
+      if (done == 0) act(block, ws, action);
+      simulate(block, ws, substeps);
+      if (done + substeps == options_.n_substeps) finish_step(block, ws);
     });
-  };
-  for_each_block([&](Block& block, StepWorkspace<T>& ws) { act(block, ws, action); });
-  regroup();
-  for_each_block([&](Block& block, StepWorkspace<T>& ws) { step_block(block, ws); });
-}
-
-/// Gathers the worlds whose arm touches something in as few blocks as hold them, by exchanging them for worlds whose
-/// arm is free. No world's numbers depend on where it lives.
-template <Number T, TaskLike Task>
-void TaskBatch<T, Task>::regroup() {
-  mixed_.clear();
-  for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    touching_[b] = static_cast<int>(std::ranges::count(blocks_[b].touches, true));
-    if (touching_[b] > 0 && touching_[b] < W) mixed_.push_back(b);
-  }
-  std::ranges::sort(mixed_, [&](std::size_t a, std::size_t b) {
-    return touching_[a] != touching_[b] ? touching_[a] > touching_[b] : a < b;
-  });
-  for (std::size_t i = 0, j = mixed_.size(); i + 1 < j;) {
-    const std::size_t full = mixed_[i], sparse = mixed_[j - 1];
-    exchange(full, sparse);
-    if (touching_[full] == W) ++i;
-    if (touching_[sparse] == 0) --j;
   }
 }
 
-/// Moves touching worlds from the second block to the first, until the one is full of them or the other has none.
+/// Gathers worlds with as much work in blocks. No world's numbers depend on where it lives.
 template <Number T, TaskLike Task>
-void TaskBatch<T, Task>::exchange(std::size_t full, std::size_t sparse) {
-  Block &to = blocks_[full], &from = blocks_[sparse];
-  int free = 0;
-  for (int k = 0; k < W && touching_[full] < W; ++k) {
-    if (!from.touches[static_cast<std::size_t>(k)]) continue;
-    while (to.touches[static_cast<std::size_t>(free)]) ++free;
-    swap_lanes(to, free, from, k);
-    for (const auto& [b, lane] : {std::pair{full, free}, std::pair{sparse, k}}) {
-      const int world = blocks_[b].worlds[static_cast<std::size_t>(lane)];
+void TaskBatch<T, Task>::gather() {
+  const auto place_of = [&](std::size_t lane) { return std::pair{&blocks_[lane / W], static_cast<int>(lane % W)}; };
+  const auto exchange = [&](std::size_t i, std::size_t j) {
+    const auto [a, lane_a] = place_of(i);
+    const auto [b, lane_b] = place_of(j);
+    swap_lanes(*a, lane_a, *b, lane_b);
+    for (const std::size_t lane : {i, j}) {
+      const int world = blocks_[lane / W].worlds[lane % W];
       if (world < 0) continue;
-      worlds_[static_cast<std::size_t>(world)].block = static_cast<int>(b);
-      worlds_[static_cast<std::size_t>(world)].lane = lane;
+      worlds_[static_cast<std::size_t>(world)].block = static_cast<int>(lane / W);
+      worlds_[static_cast<std::size_t>(world)].lane = static_cast<int>(lane % W);
       settle(worlds_[static_cast<std::size_t>(world)]);
     }
-    ++touching_[full];
-    --touching_[sparse];
-  }
+  };
+  gather_lanes(blocks_.size() * W, [&](std::size_t lane) { return blocks_[lane / W].work[lane % W]; }, exchange);
 }
 
 template <Number T, TaskLike Task>
@@ -259,21 +239,22 @@ void TaskBatch<T, Task>::swap_lanes(Block& a, int lane_a, Block& b, int lane_b) 
   swap_numbers(a.hand.open_width, b.hand.open_width);
   for (std::size_t i = 0; i < a.action.size(); ++i) swap_numbers(a.action[i], b.action[i]);
   std::swap(a.worlds[static_cast<std::size_t>(lane_a)], b.worlds[static_cast<std::size_t>(lane_b)]);
-  std::swap(a.touches[static_cast<std::size_t>(lane_a)], b.touches[static_cast<std::size_t>(lane_b)]);
+  std::swap(a.work[static_cast<std::size_t>(lane_a)], b.work[static_cast<std::size_t>(lane_b)]);
 }
 
-/// The arm touches something if it did in the last step, or if its fingers are to come near the table.
+/// Notes how much work each world was in the last substep.
 template <Number T, TaskLike Task>
-void TaskBatch<T, Task>::foresee_touches(Block& block, Workspace<T>& ws) const {
-  constexpr double kNear = 0.005;  // [m]
-  const Transform<R> X_BF = broadcast<R>(arm_.chain.X_BF);
-  const Transform<T> goal = place_chain(system_.tree, arm_.chain, X_BF, block.state.target_q(), ws);
-  const T lowest = min(block.hand.p.z, goal.p.z);
-  const auto low = lowest < T(static_cast<R>(arm_.tips + kNear));
-  const std::span<const RememberedManifold<T>> memory = remembered(block.state.contacts());
-  T used(R(0));
-  for (const std::size_t manifold : arm_manifolds_) used = max(used, memory[manifold].used);
-  for (int k = 0; k < W; ++k) block.touches[static_cast<std::size_t>(k)] = lane(low, k) || lane(used, k) > 0;
+void TaskBatch<T, Task>::note_work(const ContactSet<T>& contacts, Block& block) const {
+  mask_t<T> near(false), touching(false);
+  for (const ContactPoint<T>& point : contacts.points) {
+    if (!is_of_arm_[point.manifold]) continue;
+    near = near | is_finite(point.phi);
+    touching = touching | (point.impulse.x > T(R(0)));
+  }
+  for (int k = 0; k < W; ++k) {
+    const Work work = lane(touching, k) ? Work::kTouching : lane(near, k) ? Work::kNear : Work::kFree;
+    block.work[static_cast<std::size_t>(k)] = work;
+  }
 }
 
 template <Number T, TaskLike Task>
@@ -286,16 +267,20 @@ void TaskBatch<T, Task>::act(Block& block, StepWorkspace<T>& ws, std::span<const
       set_lane(block.action[k], lane, static_cast<R>(row[k]));
   });
   apply_action(arm_, system_.tree, params_, block.hand, block.action.data(), block.state, ws.dynamics);
-  if constexpr (W > 1) foresee_touches(block, ws.dynamics);
 }
 
 template <Number T, TaskLike Task>
-void TaskBatch<T, Task>::step_block(Block& block, StepWorkspace<T>& ws) {
+void TaskBatch<T, Task>::simulate(Block& block, StepWorkspace<T>& ws, int substeps) {
   if (block.params) {
-    simulate(block, *block.params, ws);
+    simulate(block, *block.params, ws, substeps);
   } else {
-    simulate(block, params_, ws);
+    simulate(block, params_, ws, substeps);
   }
+  if constexpr (W > 1) note_work(ws.contacts, block);
+}
+
+template <Number T, TaskLike Task>
+void TaskBatch<T, Task>::finish_step(Block& block, StepWorkspace<T>& ws) {
   const View view = look(block, ws);
   for_each_world(block, [&](int i, int k) {
     const auto row = static_cast<std::size_t>(i);
@@ -308,8 +293,8 @@ void TaskBatch<T, Task>::step_block(Block& block, StepWorkspace<T>& ws) {
 
 template <Number T, TaskLike Task>
 template <Number P>
-void TaskBatch<T, Task>::simulate(Block& block, const Params<P>& params, StepWorkspace<T>& ws) {
-  for (int k = 0; k < options_.n_substeps; ++k) {
+void TaskBatch<T, Task>::simulate(Block& block, const Params<P>& params, StepWorkspace<T>& ws, int substeps) {
+  for (int k = 0; k < substeps; ++k) {
     for (const Object& object : objects_)
       apply_drag(params.inertia[object.body], block.state.q() + object.iq, block.state.v() + object.iv,
                  block.state.tau() + object.iv);

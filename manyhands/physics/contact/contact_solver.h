@@ -218,14 +218,15 @@ MANYHANDS_INLINE T urgency(const T* stances, std::size_t i, const JointConstrain
   return select(jc.better[i] == stances[i], zero, select(stances[i] == T(R(kHeld)), overload, little));
 }
 
-/// Moves the most urgent dof of each world, or the several that are equally so. Against contacts that have not settled
+/// Moves the most urgent dof of each world, and those at least half as urgent. Against contacts that have not settled
 /// all motors seem overloaded: if they gave way together, the arm would be thrown about.
 template <Number T>
 MANYHANDS_INLINE void move_worst_stances(mask_t<T> moved, T* stances, const JointConstraints<T>& jc) {
   T worst(real_t<T>(0));
   for (std::size_t i = 0; i < jc.dv.size(); ++i) worst = max(worst, urgency(stances, i, jc));
+  const T least = T(real_t<T>(0.5)) * worst;
   for (std::size_t i = 0; i < jc.dv.size(); ++i)
-    stances[i] = select(moved & (urgency(stances, i, jc) >= worst), jc.better[i], stances[i]);
+    stances[i] = select(moved & (urgency(stances, i, jc) >= least), jc.better[i], stances[i]);
 }
 
 /// The last move: what is wrong is held. A motor may be too strong for one step, but none throws its joint about.

@@ -35,7 +35,7 @@ namespace internal {
 inline constexpr int kMostSlideSteps = 20;
 
 template <Number T>
-inline constexpr real_t<T> kSlideTolerance = std::same_as<real_t<T>, float> ? real_t<T>(1e-6) : real_t<T>(1e-14);
+inline constexpr real_t<T> kSlideTolerance = std::same_as<real_t<T>, float> ? real_t<T>(1e-4) : real_t<T>(1e-14);
 
 /// The least that 1 + slope . direction counts for: below 0 friction wedges the contact, and no impulse on the cone
 /// keeps u_n at 0.
@@ -44,22 +44,27 @@ inline constexpr double kLeastWedge = 0.05;
 }  // namespace internal
 
 /// A tangential impulse y on the rim of its cone: (sigma_i + kappa) y_i = h_i, |y| = rest - slope . y. Newton's method
-/// on 1 / |y|, which is nearly linear in kappa (Moré and Sorensen 1983), one number whatever the anisotropy.
-/// Lanes outside `slides` keep their y.
+/// on 1 / |y|, which is nearly linear in kappa (Moré and Sorensen 1983), one number whatever the anisotropy. It begins
+/// where an isotropic contact ends. Lanes outside `slides` keep their y.
 template <Number T>
 MANYHANDS_INLINE void slide(const ContactStiffness<T>& G, T h_1, T h_2, T rest, mask_t<T> slides, T& y_1, T& y_2,
                             T& radius) {
   using R = real_t<T>;
   const T zero(R(0)), one(R(1)), tiny(std::numeric_limits<R>::min() * R(16)), wedge(R(internal::kLeastWedge));
-  T kappa = zero;
+  const T inverse_rest = one / max(rest, tiny);
+  const auto squeeze = [&](T d_1, T d_2) { return max(fma(G.slope_1, d_1, fma(G.slope_2, d_2, one)), wedge); };
+  const T pull = max(sqrt(fma(h_1, h_1, h_2 * h_2)), tiny), inverse_pull = one / pull;
+  const T along_1 = h_1 * inverse_pull, along_2 = h_2 * inverse_pull;
+  const T sigma = fma(along_1 * along_1, G.sigma_1, (along_2 * along_2) * G.sigma_2);
+  T kappa = max(zero, fma(pull, squeeze(along_1, along_2) * inverse_rest, -sigma));
   iterate(slides, internal::kMostSlideSteps, [&](mask_t<T> active) {
     const T inverse_1 = one / max(G.sigma_1 + kappa, tiny), inverse_2 = one / max(G.sigma_2 + kappa, tiny);
     const T a_1 = h_1 * inverse_1, a_2 = h_2 * inverse_2;
-    const T length = max(sqrt(fma(a_1, a_1, a_2 * a_2)), tiny);
-    const T d_1 = a_1 / length, d_2 = a_2 / length;
-    const T rim = rest / max(fma(G.slope_1, d_1, fma(G.slope_2, d_2, one)), wedge);
+    const T length = max(sqrt(fma(a_1, a_1, a_2 * a_2)), tiny), inverse_length = one / length;
+    const T d_1 = a_1 * inverse_length, d_2 = a_2 * inverse_length;
+    const T squeezed = squeeze(d_1, d_2), rim = rest / squeezed;
     const T fall = fma(d_1 * d_1, inverse_1, (d_2 * d_2) * inverse_2);
-    const T excess = length / max(rim, tiny) - one;
+    const T excess = fma(length, squeezed * inverse_rest, -one);
     radius = select(active, rim, radius);
     y_1 = select(active, rim * d_1, y_1);
     y_2 = select(active, rim * d_2, y_2);

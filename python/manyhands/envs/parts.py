@@ -22,7 +22,6 @@ class ArmSpec:
     hand: str  # the link between the finger tips; its z axis points away from the hand
     neutral: Sequence[float]  # where episodes start: of the joints, then of the fingers [rad or m]
     max_force: Sequence[float]  # of the motors: of the joints, then of the fingers [N m or N]
-    tips: float = 0.0  # how far the finger tips reach beyond the hand's origin [m]
     position: Sequence[float] = (-0.6, 0.0, 0.0)  # of the base [m]
     quaternion: Sequence[float] = (0.0, 0.0, 0.0, 1.0)  # of the base, xyzw
     meshes: bool = True  # whether collision shapes from mesh files count, as their convex hulls
