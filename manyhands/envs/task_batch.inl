@@ -79,7 +79,7 @@ TaskBatch<T, Task>::TaskBatch(EnvSpec spec, const ArmSpec& arm, ArmControl contr
   spec_ = internal::complete<Task>(std::move(spec), arm_, options);
   spec_.randomized = randomizer_.names();
   // A block waits for its slowest world, and what four sweeps leave the next step's continue.
-  system_.solver.max_sweeps = 4;
+  system_.solver.max_sweeps = 8;
   if (!options.obstacles.empty()) require_clear(arm_, scene_, options.obstacles.size());
   set_arm_motors(arm_, params_);
   for (const ObjectSpec& object : task.objects()) {
