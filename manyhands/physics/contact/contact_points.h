@@ -58,7 +58,7 @@ struct CombinedSurface {
 template <Number T>
 struct ContactSet {
   explicit ContactSet(const Colliders<real_t<T>>& colliders, int nv)
-      : store(nv), free_dv(static_cast<std::size_t>(nv)), kept_dv(free_dv) {
+      : store(nv), free_dv(static_cast<std::size_t>(nv)), kept_dv(free_dv), kept_rhs(free_dv) {
     patches.reserve(colliders.num_manifolds);
     points.reserve(kManifoldPoints * colliders.num_manifolds);
   }
@@ -68,7 +68,8 @@ struct ContactSet {
   std::vector<ContactTorsion<T>> torsions;
   RowStore<T> store;
   std::vector<T> free_dv;  ///< (nv) velocity change without contacts; only where something bounces
-  std::vector<T> kept_dv;  ///< (nv) scratch
+  std::vector<T> kept_dv;  ///< (nv) scratch, as the next
+  std::vector<T> kept_rhs;
   std::conditional_t<std::same_as<T, double>, NewtonFinish, std::monostate> newton;
 };
 

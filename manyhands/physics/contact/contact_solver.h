@@ -284,9 +284,13 @@ MANYHANDS_INLINE int solve_constraints(const Tree<real_t<T>>& tree, const Solver
     internal::move_worst_stances(moved & !last, stances, jc);
     internal::hold_wrong_stances(last, stances, jc);
     set.kept_dv = jc.dv;
+    set.kept_rhs = jc.rhs;  // by its size the next look at the stances tells what is rounding
     internal::gather_impulses(tree, set, loops, jc);
     internal::solve_stances(tree, stances, ws, jc);
-    for (std::size_t i = 0; i < jc.dv.size(); ++i) jc.dv[i] = select(moved, jc.dv[i], set.kept_dv[i]);
+    for (std::size_t i = 0; i < jc.dv.size(); ++i) {
+      jc.dv[i] = select(moved, jc.dv[i], set.kept_dv[i]);
+      jc.rhs[i] = select(moved, jc.rhs[i], set.kept_rhs[i]);
+    }
   }
 }
 
