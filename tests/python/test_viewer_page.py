@@ -235,7 +235,9 @@ def test_a_reach_by_hand_succeeds(reach: Viewer, page: Any, tmp_path: Path, monk
         way = seen["desired_goal"] - seen["achieved_goal"]
         axis = int(np.abs(way).argmax())
         page.keyboard.press(keys[axis, bool(way[axis] > 0)])
-        time.sleep(0.05)
+        # A slow browser must not be left with keys that it passes on once the goal is reached.
+        page.evaluate("() => new Promise(requestAnimationFrame)")
+        time.sleep(0.1)
     page.get_by_text("Reached!").wait_for()
     reach.pause()
 
