@@ -86,12 +86,13 @@ std::vector<Mark> EnvPictures::goal_marks(std::span<const float> goal, std::span
     Mark mark{.shape = {.type = geom.shape.type, .size = sizes[k]}, .rgba = geom.rgba};
     mark.rgba[3] = kGoalAlpha;
     mark.pattern = patterns_[objects_[k].index()];
+    Transform<double> X_WO = Transform<double>::identity();
     if (goal.size() == kRotation) {
-      mark.X_WM = {to_matrix(normalized(Quat<double>{number(0), number(1), number(2), number(3)})),
-                   {0, 0, kRotationHeight}};
+      X_WO = {to_matrix(normalized(Quat<double>{number(0), number(1), number(2), number(3)})), {0, 0, kRotationHeight}};
     } else {
-      mark.X_WM.p = {number(3 * k), number(3 * k + 1), number(3 * k + 2)};
+      X_WO.p = {number(3 * k), number(3 * k + 1), number(3 * k + 2)};
     }
+    mark.X_WM = X_WO * geom.X_LG;
     marks.push_back(mark);
   }
   return marks;

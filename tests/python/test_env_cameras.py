@@ -2,14 +2,20 @@
 
 import math
 from pathlib import Path
+from typing import Any
 
 import gymnasium
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 import manyhands as mh
+from manyhands._core.render import Look
 from manyhands.envs import PandaEnv, PandaVectorEnv
 from manyhands.envs.cameras import orbit_camera
+from manyhands.envs.spaces import CameraOptions
+
+Array = NDArray[Any]
 
 
 def test_render_has_panda_gyms_arguments() -> None:
@@ -53,6 +59,30 @@ def test_goals_and_dice_are_seen() -> None:
         colours[task] = len(np.unique((frame[spread > 60] // 64).reshape(-1, 3), axis=0))
         assert (spread > 25).sum() > 30
     assert colours["PandaFlip"] > colours["PandaPush"]
+
+
+@pytest.mark.parametrize("task", ["PandaPush", "PandaSlide"])
+@pytest.mark.parametrize("shape", ["box", "capsule", "cylinder", "sphere"])
+def test_a_goal_has_the_shape_of_its_object_at_rest(task: str, shape: Any) -> None:
+    """Seen straight from above and from far, both cover as many pixels along x and along y."""
+    above: CameraOptions = {
+        "eye": (0.1, 0.0, 4.0), "target": (0.1, 0.0, 0.0), "up": (1.0, 0.0, 0.0), "fov_y": 0.3, "width": 500,
+        "height": 500, "look": Look(shadows=False),
+    }  # fmt: skip
+    env = PandaEnv(task, object_shape=shape, cameras={"above": above})
+    observation, _ = env.reset(seed=1)
+    picture = observation["above"].astype(int)
+    green = picture[..., 1] - picture[..., 0] > 20
+
+    def extent(place: Array) -> tuple[int, int]:
+        """Of what is green about a place, along y and x."""
+        pixels = 250 / (4 * math.tan(0.15))
+        row, column = round(250 - (place[0] - 0.1) * pixels), round(250 - place[1] * pixels)
+        near = green[row - 30 : row + 30, column - 30 : column + 30]
+        return int(near.any(0).sum()), int(near.any(1).sum())
+
+    assert extent(observation["desired_goal"]) == pytest.approx(extent(observation["achieved_goal"]), abs=2)
+    assert min(extent(observation["achieved_goal"])) > 10
 
 
 def test_vector_render_is_tiled() -> None:

@@ -13,7 +13,7 @@ import pytest
 
 import manyhands as mh
 from manyhands.envs.single import PandaEnv
-from manyhands.measures import chain, contact_forces, hand_of, joint_forces
+from manyhands.measures import chain, contact_forces, hand_of, joint_forces, rotate
 from manyhands.viewer import Viewer, shapes
 from manyhands.viewer.environments import DropInSource, NativeSource, source_of_environment
 from manyhands.viewer.episodes import EpisodeWriter
@@ -345,6 +345,16 @@ def test_goals_are_seen() -> None:
         else:
             assert np.allclose([marker.position for marker in markers], goal.reshape(count, 3))
         assert any(geom.is_visual for geom in source.model.geoms)
+
+
+def test_goals_lie_as_their_objects_do() -> None:
+    env = PandaEnv("PandaPush", object_shape="capsule")
+    env.reset(seed=0)
+    source = source_of_environment(env)
+    assert source is not None
+    (marker,) = source.markers()
+    assert marker.shape == "capsule"
+    assert abs(rotate(marker.quaternion, np.array([0.0, 0.0, 1.0]))[0]) == pytest.approx(1)
 
 
 def test_native_bodies_are_where_they_are_observed() -> None:

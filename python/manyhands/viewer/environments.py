@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from manyhands._core import Geom, Model, World
 from manyhands._core.envs import EnvBodies
 from manyhands.envs.single import PandaEnv
+from manyhands.panda_gym import rotations
 from manyhands.viewer.sources import Marker, SimulationSource, Source
 
 Array = NDArray[np.float64]
@@ -212,6 +213,9 @@ def goal_markers(model: Model, goal: Array) -> list[Marker]:
 
 
 def _marker(geom: Geom, position: Array, quaternion: Array) -> Marker:
+    """Where a geom is to be whose link is to come to a pose."""
     r, g, b = geom.rgba[:3]
     size = tuple(geom.size[: _SIZES[geom.shape]])
-    return Marker(f"target {geom.name}", geom.shape, size, (r, g, b, 0.3), position, quaternion)
+    place = position + rotations.rotate(quaternion, geom.position)
+    turned = rotations.multiply(quaternion, geom.quaternion)
+    return Marker(f"target {geom.name}", geom.shape, size, (r, g, b, 0.3), place, turned)
