@@ -149,12 +149,12 @@ MANYHANDS_INLINE void relax(mask_t<T> active, const ContactPatch<T>& patch, Cont
 /// many sweeps there were.
 template <Number T>
 MANYHANDS_INLINE int sweep(const Tree<real_t<T>>& tree, const Workspace<T>& ws, T tolerance, T& budget,
-                           ContactSet<T>& set, T* dv, mask_t<T>& settled) {
+                           ContactSet<T>& set, JointConstraints<T>& jc, mask_t<T>& settled) {
   using R = real_t<T>;
   const T zero(R(0)), one(R(1));
   int sweeps = 0;
   settled = set.points.empty();
-  for (ContactPatch<T>& patch : set.patches) patch.start = patch_motion(tree, patch, set.store, dv);
+  for (ContactPatch<T>& patch : set.patches) patch.start = patch_motion(tree, patch, set.store, jc.dv.data());
   begin_change(set.store);
   for (auto moving = budget > zero; any(moving); moving = (!settled) & (budget > zero)) {
     T largest = zero;
@@ -163,7 +163,7 @@ MANYHANDS_INLINE int sweep(const Tree<real_t<T>>& tree, const Workspace<T>& ws, 
     budget = select(moving, budget - one, budget);
     ++sweeps;
   }
-  end_change(tree, ws, set.store, dv);
+  end_change(tree, ws, set.store, jc);
   return sweeps;
 }
 
@@ -257,13 +257,13 @@ MANYHANDS_INLINE int solve_constraints(const Tree<real_t<T>>& tree, const Solver
       find_roots(tree, ws);
       internal::find_loop_answers(tree, ws, loops);
       internal::find_answers(tree, ws, loops, set);
-      internal::close_loops(tree, ws, moved, loops, jc.dv.data());
+      internal::close_loops(tree, ws, moved, loops, jc);
       if constexpr (std::same_as<T, double>) set.newton.look_anew();
     }
     const T allowed = select(active, min(batch, left), zero);
     T budget = allowed;
     mask_t<T> settled;
-    sweeps += internal::sweep(tree, ws, tolerance, budget, set, jc.dv.data(), settled);
+    sweeps += internal::sweep(tree, ws, tolerance, budget, set, jc, settled);
     if constexpr (std::same_as<T, double>) {
       if (!settled) settled = set.newton.finish(settings, {tree, ws, jc, loops, set}, sweeps);
     }

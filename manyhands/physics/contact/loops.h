@@ -249,10 +249,10 @@ MANYHANDS_INLINE void find_loop_answers(const Tree<real_t<T>>& tree, const Works
 /// Closes the loops at the present dv: their impulses change, and dv with them.
 template <Number T>
 MANYHANDS_INLINE void close_loops(const Tree<real_t<T>>& tree, const Workspace<T>& ws, mask_t<T> active,
-                                  LoopSet<T>& set, T* dv) {
+                                  LoopSet<T>& set, JointConstraints<T>& jc) {
   if (set.blocks.empty()) return;
   for (const LoopRows<T>& block : set.blocks) {
-    set_rows(set.x, block, -(block.offset + multiply_rows(tree, block.rows, set.store, dv)));
+    set_rows(set.x, block, -(block.offset + multiply_rows(tree, block.rows, set.store, jc.dv.data())));
   }
   solve_loops(set, set.x.data());
   begin_change(set.store);
@@ -264,7 +264,7 @@ MANYHANDS_INLINE void close_loops(const Tree<real_t<T>>& tree, const Workspace<T
     apply_row_impulse(block.rows, next - block.impulse, set.store);
     block.impulse = next;
   }
-  end_change(tree, ws, set.store, dv);
+  end_change(tree, ws, set.store, jc);
 }
 
 /// Takes the loops' answer to a contact's impulse off its Y in store.x; Z (loop rows) keeps that answer. Right after

@@ -28,7 +28,7 @@ constexpr double kNewtonGain = 3;
 void sweep(const ContactProblem& problem, int count, int& sweeps) {
   double budget = count;
   bool settled;
-  internal::sweep(problem.tree, problem.dynamics, 0.0, budget, problem.contacts, problem.joints.dv.data(), settled);
+  internal::sweep(problem.tree, problem.dynamics, 0.0, budget, problem.contacts, problem.joints, settled);
   sweeps += count;
 }
 

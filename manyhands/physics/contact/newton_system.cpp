@@ -405,7 +405,7 @@ void NewtonSystem::apply(const ContactProblem& problem) {
     }
     apply_patch_force(patch, change, set.store);
   }
-  end_change(problem.tree, problem.dynamics, set.store, problem.joints.dv.data());
+  end_change(problem.tree, problem.dynamics, set.store, problem.joints);
 }
 
 }  // namespace manyhands::internal

@@ -6,8 +6,7 @@
 #pragma once
 
 #include "manyhands/math/spatial.h"
-#include "manyhands/physics/dynamics/ltdl.h"
-#include "manyhands/physics/dynamics/workspace.h"
+#include "manyhands/physics/contact/joint_constraints.h"
 
 namespace manyhands {
 
@@ -151,12 +150,14 @@ MANYHANDS_INLINE void begin_change(RowStore<T>& store) {
   for (T& y : store.y) y = T(real_t<T>(0));
 }
 
-/// dv += B y with the impulses applied since `begin_change`.
+/// dv += B y with the impulses applied since `begin_change`, over the dofs of which ws.L has factors: what else lies
+/// there is of other steps, and even times 0 it would spread what is not finite.
 template <Number T>
-MANYHANDS_INLINE void end_change(const Tree<real_t<T>>& tree, const Workspace<T>& ws, RowStore<T>& store, T* dv) {
-  solve_to_leaves(std::span<const int>(tree.dofs_from_leaves), tree.dof_parent.data(), tree.M_row.data(), ws.L.data(),
+MANYHANDS_INLINE void end_change(const Tree<real_t<T>>& tree, const Workspace<T>& ws, RowStore<T>& store,
+                                 JointConstraints<T>& jc) {
+  solve_to_leaves(std::span<const int>(jc.forced_dofs), jc.forced_parent.data(), tree.M_row.data(), ws.L.data(),
                   store.y.data(), [&](int k) { return ws.root[static_cast<std::size_t>(k)]; });
-  for (std::size_t i = 0; i < store.y.size(); ++i) dv[i] += store.y[i];
+  for (const int k : jc.forced_dofs) jc.dv[static_cast<std::size_t>(k)] += store.y[static_cast<std::size_t>(k)];
 }
 
 /// ws.root of the factors in ws.L.
