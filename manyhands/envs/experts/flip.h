@@ -43,7 +43,7 @@ class Flip {
     kDraw,   ///< the cube nearer to the base, by its middle: at arm's length it cannot be rolled outwards
   };
 
-  static constexpr float kAbove = 0.0593f;  ///< of the hand when a press begins
+  static constexpr float kAbove = 0.0563f;  ///< of the hand when a press begins
   static constexpr float kHome = 0.05f, kFar = 0.1f;
 
   /// The squared cosine of half the angle between the two.
@@ -105,7 +105,7 @@ class Flip {
   [[nodiscard]] Point approach(const Point& hand, const Point& cube) const {
     const float off = flat_distance(hand, start_);
     if (hand.z < 0.05f && flat_distance(hand, cube) < 0.08f) return {0, 0, 20 * (0.118f - hand.z)};
-    const float height = off < 0.0076f ? 0.0504f : 0.0689f + 0.66f * std::max(off - 0.03f, 0.0f);
+    const float height = off < 0.0076f ? 0.053f : 0.0689f + 0.66f * std::max(off - 0.03f, 0.0f);
     return aim(hand, {start_.x, start_.y, height});
   }
 
