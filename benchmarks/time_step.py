@@ -67,14 +67,15 @@ def run(task: str, worlds: int, time_step: float, actions: Sequence[NDArray[np.f
     steps = gymnasium.spec(f"Panda{task}-v3").max_episode_steps or 0
     expert, taken, hand, objects = Expert(f"Panda{task}-v3"), [], [], []
     observation, info = envs.reset(seed=0)
-    success, seconds = info["is_success"], 0.0
+    success, lost, seconds = info["is_success"], np.zeros(worlds, np.bool_), 0.0
     for step in range(steps):
         taken.append(expert(observation) if actions is None else actions[step])
         start = time.perf_counter()
         observation, _, _, _, info = envs.step(taken[-1])
         seconds += time.perf_counter() - start
-        success = success | info["is_success"]
-        hand.append(observation["observation"][:, :3])
+        lost |= info["unstable"]
+        success = success | (info["is_success"] & ~lost)
+        hand.append(np.where(lost[:, None], np.nan, observation["observation"][:, :3]))
         objects.append(places(task, observation["observation"]))
     return taken, Paths(np.array(hand), np.array(objects), float(success.mean()), seconds)
 

@@ -142,7 +142,12 @@ void bind_batch(nb::module_& m) {
           nb::sig("def terminated(self) -> numpy.typing.NDArray[numpy.bool_]"), "(n), success ended the episode.")
       .def_prop_ro(
           "truncated", [](const EnvBatch& envs) { return copied_bools(envs.truncated()); },
-          nb::sig("def truncated(self) -> numpy.typing.NDArray[numpy.bool_]"), "(n), the step limit ended the episode.")
+          nb::sig("def truncated(self) -> numpy.typing.NDArray[numpy.bool_]"),
+          "(n), the step limit or instability ended the episode.")
+      .def_prop_ro(
+          "unstable", [](const EnvBatch& envs) { return copied_bools(envs.unstable()); },
+          nb::sig("def unstable(self) -> numpy.typing.NDArray[numpy.bool_]"),
+          "(n), numbers stopped being finite in the last step; the world rests where that step began.")
       .def_prop_ro(
           "randomized",
           [](const EnvBatch& envs) {
@@ -262,7 +267,8 @@ nb::object final_rows(const AutoresetBatch& batch) {
   return nb::make_tuple(
       copied(last.world.data(), {last.world.size()}), rows(last.observation, spec.observation_dim, {}, true),
       rows(last.achieved_goal, spec.goal_dim, {}, true), rows(last.desired_goal, spec.goal_dim, {}, true),
-      copied_bools(last.is_success), copied(last.randomized.data(), {last.world.size(), spec.randomized.size()}));
+      copied_bools(last.is_success), copied_bools(last.unstable),
+      copied(last.randomized.data(), {last.world.size(), spec.randomized.size()}));
 }
 
 void bind_autoreset(nb::module_& m) {
@@ -311,6 +317,9 @@ void bind_autoreset(nb::module_& m) {
       .def_prop_ro(
           "is_success", [](const AutoresetBatch& batch) { return copied_bools(batch.envs().is_success()); },
           nb::sig("def is_success(self) -> numpy.typing.NDArray[numpy.bool_]"), "(n)")
+      .def_prop_ro(
+          "unstable", [](const AutoresetBatch& batch) { return copied_bools(batch.envs().unstable()); },
+          nb::sig("def unstable(self) -> numpy.typing.NDArray[numpy.bool_]"), "(n)")
       .def(
           "on_final",
           [](AutoresetBatch& batch, nb::object look) {
@@ -325,10 +334,11 @@ void bind_autoreset(nb::module_& m) {
            nb::sig("def final_rows(self) -> tuple[numpy.typing.NDArray[numpy.int32], "
                    "numpy.typing.NDArray[numpy.float32], numpy.typing.NDArray[numpy.float32], "
                    "numpy.typing.NDArray[numpy.float32], numpy.typing.NDArray[numpy.bool_], "
-                   "numpy.typing.NDArray[numpy.float32]] | None"),
+                   "numpy.typing.NDArray[numpy.bool_], numpy.typing.NDArray[numpy.float32]] | None"),
            "Of the k worlds that ended and started anew within the last step (mode SAME_STEP): (world (k), observation "
-           "(k, observation_dim), achieved_goal (k, goal_dim), desired_goal (k, goal_dim), is_success (k), randomized "
-           "(k, len(spec.randomized))); None if there is none.");
+           "(k, observation_dim), achieved_goal (k, goal_dim), desired_goal (k, goal_dim), is_success (k), unstable "
+           "(k), "
+           "randomized (k, len(spec.randomized))); None if there is none.");
 }
 
 }  // namespace

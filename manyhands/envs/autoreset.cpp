@@ -18,6 +18,10 @@ void append_row(std::span<const float> rows, int world, int dim, std::vector<flo
   to.insert(to.end(), row.begin(), row.end());
 }
 
+bool is_unstable(const EnvBatch& envs, std::size_t world) {
+  return !envs.unstable().empty() && envs.unstable()[world] != 0;
+}
+
 void require_length(const char* what, std::size_t actual, std::size_t expected) {
   if (actual == 0 || actual == expected) return;
   throw std::invalid_argument("AutoresetBatch::reset: " + std::string(what) + " has length " + std::to_string(actual) +
@@ -94,7 +98,7 @@ void AutoresetBatch::record_outcomes() {
     ++steps_[i];
     reward_[i] = static_cast<double>(envs_.reward()[i]);
     terminated_[i] = envs_.terminated()[i];
-    truncated_[i] = max_episode_steps_ > 0 && steps_[i] >= max_episode_steps_;
+    truncated_[i] = (max_episode_steps_ > 0 && steps_[i] >= max_episode_steps_) || is_unstable(envs_, i);
   }
 }
 
@@ -108,6 +112,7 @@ void AutoresetBatch::keep_final_rows() {
     append_row(envs_.achieved_goal(), world, spec.goal_dim, final_.achieved_goal);
     append_row(envs_.desired_goal(), world, spec.goal_dim, final_.desired_goal);
     final_.is_success.push_back(envs_.is_success()[i]);
+    final_.unstable.push_back(is_unstable(envs_, i));
     append_row(envs_.randomized(), world, static_cast<int>(spec.randomized.size()), final_.randomized);
   }
 }
@@ -118,6 +123,7 @@ void AutoresetBatch::forget_final_rows() {
   final_.achieved_goal.clear();
   final_.desired_goal.clear();
   final_.is_success.clear();
+  final_.unstable.clear();
   final_.randomized.clear();
 }
 

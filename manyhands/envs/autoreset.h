@@ -43,13 +43,15 @@ class AutoresetBatch {
 
   [[nodiscard]] std::span<const double> reward() const { return reward_; }                ///< (n), of the last step
   [[nodiscard]] std::span<const std::uint8_t> terminated() const { return terminated_; }  ///< (n), success ended it
-  [[nodiscard]] std::span<const std::uint8_t> truncated() const { return truncated_; }    ///< (n), the limit ended it
+  [[nodiscard]] std::span<const std::uint8_t> truncated() const {
+    return truncated_;
+  }  ///< (n), the limit or instability
 
   /// The k worlds that ended and started anew within the last `step` (mode kSameStep), and their last rows.
   struct Final {
     std::vector<int> world;                                       // (k), ascending
     std::vector<float> observation, achieved_goal, desired_goal;  // (k, ...)
-    std::vector<std::uint8_t> is_success;                         // (k)
+    std::vector<std::uint8_t> is_success, unstable;               // (k)
     std::vector<float> randomized;                                // (k, spec().randomized.size())
   };
   [[nodiscard]] const Final& final() const { return final_; }

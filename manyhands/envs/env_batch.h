@@ -56,7 +56,12 @@ class EnvBatch {
   [[nodiscard]] virtual std::span<const float> reward() const = 0;             ///< (n), of the last step
   [[nodiscard]] virtual std::span<const std::uint8_t> is_success() const = 0;  ///< (n), 0 or 1
   [[nodiscard]] virtual std::span<const std::uint8_t> terminated() const = 0;  ///< (n), success ended the episode
-  [[nodiscard]] virtual std::span<const std::uint8_t> truncated() const = 0;   ///< (n), the step limit ended it
+  [[nodiscard]] virtual std::span<const std::uint8_t> truncated()
+      const = 0;  ///< (n), the step limit ended it, or unstable()
+
+  /// (n), 0 or 1, or empty if no world can be: numbers stopped being finite in the last step. Such a world lies at rest
+  /// where that step began, and its episode is truncated.
+  [[nodiscard]] virtual std::span<const std::uint8_t> unstable() const { return {}; }
 
   /// (n, spec().randomized.size()): what the present episode of each world has.
   [[nodiscard]] virtual std::span<const float> randomized() const { return {}; }

@@ -35,6 +35,7 @@ class TaskBatch final : public EnvBatch {
   [[nodiscard]] std::span<const std::uint8_t> is_success() const override { return is_success_; }
   [[nodiscard]] std::span<const std::uint8_t> terminated() const override { return terminated_; }
   [[nodiscard]] std::span<const std::uint8_t> truncated() const override { return truncated_; }
+  [[nodiscard]] std::span<const std::uint8_t> unstable() const override { return unstable_; }
   [[nodiscard]] std::span<const float> randomized() const override { return randomized_; }
   void compute_reward(std::span<const float> achieved_goal, std::span<const float> desired_goal,
                       std::span<float> reward) const override;
@@ -108,6 +109,8 @@ class TaskBatch final : public EnvBatch {
   template <Number P>
   void simulate(Block& block, const Params<P>& params, StepWorkspace<T>& ws, int substeps);
   void finish_step(Block& block, StepWorkspace<T>& ws);
+  [[nodiscard]] mask_t<T> is_sound(const Block& block, const View& view) const;
+  void put_back(Block& block, mask_t<T> sound);
   [[nodiscard]] View look(Block& block, StepWorkspace<T>& ws) const;
   void note_work(const ContactSet<T>& contacts, Block& block) const;
   void write_row(int world, int lane, const View& view, const Block& block);
@@ -133,8 +136,9 @@ class TaskBatch final : public EnvBatch {
   ThreadPool pool_;
   std::vector<StepWorkspace<T>> workspaces_;  ///< one for each worker
   std::vector<float> observation_, achieved_goal_, desired_goal_, reward_, randomized_;
+  std::vector<R> q_before_;          ///< (n, nq) at the start of the step
   std::vector<float> late_actions_;  ///< (n, longest latency, action_dim) those of the last steps, in a circle
-  std::vector<std::uint8_t> is_success_, terminated_, truncated_;
+  std::vector<std::uint8_t> is_success_, terminated_, truncated_, unstable_;
 };
 
 }  // namespace manyhands

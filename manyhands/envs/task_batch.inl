@@ -112,7 +112,8 @@ TaskBatch<T, Task>::TaskBatch(EnvSpec spec, const ArmSpec& arm, ArmControl contr
   desired_goal_ = achieved_goal_;
   reward_.resize(internal::rows(num_envs, 1));
   is_success_.resize(reward_.size());
-  terminated_ = truncated_ = is_success_;
+  terminated_ = truncated_ = unstable_ = is_success_;
+  q_before_.resize(internal::rows(num_envs, system_.tree.nq));
   randomized_.resize(worlds_.size() * spec_.randomized.size());
   late_actions_.resize(internal::rows(num_envs, spec_.action_dim) * randomizer_.longest_latency());
   for (Block& block : blocks_) {
@@ -153,7 +154,7 @@ void TaskBatch<T, Task>::reset_block(int b, StepWorkspace<T>& ws, std::span<cons
     if (!starts(i)) return;
     const auto row = static_cast<std::size_t>(i);
     reward_[row] = 0;
-    terminated_[row] = truncated_[row] = 0;
+    terminated_[row] = truncated_[row] = unstable_[row] = 0;
     write_row(i, lane, view, block);
   });
 }
@@ -265,6 +266,8 @@ void TaskBatch<T, Task>::act(Block& block, StepWorkspace<T>& ws, std::span<const
     disturb(i, std::span(row).first(static_cast<std::size_t>(spec_.action_dim)));
     for (std::size_t k = 0; k < static_cast<std::size_t>(spec_.action_dim); ++k)
       set_lane(block.action[k], lane, static_cast<R>(row[k]));
+    R* q = &q_before_[internal::rows(i, system_.tree.nq)];
+    for (int k = 0; k < system_.tree.nq; ++k) q[k] = manyhands::lane(block.state.q()[k], lane);
   });
   apply_action(arm_, system_.tree, params_, block.hand, block.action.data(), block.state, ws.dynamics);
 }
@@ -281,14 +284,46 @@ void TaskBatch<T, Task>::simulate(Block& block, StepWorkspace<T>& ws, int subste
 
 template <Number T, TaskLike Task>
 void TaskBatch<T, Task>::finish_step(Block& block, StepWorkspace<T>& ws) {
-  const View view = look(block, ws);
+  View view = look(block, ws);
+  const mask_t<T> sound = is_sound(block, view);
+  if (!all(sound)) {
+    put_back(block, sound);
+    view = look(block, ws);
+  }
   for_each_world(block, [&](int i, int k) {
     const auto row = static_cast<std::size_t>(i);
+    unstable_[row] = !lane(sound, k);
     reward_[row] = static_cast<float>(lane(view.outcome.reward, k));
     terminated_[row] = options_.terminate_on_success && lane(view.outcome.success, k);
-    truncated_[row] = ++worlds_[row].steps >= spec_.max_episode_steps;
+    truncated_[row] = ++worlds_[row].steps >= spec_.max_episode_steps || unstable_[row] != 0;
     write_row(i, k, view, block);
   });
+}
+
+/// Whether all numbers are finite: of the state, and of what is seen of it.
+template <Number T, TaskLike Task>
+mask_t<T> TaskBatch<T, Task>::is_sound(const Block& block, const View& view) const {
+  mask_t<T> sound = is_finite(view.outcome.reward);
+  const auto check = [&](const T* numbers, int count) {
+    for (int k = 0; k < count; ++k) sound = sound & is_finite(numbers[k]);
+  };
+  check(block.state.q(), system_.tree.nq + system_.tree.nv);  // v follows q
+  check(view.observation.data(), spec_.observation_dim);
+  check(view.achieved.data(), spec_.goal_dim);
+  return sound;
+}
+
+/// Puts the worlds that are not sound to rest where the step began, without memory of contacts.
+template <Number T, TaskLike Task>
+void TaskBatch<T, Task>::put_back(Block& block, mask_t<T> sound) {
+  for (int k = 0; k < W; ++k) {
+    if (lane(sound, k)) continue;
+    copy_lane(start_, k, block.state, k);
+    const int world = block.worlds[static_cast<std::size_t>(k)];
+    if (world < 0) continue;
+    const R* q = &q_before_[internal::rows(world, system_.tree.nq)];
+    for (int i = 0; i < system_.tree.nq; ++i) set_lane(block.state.q()[i], k, q[i]);
+  }
 }
 
 template <Number T, TaskLike Task>

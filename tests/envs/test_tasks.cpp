@@ -2,8 +2,11 @@
 // what is observed, and snapshots in the middle of things.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
+#include <limits>
 #include <random>
 
 #include "manyhands/envs/make.h"
@@ -91,6 +94,41 @@ TEST_P(Tasks, ContinueFromASnapshotBitForBit) {
   other->restore(snapshot);
   EXPECT_EQ(go_on(*other), expected);
   EXPECT_THROW(env->restore(std::span(snapshot).first(snapshot.size() - 1)), std::invalid_argument);
+}
+
+/// A world that becomes unstable ends its episode where the step began; the others do not notice.
+TEST_P(Tasks, EndWhereTheyStopBeingFinite) {
+  constexpr int n = 9, kLost = 4;
+  for (const int lanes : {1, 4, 16}) {
+    const auto env = make_env_batch(GetParam(), n, {.num_threads = 1, .lanes = lanes});
+    env->reset({}, seeds(n));
+    const std::vector<std::uint8_t> sound = env->snapshot();
+    std::vector<std::uint8_t> broken = sound;
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    const auto v = static_cast<std::size_t>(env->scene().model.nq()) * sizeof(float);
+    std::memcpy(&broken[kLost * broken.size() / n + v], &nan, sizeof(nan));
+    const std::vector<float> before(env->achieved_goal().begin(), env->achieved_goal().end()), a = actions(*env, 1);
+
+    env->step(a);
+    const auto goals = env->achieved_goal();
+    std::vector<float> expected(goals.begin(), goals.end());
+    const auto row = kLost * before.size() / n, columns = before.size() / n;
+    std::copy_n(&before[row], columns, &expected[row]);
+
+    env->restore(broken);
+    env->step(a);
+    for (int i = 0; i < n; ++i) {
+      const auto world = static_cast<std::size_t>(i);
+      EXPECT_EQ(env->unstable()[world], i == kLost) << lanes << " lanes, world " << i;
+      EXPECT_EQ(env->truncated()[world], i == kLost) << lanes << " lanes, world " << i;
+    }
+    EXPECT_TRUE(std::ranges::equal(env->achieved_goal(), expected)) << lanes << " lanes";
+    for (const auto rows : {env->observation(), env->reward()})
+      for (const float x : rows) EXPECT_TRUE(std::isfinite(x)) << lanes << " lanes";
+
+    env->step(a);
+    EXPECT_EQ(std::ranges::count(env->unstable(), 1), 0) << "it goes on from there";
+  }
 }
 
 TEST_P(Tasks, RepeatAnEpisodeBitForBit) {

@@ -90,6 +90,33 @@ def test_equals_sync_vector_env(name: str, mode: AutoresetMode) -> None:
 
 
 @pytest.mark.parametrize("mode", list(AutoresetMode))
+def test_an_unstable_world_is_truncated_as_in_sync_vector_env(mode: AutoresetMode) -> None:
+    lost = 2
+    ours = native("PandaPush-v3", autoreset_mode=mode)
+    theirs = SyncVectorEnv([lambda: gymnasium.make("PandaPush-v3")] * N, autoreset_mode=mode)
+    assert_same(ours.reset(seed=1), theirs.reset(seed=1), "reset")
+    single: Any = theirs.envs[lost].unwrapped
+    state = np.frombuffer(single.save_state(), np.uint8).copy()
+    velocity = 4 * single.bodies.model.nq  # a state begins with q and v, float32
+    state[velocity : velocity + 4] = np.frombuffer(np.float32(np.nan).tobytes(), np.uint8)
+    worlds = np.frombuffer(ours._envs.snapshot(), np.uint8).reshape(N, -1).copy()  # pyright: ignore[reportPrivateUsage]
+    worlds[lost] = state
+    ours._envs.restore(worlds.tobytes())  # pyright: ignore[reportPrivateUsage]
+    single.restore_state(state.tobytes())
+    actions = np.random.default_rng(1).uniform(-1, 1, (N, 3)).astype(np.float32)
+    with pytest.warns(RuntimeWarning, match="unstable"):
+        result = ours.step(actions)
+    with pytest.warns(RuntimeWarning, match="unstable"):
+        assert_same(result, theirs.step(actions), "the step that is lost")
+    obs, _, _, truncated, info = result
+    assert np.flatnonzero(truncated).tolist() == [lost]
+    assert np.flatnonzero(info.get("final_info", info)["unstable"]).tolist() == [lost]
+    assert all(np.isfinite(rows).all() for rows in obs.values())
+    if mode != AutoresetMode.DISABLED:
+        assert_same(ours.step(actions), theirs.step(actions), "the step after it")
+
+
+@pytest.mark.parametrize("mode", list(AutoresetMode))
 def test_another_episode_limit_equals_that_of_the_wrapper(mode: AutoresetMode) -> None:
     ours = native(max_episode_steps=3, autoreset_mode=mode)
     theirs = SyncVectorEnv([lambda: gymnasium.make("PandaReach-v3", max_episode_steps=3)] * N, autoreset_mode=mode)

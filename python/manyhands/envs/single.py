@@ -85,7 +85,11 @@ class PandaEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         return observation, info
 
     def step(self, action: ArrayLike) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """One step of 0.04 s; `truncated` is always False. Raises ValueError on a wrong shape or a NaN."""
+        """One step of 0.04 s; Raises ValueError on a wrong shape or a NaN.
+
+        `truncated` is False, as the limit on steps is gymnasium's, unless numbers stopped being finite: then
+        info["unstable"] is True, and the world rests where this step began.
+        """
         spec = self._batch.spec
         actions = spaces.as_actions(spec, action, (spec.action_dim,))[None]
         with self._turn:
@@ -94,7 +98,9 @@ class PandaEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
             observation, info = self._observation(), self._info()
         if self.render_mode == "human":
             self.render()
-        return observation, reward, terminated, False, info
+        if info["unstable"]:
+            spaces.warn_unstable()
+        return observation, reward, terminated, info["unstable"], info
 
     def render(self) -> NDArray[Any] | None:  # pyright: ignore[reportIncompatibleMethodOverride]
         """What the render mode says: "rgb_array" (height, width, 3) uint8, "depth_array" (height, width) [m]; "human"
@@ -144,7 +150,10 @@ class PandaEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         return rows | {name: picture[0] for name, picture in self._cameras.observe().items()}
 
     def _info(self) -> dict[str, Any]:
-        info: dict[str, Any] = {"is_success": bool(self._batch.is_success[0])}
+        info: dict[str, Any] = {
+            "is_success": bool(self._batch.is_success[0]),
+            "unstable": bool(self._batch.unstable[0]),
+        }
         names = self._batch.spec.randomized
         if names:
             info["randomized"] = dict(zip(names, self._batch.randomized[0].tolist(), strict=True))

@@ -1,5 +1,6 @@
 """Spaces, actions and rewards as the single and the vector environment share them."""
 
+import warnings
 from collections import OrderedDict
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal, TypeAlias, TypedDict
@@ -149,6 +150,16 @@ def as_seeds(seeds: Sequence[int]) -> NDArray[np.uint64]:
     for seed in seeds:
         whole_number("seed", seed, 0, 2**64 - 1)
     return np.array(seeds, np.uint64)
+
+
+def warn_unstable() -> None:
+    """Python shows it once, unless told otherwise."""
+    warnings.warn(
+        "the numbers of a world stopped being finite; its episode is truncated and its info has unstable=True. "
+        "A shorter time_step or gentler actions help.",
+        RuntimeWarning,
+        stacklevel=3,
+    )
 
 
 def compute_reward(batch: EnvBatch, achieved_goal: ArrayLike, desired_goal: ArrayLike) -> Any:

@@ -111,7 +111,8 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         """Steps all worlds under `actions` (num_envs, action_dim), clipped to [-1, 1].
 
         Returns (observation, reward, terminated, truncated, info). Finished worlds start anew as the autoreset mode
-        says; in mode SAME_STEP info["final_obs"] and info["final_info"] hold the end of their episodes. Raises
+        says; in mode SAME_STEP info["final_obs"] and info["final_info"] hold the end of their episodes. A world whose
+        numbers stopped being finite is truncated where this step began, and "unstable" in its info. Raises
         ValueError on a wrong shape or a NaN, RuntimeError in mode DISABLED if a finished world was not reset.
         """
         if not self._was_reset:
@@ -120,7 +121,10 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         checked = spaces.as_actions(spec, actions, (self.num_envs, spec.action_dim))
         with self._turn:
             self._batch.step(checked)
-            return self._observation(), *self._batch.outcome(), self._final_info() | self._info()
+            observation, info = self._observation(), self._final_info() | self._info()
+            if info.get("final_info", info)["unstable"].any():
+                spaces.warn_unstable()
+            return observation, *self._batch.outcome(), info
 
     def render(self) -> Any:
         """What the render mode says, of up to 64 worlds in tiles: "rgb_array" (height, width, 3) uint8, "depth_array"
@@ -170,6 +174,8 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         return {
             "is_success": self._batch.is_success & present,
             "_is_success": present,
+            "unstable": self._batch.unstable & present,
+            "_unstable": present.copy(),
             **self._randomized(self._envs.randomized, present),
         }
 
@@ -185,11 +191,11 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         rows = self._batch.final_rows()
         if rows is None:
             return {}
-        worlds, observation, achieved, desired, is_success, randomized = rows
+        worlds, observation, achieved, desired, is_success, unstable, randomized = rows
         present = np.zeros(self.num_envs, np.bool_)
         present[worlds] = True
-        success = np.zeros(self.num_envs, np.bool_)
-        success[worlds] = is_success
+        success, blown_up = np.zeros((2, self.num_envs), np.bool_)
+        success[worlds], blown_up[worlds] = is_success, unstable
         values = np.zeros((self.num_envs, randomized.shape[1]), np.float32)
         values[worlds] = randomized
         final_obs = np.full(self.num_envs, None, dtype=object)
@@ -206,6 +212,8 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
             "final_info": {
                 "is_success": success,
                 "_is_success": present.copy(),
+                "unstable": blown_up,
+                "_unstable": present.copy(),
                 **self._randomized(values, present),
             },
             "_final_info": present.copy(),
