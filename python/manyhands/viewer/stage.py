@@ -15,11 +15,13 @@ from manyhands.viewer.sources import Marker
 Array = NDArray[np.float64]
 DragHandler = Callable[[str, Any], None]
 
-_SKY, _HAZE = np.array([203, 216, 228]), np.array([246, 248, 250])
-_GROUND, _LINES, _SECTIONS = (244, 246, 248), (214, 220, 226), (184, 194, 204)
+_SKY, _HAZE = np.array([150, 168, 186]), np.array([214, 222, 230])
+_GROUND, _LINES, _SECTIONS = (150, 160, 170), (170, 180, 190), (196, 206, 214)
 _COLLISION = (255, 140, 60)
 _WIDE = 1.0  # a fixed flat box of more than this half extent [m] is ground
-_GLOSS_LIMIT = 0.96  # the brightest that a surface may be, so that its shading shows
+_SMALL = 0.06  # what is not larger [m] receives no shadows: their coarse map would draw bands along its edges
+_GLASS = 0.35  # opacity of goals
+_GLOSS_LIMIT = 0.9  # the brightest that a surface may be, so that its shading shows
 
 
 class Stage:
@@ -45,14 +47,12 @@ class Stage:
         # A large soft light from above, a key light with shadows, and the sky's blue from behind.
         scene = self._scene
         scene.configure_default_lights(enabled=False)
-        scene.configure_environment_map("studio", environment_intensity=0.35)
-        scene.add_light_hemisphere(
-            "/light/sky", sky_color=(255, 255, 255), ground_color=(214, 208, 202), intensity=0.95
-        )
+        scene.configure_environment_map("studio", environment_intensity=0.12)
+        scene.add_light_hemisphere("/light/sky", sky_color=(255, 255, 255), ground_color=(140, 142, 150), intensity=0.5)
         self._key_light = scene.add_light_directional(
             "/light/key", color=(255, 246, 234), intensity=2.1, cast_shadow=True, position=(1.2, -1.0, 2.4)
         )
-        scene.add_light_directional("/light/rim", color=(214, 230, 255), intensity=0.9, position=(-1.5, 1.6, 1.2))
+        scene.add_light_directional("/light/rim", color=(214, 230, 255), intensity=0.25, position=(-1.5, 1.6, 1.2))
         height = np.linspace(0, 1, 256)[:, None, None]
         sky = _SKY + (_HAZE - _SKY) * np.clip(height * 1.6, 0, 1)
         scene.set_background_image(np.broadcast_to(sky, (256, 4, 3)).astype(np.uint8), format="png")
@@ -93,7 +93,7 @@ class Stage:
                 surface = shapes.primitive(marker.shape, size)
                 self._markers[marker.name] = self._scene.add_mesh_simple(
                     f"/goals/{marker.name}", surface.vertices, surface.triangles, color=_color(marker.rgba),
-                    opacity=min(marker.rgba[3], 0.55) if len(marker.rgba) > 3 else 0.55, cast_shadow=False,
+                    opacity=_GLASS, cast_shadow=False, receive_shadow=False,
                 )  # fmt: skip
             handle = self._markers[marker.name]
             handle.position, handle.wxyz = marker.position, marker.quaternion[[3, 0, 1, 2]]
@@ -142,11 +142,13 @@ class Stage:
         surface = shapes.surface(model, geom)
         if surface is None or not len(surface.triangles):
             return
+        is_small = bool(np.ptp(surface.vertices, axis=0).max() <= _SMALL)
         handle = self._scene.add_mesh_simple(
             f"{body.name}/{number}", surface.vertices, surface.triangles,
             color=_COLLISION if hides else _color(geom.rgba),
             opacity=0.35 if hides else (geom.rgba[3] if geom.rgba[3] < 1 else None),
-            cast_shadow=not hides, receive_shadow=not hides, side="double" if geom.shape == "height_field" else "front",
+            cast_shadow=not hides, receive_shadow=not (hides or is_small),
+            side="double" if geom.shape == "height_field" else "front",
             position=geom.position, wxyz=geom.quaternion[[3, 0, 1, 2]], visible=not hides or self._shows_collision,
         )  # fmt: skip
         if hides:
@@ -163,7 +165,7 @@ class Stage:
     def _draw_ground(self, height: float) -> None:
         self._scene.add_grid(
             "/ground", infinite_grid=True, cell_size=0.1, section_size=0.5, cell_color=_LINES, section_color=_SECTIONS,
-            cell_thickness=0.7, section_thickness=1.0, fade_distance=9.0, fade_strength=1.6, shadow_opacity=0.22,
+            cell_thickness=0.7, section_thickness=1.0, fade_distance=9.0, fade_strength=1.6, shadow_opacity=0.45,
             plane_color=_GROUND, plane_opacity=1.0, position=(0.0, 0.0, height - 5e-4),
         )  # fmt: skip
 
