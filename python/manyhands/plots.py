@@ -1,5 +1,6 @@
 """Pictures of recorded runs, with one call."""
 
+import math
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -9,6 +10,11 @@ from numpy.typing import NDArray
 from manyhands.recording import Recording
 
 Array = NDArray[np.float64]
+
+_PALETTE = (
+    "#1f77b4", "#ff7f0e", "#2ca02c", "#d62728", "#9467bd", "#8c564b", "#e377c2", "#7f7f7f", "#bcbd22", "#17becf",
+    "#0b3d91", "#ffb000", "#006d5b", "#8b0000", "#4b0082", "#5c4033", "#ff1493", "#222222", "#6b8e23", "#00bfff",
+)  # fmt: skip
 
 
 class Panel(NamedTuple):
@@ -38,7 +44,7 @@ def plot(run: Recording | str | Path, out: str | Path) -> Path:
 
 
 def panels(run: Recording) -> list[Panel]:
-    """What there is to draw. Raises ValueError on an empty recording."""
+    """What there is to draw. Raises ValueError on a recording without anything."""
     if len(run.time) == 0:
         raise ValueError("the recording is empty")
     joints = [name.rpartition("/")[2] for name in run.joints]
@@ -50,24 +56,44 @@ def panels(run: Recording) -> list[Panel]:
         Panel("Hand", "m", ["x", "y", "z"], run.hand),
         Panel("Reward", "", ["reward"], run.rewards[:, None]),
     ]
-    return [panel for panel in found if panel.values.size]
+    found = [panel for panel in found if panel.values.size]
+    if not found:
+        raise ValueError("the recording has nothing to draw: no joints, contacts, hand or rewards")
+    return found
+
+
+def _colours(drawn: list[Panel]) -> dict[str, str]:
+    """One for each name, the same in all panels."""
+    names = dict.fromkeys(name for panel in drawn for name in panel.names)
+    return {name: _PALETTE[k % len(_PALETTE)] for k, name in enumerate(names)}
+
+
+def _heading(panel: Panel) -> str:
+    return f"{panel.title} [{panel.unit}]" if panel.unit else panel.title
+
+
+def _columns(drawn: list[Panel]) -> int:
+    """Of panels: two, but of one that is alone."""
+    return min(len(drawn), 2)
 
 
 def _png(run: Recording, drawn: list[Panel], out: Path) -> None:
     import matplotlib.figure
 
-    rows = (len(drawn) + 1) // 2
-    figure = matplotlib.figure.Figure(figsize=(12, 3.2 * rows), layout="constrained")
-    axes: Any = figure.subplots(rows, 2, squeeze=False).ravel()
-    for axis, panel in zip(axes, drawn, strict=False):
-        axis.plot(run.time[-len(panel.values) :], panel.values, linewidth=1.4, label=panel.names)
-        axis.set_title(f"{panel.title} [{panel.unit}]" if panel.unit else panel.title)
+    columns, colours = _columns(drawn), _colours(drawn)
+    rows = math.ceil(len(drawn) / columns)
+    figure = matplotlib.figure.Figure(figsize=(7 * columns, 3.2 * rows), layout="constrained")
+    grid = figure.add_gridspec(rows, columns)
+    for k, panel in enumerate(drawn):
+        is_wide = k == len(drawn) - 1 and k % columns == 0
+        axis = figure.add_subplot(grid[k // columns, :] if is_wide else grid[k // columns, k % columns])
+        for name, column in zip(panel.names, panel.values.T, strict=True):
+            axis.plot(run.time[-len(panel.values) :], column, linewidth=1.4, label=name, color=colours[name])
+        axis.set_title(_heading(panel))
         axis.set_xlabel("t [s]")
         axis.grid(alpha=0.3)
         if len(panel.names) > 1:
-            axis.legend(fontsize="x-small", ncols=1 + len(panel.names) // 5)
-    for axis in axes[len(drawn) :]:
-        axis.set_axis_off()
+            axis.legend(fontsize="x-small", loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
     figure.savefig(out, dpi=120)
 
 
@@ -75,14 +101,23 @@ def _html(run: Recording, drawn: list[Panel], out: Path) -> None:
     from plotly.graph_objects import Figure, Scatter
     from plotly.subplots import make_subplots
 
-    rows = (len(drawn) + 1) // 2
-    titles = [f"{panel.title} [{panel.unit}]" if panel.unit else panel.title for panel in drawn]
-    figure: Figure = make_subplots(rows, 2, subplot_titles=titles, vertical_spacing=0.3 / rows)
+    columns, colours = _columns(drawn), _colours(drawn)
+    rows = math.ceil(len(drawn) / columns)
+    specs: list[list[Any]] = [[{}] * columns for _ in range(rows)]
+    if len(drawn) < rows * columns:
+        specs[-1] = [{"colspan": columns}, None]
+    titles = [_heading(panel) for panel in drawn]
+    figure: Figure = make_subplots(rows, columns, specs=specs, subplot_titles=titles, vertical_spacing=0.3 / rows)
+    named: set[str] = set()
     for k, panel in enumerate(drawn):
         time = run.time[-len(panel.values) :]
         for name, column in zip(panel.names, panel.values.T, strict=True):
-            line = Scatter(x=time, y=column, name=name, legendgroup=panel.title, legendgrouptitle_text=panel.title)
-            figure.add_trace(line, row=k // 2 + 1, col=k % 2 + 1)
+            line = Scatter(
+                x=time, y=column, name=name, legendgroup=name, showlegend=name not in named, mode="lines",
+                line={"color": colours[name], "width": 1.5},
+            )  # fmt: skip
+            figure.add_trace(line, row=k // columns + 1, col=k % columns + 1)
+            named.add(name)
     figure.update_xaxes(title_text="t [s]", matches="x")
-    figure.update_layout(height=320 * rows, template="plotly_white", margin={"t": 50, "b": 30})
+    figure.update_layout(height=max(320 * rows, 420), template="plotly_white", margin={"t": 50, "b": 30})
     figure.write_html(out, include_plotlyjs=True)

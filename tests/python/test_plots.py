@@ -1,5 +1,7 @@
 """Recordings of runs, and their pictures."""
 
+import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -55,6 +57,31 @@ def test_one_call_draws_a_page_that_opens_alone(run: Recording, tmp_path: Path) 
     text = plot(run, tmp_path / "run.html").read_text()
     assert "panda_joint4" in text and "Contact forces" in text
     assert '<script src="http' not in text
+
+
+def test_a_joint_has_one_colour_and_one_line_in_the_legend(run: Recording, tmp_path: Path) -> None:
+    text = plot(run, tmp_path / "run.html").read_text()
+    lines, _ = json.JSONDecoder().raw_decode(text[re.search(r'\[\{"legendgroup"|\[\{"line"', text).start() :])  # pyright: ignore[reportOptionalMemberAccess]
+    joint = [line for line in lines if line["name"] == "panda_joint4"]
+    assert len(joint) == 3 and len({line["line"]["color"] for line in joint}) == 1
+    assert [line["showlegend"] for line in joint] == [True, False, False]
+    first = [line["line"]["color"] for line in lines if line["xaxis"] == "x"]
+    assert len(first) == len(set(first)) == 9
+
+
+def test_a_world_without_joints_leaves_no_panel_empty(tmp_path: Path) -> None:
+    world = mh.World()
+    world.add_plane("floor")
+    world.add_box("cube", [0.03, 0.03, 0.03], mass=0.2, position=[0, 0, 0.05])
+    recorder = Recorder(world)
+    for _ in range(100):
+        world.step(2)
+        recorder.add()
+    run = recorder.recording()
+    drawn = panels(run)
+    picture = np.asarray(Image.open(plot(run, tmp_path / "run.png")).convert("L"))
+    assert len(drawn) % 2 == 1  # one that stands alone fills its row
+    assert (picture[:, -picture.shape[1] // 8 :] < 250).any()
 
 
 def test_other_endings_are_refused(run: Recording, tmp_path: Path) -> None:
