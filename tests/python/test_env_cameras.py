@@ -154,8 +154,15 @@ def test_the_last_pictures_of_an_episode_are_kept() -> None:
 def test_cameras_that_cannot_be(cameras: dict, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         PandaEnv(cameras=cameras)
-    with pytest.raises(KeyError, match="no frame"):
-        PandaEnv(cameras={"front": {"frame": "elbow"}}).reset()
+
+
+def test_cameras_in_frames_that_are_not_there_are_refused_when_made() -> None:
+    mounted = mh.Camera.perspective(8, 8, 0.8).look_at([0.1, 0, 0], [0, 0, 0], frame="elbow")
+    for make in (PandaEnv, PandaVectorEnv):
+        for camera in ({"frame": "elbow"}, mounted):
+            with pytest.raises(KeyError, match=r"'front': there is no frame or link 'elbow'; there are .*panda_hand"):
+                make(cameras={"front": camera})
+    PandaEnv(cameras={"front": {"frame": "panda_hand"}})
 
 
 def test_sizes_of_randomised_objects_are_seen() -> None:

@@ -125,3 +125,47 @@ def test_what_cannot_be_is_refused(options: dict[str, Any], message: str) -> Non
     for make in (gymnasium.make, gymnasium.make_vec):
         with pytest.raises(ValueError, match=message):
             make("PandaPush-v3", **options)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"foo": 3}, "no option 'foo' .*there are .*n_substeps, .*cameras"),
+        ({"render": True}, "no option 'render' .*render_mode"),
+        ({"n_substeps": 1.5}, "n_substeps is 1.5, expected a whole number"),
+        ({"n_substeps": 2**40}, "n_substeps is"),
+        ({"time_step": "2 ms"}, "time_step is '2 ms', expected a number"),
+        ({"terminate_on_success": 1}, "terminate_on_success is 1, expected True or False"),
+        ({"object_shape": None}, "object_shape is None, expected 'box'"),
+        ({"stiffness": 400}, "stiffness is 400, expected two numbers"),
+        ({"damping": (1, 2, 3)}, "damping is"),
+        ({"randomize": {1: 2}}, "randomize: 1 is no name"),
+        ({"render_width": 1.5}, "render_width is 1.5"),
+        ({"render_target_position": [[1], [2, 3]]}, "render_target_position is"),
+        ({"cameras": ["front"]}, r"cameras is \['front'\], expected a dict"),
+        ({"cameras": "front"}, "cameras is 'front', expected a dict"),
+        ({"robot": 3}, "robot is 3, expected 'panda', 'arm6' or an ArmSpec"),
+        ({"robot": mh.asset_path("arm6/arm6.urdf")}, r"ArmSpec\(urdf="),
+        ({"robot": str(mh.asset_path("arm6/arm6.urdf"))}, r"ArmSpec\(urdf="),
+        ({"robot": ArmSpec(**{**vars(ARM6), "hand": 3})}, r"does not fit ArmSpec\(.*hand: str"),
+        ({"obstacles": [{"shape": "box"}]}, r"obstacles\[0\] is {'shape': 'box'}, expected a manyhands.envs.Obstacle"),
+        ({"obstacles": WALL}, "expected a list of manyhands.envs.Obstacle"),
+        ({"obstacles": [WALL, Obstacle("box", "big")]}, r"obstacles\[1\] .*does not fit Obstacle\("),
+    ],
+)
+def test_options_of_another_type_are_refused_by_name(options: dict[str, Any], message: str) -> None:
+    for make in (gymnasium.make, gymnasium.make_vec):
+        with pytest.raises(TypeError, match=message):
+            make("PandaPush-v3", **options)
+
+
+def test_none_is_the_panda_and_no_obstacle() -> None:
+    given = gymnasium.make("PandaPush-v3", robot=None, obstacles=None, cameras=None)
+    np.testing.assert_equal(rollout(given.unwrapped), rollout(gymnasium.make("PandaPush-v3").unwrapped))
+
+
+def test_numbers_may_be_numpys() -> None:
+    numpys: dict[str, Any] = {"n_substeps": np.int64(10), "time_step": np.float64(0.004), "stiffness": np.ones(2)}
+    ours = {"n_substeps": 10, "time_step": 0.004, "stiffness": (1, 1)}
+    made = [gymnasium.make("PandaReach-v3", **options).unwrapped for options in (numpys, ours)]
+    np.testing.assert_equal(rollout(made[0]), rollout(made[1]))

@@ -139,6 +139,15 @@ def test_arguments_of_make_override_the_variant() -> None:
         PandaEnv("PandaJuggle")
 
 
+def test_a_task_is_named_with_or_without_a_version() -> None:
+    np.testing.assert_equal(PandaEnv("PandaPush-v3").reset(seed=1), PandaEnv("PandaPush").reset(seed=1))
+    for name in ("PandaReachJoints", "PandaReachDense-v3"):
+        with pytest.raises(ValueError, match="names a variant"):
+            PandaEnv(name)
+    with pytest.raises(TypeError, match="the environment is 3"):
+        PandaEnv(3)  # pyright: ignore[reportArgumentType]
+
+
 @pytest.mark.parametrize(
     ("action", "message"),
     [
@@ -184,6 +193,8 @@ def test_copies_and_pickles_are_environments_of_the_same_kind() -> None:
 def test_unknown_render_modes_are_refused_plainly() -> None:
     with pytest.raises(ValueError, match="'ansi', expected None or one of"):
         PandaEnv(render_mode="ansi")
+    with pytest.raises(ValueError, match="'human', 'rgb_array', 'depth_array'"):
+        make("PandaReach-v3", render_mode="foo")
     assert PandaEnv().render() is None
 
 

@@ -37,3 +37,11 @@ def test_expert_refuses_what_it_cannot_do():
     observation, _ = gymnasium.make("PandaReach-v3").reset(seed=0)
     with pytest.raises(ValueError, match="observations have length"):
         Expert("PandaPush-v3")(observation)
+    for nonsense in (np.zeros(6), None, {"observation": np.zeros(6)}):
+        with pytest.raises(ValueError, match=r"'observation' \(6,\) and 'desired_goal' \(3,\)"):
+            Expert("PandaReach-v3")(nonsense)  # pyright: ignore[reportArgumentType]
+
+
+def test_an_expert_is_named_with_or_without_a_version():
+    observation, _ = gymnasium.make("PandaReach-v3").reset(seed=0)
+    assert np.array_equal(Expert("PandaReach")(observation), Expert("PandaReach-v3")(observation))

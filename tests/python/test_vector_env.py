@@ -257,7 +257,7 @@ def test_wrong_use_is_refused() -> None:
     [
         ("num_envs", [0, -1, 2.0, "4", None, True, 2**20 + 1]),
         ("num_threads", [0, -1, 1.5, "2", 1025]),
-        ("max_episode_steps", [-2, 2.5, "50", 2**31]),
+        ("max_episode_steps", [-2, 0, 2.5, "50", 2**31]),
     ],
 )
 def test_numbers_that_make_no_sense_are_refused_by_name(name: str, values: list[Any]) -> None:

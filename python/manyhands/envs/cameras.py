@@ -8,7 +8,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from manyhands._core.envs import EnvBatch, EnvPictures, PictureVariation
+from manyhands._core.envs import EnvBatch, EnvBodies, EnvPictures, PictureVariation
 from manyhands._core.render import Camera, Look
 from manyhands.arguments import whole_number
 from manyhands.envs.spaces import CameraOptions, EnvOptions
@@ -24,10 +24,10 @@ _PLACES: dict[str, CameraOptions] = {
 }
 
 
-def require_mode(render_mode: str | None) -> None:
+def require_mode(render_mode: str | None, modes: Sequence[str] = RENDER_MODES) -> None:
     """Raises ValueError on a mode that is not known."""
-    if render_mode is not None and render_mode not in RENDER_MODES:
-        raise ValueError(f"render_mode is {render_mode!r}, expected None or one of {RENDER_MODES}")
+    if render_mode is not None and render_mode not in modes:
+        raise ValueError(f"render_mode is {render_mode!r}, expected None or one of {tuple(modes)}")
 
 
 def orbit_camera(
@@ -44,7 +44,7 @@ class EnvCameras:
     """The cameras of a batch: that of `render`, and those that are observed. Nothing is loaded before it is needed."""
 
     def __init__(self, batch: EnvBatch, render_mode: str | None, options: EnvOptions, num_threads: int) -> None:
-        """Raises ValueError on an unknown mode, or a camera that cannot be."""
+        """Raises ValueError on an unknown mode, or a camera that cannot be, KeyError on one in a frame that is not."""
         require_mode(render_mode)
         self._batch, self._threads, self._mode = batch, num_threads, render_mode
         self._pictures: EnvPictures | None = None
@@ -62,6 +62,7 @@ class EnvCameras:
         self._observed = {
             name: _observed(name, given, options) for name, given in (options.get("cameras") or {}).items()
         }
+        _require_frames(batch, {name: camera.frame for name, (camera, _) in self._observed.items()})
 
     def spaces(self) -> dict[str, spaces.Space[Any]]:
         """Of one world's pictures, by their names in the observation."""
@@ -140,7 +141,7 @@ def _observed(name: str, given: CameraOptions | Camera, env: EnvOptions) -> tupl
         raise ValueError(
             f"cameras: {name!r} has {sorted(unknown)}; options are {sorted(CameraOptions.__annotations__)}"
         )
-    robot = env.get("robot", "panda")
+    robot = env.get("robot") or "panda"
     place = dict(_PLACES.get(name, {}))
     if name == "wrist":
         place["frame"] = f"{robot}_grasptarget" if isinstance(robot, str) else robot.hand
@@ -154,6 +155,17 @@ def _observed(name: str, given: CameraOptions | Camera, env: EnvOptions) -> tupl
     points = options["eye"], options["target"], options.get("up", (0, 0, 1))
     eye, target, up = (np.asarray(point, np.float64).tolist() for point in points)
     return camera.look_at(eye, target, up, options.get("frame", "")), options
+
+
+def _require_frames(batch: EnvBatch, frames: Mapping[str, str]) -> None:
+    """Raises KeyError unless what cameras are mounted on, by their names, is there."""
+    if not any(frames.values()):
+        return
+    model = EnvBodies(batch).model
+    known = dict.fromkeys(each.name for each in (*model.links, *model.frames))
+    for name, frame in frames.items():
+        if frame and frame not in known:
+            raise KeyError(f"cameras: {name!r}: there is no frame or link {frame!r}; there are {', '.join(known)}")
 
 
 def _variation(name: str, options: CameraOptions) -> PictureVariation:

@@ -2,7 +2,9 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from inspect import signature
 from pathlib import Path
+from typing import Any
 
 from manyhands._core import envs as core
 
@@ -42,7 +44,44 @@ class Obstacle:
     friction: float = 0.5
 
 
-def as_core(robot: str | ArmSpec, obstacles: Sequence[Obstacle]) -> tuple[str | core.ArmSpec, list[core.Obstacle]]:
-    """The same for the extension module."""
-    arm = robot if isinstance(robot, str) else core.ArmSpec(**asdict(robot))
-    return arm, [core.Obstacle(**asdict(one)) for one in obstacles]
+def as_core(
+    robot: str | ArmSpec | None, obstacles: Sequence[Obstacle] | None
+) -> tuple[str | core.ArmSpec, list[core.Obstacle]]:
+    """The same for the extension module; None is the Panda, and no obstacle. Raises TypeError on anything else."""
+    return _as_arm(robot), _as_obstacles(obstacles)
+
+
+def _as_arm(robot: Any) -> str | core.ArmSpec:
+    if robot is None:
+        return "panda"
+    if isinstance(robot, str) and Path(robot).suffix not in (".urdf", ".xml"):
+        return robot
+    if not isinstance(robot, ArmSpec):
+        raise TypeError(
+            f"robot is {robot!r}, expected 'panda', 'arm6' or an ArmSpec: a file alone does not say which joints are "
+            "the arm's and where its hand is, manyhands.envs.ArmSpec(urdf=..., joints=..., hand=..., ...) does"
+        )
+    try:
+        return core.ArmSpec(**asdict(robot))
+    except TypeError as reason:
+        raise TypeError(f"robot is {robot!r}, which does not fit ArmSpec{signature(ArmSpec)}") from reason
+
+
+def _as_obstacles(obstacles: Any) -> list[core.Obstacle]:
+    if obstacles is None:
+        return []
+    if not isinstance(obstacles, Sequence) or isinstance(obstacles, str):
+        raise TypeError(f"obstacles is {obstacles!r}, expected a list of manyhands.envs.Obstacle")
+    found: list[core.Obstacle] = []
+    for number, one in enumerate(obstacles):
+        if not isinstance(one, Obstacle):
+            raise TypeError(
+                f"obstacles[{number}] is {one!r}, expected a manyhands.envs.Obstacle, as Obstacle('sphere', 0.05)"
+            )
+        try:
+            found.append(core.Obstacle(**asdict(one)))
+        except TypeError as reason:
+            raise TypeError(f"obstacles[{number}] is {one!r}, which does not fit Obstacle{signature(Obstacle)}") from (
+                reason
+            )
+    return found

@@ -11,7 +11,7 @@ from typing_extensions import Unpack
 
 from manyhands._core.envs import EnvBodies
 from manyhands.envs import spaces
-from manyhands.envs.cameras import RENDER_MODES, EnvCameras
+from manyhands.envs.cameras import RENDER_MODES, EnvCameras, require_mode
 from manyhands.envs.page import Page
 from manyhands.envs.spaces import ControlType, EnvOptions, Observation, RewardType
 
@@ -58,8 +58,10 @@ class PandaEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
 
         render_mode: "human" shows every step on a page in the browser, in real time; needs the extra `viewer`.
 
-        Raises ValueError on an unknown task, type or render mode, or an option out of range.
+        Raises ValueError on an unknown task, type or render mode, or an option out of range, TypeError on an unknown
+        option or one of another type.
         """
+        require_mode(render_mode, self.metadata["render_modes"])
         EzPickle.__init__(
             self, task, reward_type=reward_type, control_type=control_type, render_mode=render_mode, **options
         )

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from manyhands._core.envs import EnvBatch, EnvSpec, control_types, make_env_batch
 from manyhands._core.render import Camera, Look
 from manyhands.arguments import whole_number
+from manyhands.envs.options import require_options
 from manyhands.envs.parts import ArmSpec, Obstacle, as_core
 
 Observation: TypeAlias = dict[str, NDArray[Any]]
@@ -29,8 +30,8 @@ class EnvOptions(TypedDict, total=False):
     distance_threshold: float  # success is nearer than this; 0: what the task says
     randomize: Randomize | None  # what differs from episode to episode: docs/randomization.md
     object_shape: str  # "box", "cylinder", "sphere" or "capsule" in place of what the task says
-    robot: str | ArmSpec  # "panda"; "arm6" ships too
-    obstacles: Sequence[Obstacle]  # none
+    robot: str | ArmSpec | None  # "panda"; "arm6" ships too
+    obstacles: Sequence[Obstacle] | None  # none
     stiffness: tuple[float, float]  # of control_type="impedance": 1000 N/m, 50 N m/rad
     damping: tuple[float, float]  # of the same: 100 N s/m, 2 N m s/rad
     render_width: int  # of `render` [pixels]: 720
@@ -60,30 +61,47 @@ class CameraOptions(TypedDict, total=False):
 
 
 _CONVERTED = {"randomize", "robot", "obstacles", "cameras"}  # `cameras` elsewhere, with what begins with render_
+VERSION = "-v3"  # of all ids
 RENDER_FPS = 25  # one frame per environment step of 0.04 s
 
 
-def env_id(task: str, reward_type: str, control_type: str) -> str:
-    """The id of a variant, for example "PandaReachJointsDense-v3". Raises ValueError on an unknown type.
+def versioned(name: str) -> str:
+    """A name with its version: "PandaReach-v3" of "PandaReach" too. Raises TypeError on what is no name."""
+    if not isinstance(name, str):
+        raise TypeError(f"the environment is {name!r}, expected a name, for example 'PandaReach' or 'PandaReach-v3'")
+    return name if name.endswith(VERSION) else name + VERSION
 
-    Controls that panda-gym does not have are variants of none: they get the id of "ee".
+
+def env_id(task: str, reward_type: str, control_type: str) -> str:
+    """The id of a variant, for example "PandaReachJointsDense-v3", of a task with or without its version.
+
+    Controls that panda-gym does not have are variants of none: they get the id of "ee". Raises ValueError on an unknown
+    type or a task that names one, TypeError on a task that is no name.
     """
+    task = versioned(task).removesuffix(VERSION)
+    if task.endswith(("Joints", "Dense")):
+        raise ValueError(
+            f"task is {task!r}, which names a variant: name the task alone, for example 'PandaReach', and give "
+            "reward_type='dense' or control_type='joints'"
+        )
     if reward_type not in ("sparse", "dense"):
         raise ValueError(f"reward_type is {reward_type!r}, expected 'sparse' or 'dense'")
     if control_type not in control_types():
         raise ValueError(f"control_type is {control_type!r}, expected one of {control_types()}")
-    return f"{task}{'Joints' * (control_type == 'joints')}{'Dense' * (reward_type == 'dense')}-v3"
+    return f"{task}{'Joints' * (control_type == 'joints')}{'Dense' * (reward_type == 'dense')}{VERSION}"
 
 
 def make_batch(
     task: str, reward_type: str, control_type: str, num_envs: int, num_threads: int, options: EnvOptions
 ) -> EnvBatch:
-    """The batch of a variant. Raises ValueError on an unknown task or type, or an option out of range."""
+    """The batch of a variant. Raises ValueError on an unknown task or type, or an option out of range, TypeError on
+    an unknown option or one of another type."""
+    require_options(options, EnvOptions.__annotations__)
     randomize = options.get("randomize")
     if randomize is not None and not isinstance(randomize, Mapping):
         raise ValueError(f"randomize is {randomize!r}, expected a dict of names and ranges")
     others: Any = {key: value for key, value in options.items() if key not in _CONVERTED and key[:7] != "render_"}
-    robot, obstacles = as_core(options.get("robot", "panda"), options.get("obstacles", ()))
+    robot, obstacles = as_core(options.get("robot"), options.get("obstacles"))
     return make_env_batch(
         env_id(task, reward_type, control_type),
         num_envs,
@@ -97,7 +115,10 @@ def make_batch(
 
 
 def as_range(name: str, value: Any) -> tuple[str, float, float, bool]:
-    """(name, low, high, logarithmic) of x, (low, high) or (low, high, "log"). Raises ValueError on anything else."""
+    """(name, low, high, logarithmic) of x, (low, high) or (low, high, "log"). Raises ValueError on anything else,
+    TypeError on a name that is none."""
+    if not isinstance(name, str):
+        raise TypeError(f"randomize: {name!r} is no name; docs/randomization.md lists them, for example 'object_mass'")
     parts: list[Any] = list(value) if isinstance(value, Sequence) and len(value) > 1 else [value, value]
     low, high, *law = parts
     numbers = all(isinstance(number, int | float | np.integer | np.floating) for number in (low, high))

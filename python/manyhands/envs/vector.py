@@ -55,12 +55,15 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
 
         options: those of `spaces.EnvOptions`.
 
-        Raises ValueError on a number out of range, or an unknown task, type or mode.
+        Raises ValueError on a number out of range, or an unknown task, type or mode, TypeError on an unknown
+        option or one of another type.
         """
         num_envs = whole_number("num_envs", num_envs, 1, _MOST_WORLDS)
         threads = 0 if num_threads is None else whole_number("num_threads", num_threads, 1, _MOST_THREADS)
         if max_episode_steps is not None:
             max_episode_steps = whole_number("max_episode_steps", max_episode_steps, -1, 2**31 - 1)
+            if max_episode_steps == 0:
+                raise ValueError("max_episode_steps is 0, expected 1 or more, or -1 for no limit")
         mode = AutoresetMode(autoreset_mode)
         self._envs = spaces.make_batch(task, reward_type, control_type, num_envs, threads, options)
         spec = self._envs.spec
