@@ -42,4 +42,4 @@ class Expert:
 def _shown(observation: object) -> str:
     if isinstance(observation, Mapping):
         return f"a dict with {', '.join(map(repr, observation)) or 'nothing'}"
-    return f"{type(observation).__name__} of shape {np.shape(observation)}"  # pyright: ignore[reportArgumentType]
+    return f"{type(observation).__name__} of shape {np.asarray(observation).shape}"
