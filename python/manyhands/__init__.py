@@ -1,7 +1,9 @@
 """Robot manipulation: thousands of arms simulated at once on an ordinary CPU, and policies learned from them."""
 
+from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from manyhands import collision, dynamics, envs
 from manyhands._core import (
@@ -37,6 +39,11 @@ from manyhands._core.render import Camera, Look, Mark, Picture, Renderer
 from manyhands.kinematics import IkResult, inverse_kinematics
 from manyhands.viewer import view
 
+if TYPE_CHECKING:
+    from types import ModuleType
+
+    from manyhands import plots, recording, video
+
 try:
     __version__ = version("manyhands")
 except PackageNotFoundError:  # run from a source tree
@@ -47,6 +54,15 @@ if _assets.is_dir():
     set_asset_root(_assets)
 
 envs.register()
+
+if not TYPE_CHECKING:  # a type checker knows all names as it is
+
+    def __getattr__(name: str) -> "ModuleType":
+        """Modules that few programs need are imported when they are first asked for."""
+        if name in ("plots", "recording", "video"):
+            return import_module(f"manyhands.{name}")
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
 
 __all__ = [
     "Actuator",
@@ -86,5 +102,8 @@ __all__ = [
     "load_mjcf",
     "load_mjcf_string",
     "load_urdf",
+    "plots",
+    "recording",
+    "video",
     "view",
 ]

@@ -1,5 +1,6 @@
 """Runs written down, to be plotted: joints, forces, contact, the hand's path and rewards."""
 
+import zipfile
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -45,6 +46,9 @@ class Recording:
     @classmethod
     def load(cls, path: str | Path) -> "Recording":
         """What `save` wrote. Raises FileNotFoundError, ValueError on a file of something else."""
+        path = Path(path)
+        if path.is_file() and not zipfile.is_zipfile(path):
+            raise ValueError(f"{path} is no recording: expected a file .npz that Recording.save wrote")
         with np.load(path) as file:
             if missing := [field.name for field in fields(cls) if field.name not in file]:
                 raise ValueError(f"{path} is no recording: it has no {missing[0]}")
@@ -56,9 +60,10 @@ class Recording:
 class Recorder:
     """Writes down a world, moment by moment: `add` after each step, then `recording`."""
 
-    def __init__(self, world: World) -> None:
-        """Parts must neither come nor go while it is recorded."""
-        self._world = world
+    def __init__(self, recorded: Any) -> None:
+        """recorded: a World, or an environment or simulation of `manyhands.panda_gym`; parts must neither come nor go
+        while it is recorded. Raises TypeError on anything else: other environments do not tell their forces."""
+        self._world = world = _world_of(recorded)
         self._joints, self._hand = joints_of(world.model), hand_of(world.model)
         self._rows: list[tuple[float, Array, Array, Array, Array]] = []
         self._contacts: list[dict[str, float]] = []
@@ -85,3 +90,14 @@ class Recorder:
         return Recording(
             time + restarts, self._joints.names, q, v, forces, touched, contacts, hand, np.array(self._rewards)
         )
+
+
+def _world_of(recorded: Any) -> World:
+    inner = getattr(recorded, "unwrapped", recorded)
+    for found in (inner, getattr(inner, "world", None), getattr(getattr(inner, "sim", None), "world", None)):
+        if isinstance(found, World):
+            return found
+    raise TypeError(
+        f"a {type(inner).__name__} cannot be recorded: expected a manyhands.World, or an environment that "
+        "gymnasium.make gives after `import manyhands.panda_gym`, whose forces can be read"
+    )

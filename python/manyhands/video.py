@@ -66,8 +66,10 @@ def episodes(
 
 def write_video(pictures: Iterable[NDArray[np.uint8]], path: str | Path, fps: int = RENDER_FPS) -> Path:
     """Writes pictures (h, w, 3) as MP4 or GIF, as the name of the file ends. Raises ValueError on another ending,
-    ModuleNotFoundError without the extra `video`."""
+    FileNotFoundError without the file's folder, ModuleNotFoundError without the extra `video`."""
     path = Path(path)
+    if not path.parent.is_dir():
+        raise FileNotFoundError(f"there is no folder {path.parent} to write {path.name} to")
     if path.suffix == ".gif":
         from PIL import Image
 

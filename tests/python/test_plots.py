@@ -2,13 +2,18 @@
 
 import json
 import re
+import subprocess
+import sys
 from pathlib import Path
 
+import gymnasium
 import numpy as np
 import pytest
 from PIL import Image
 
 import manyhands as mh
+from manyhands.envs import PandaEnv
+from manyhands.panda_gym.envs.panda_tasks import PandaPushEnv
 from manyhands.plots import panels, plot
 from manyhands.recording import Recorder, Recording
 
@@ -92,3 +97,49 @@ def test_other_endings_are_refused(run: Recording, tmp_path: Path) -> None:
 def test_nothing_recorded_is_said() -> None:
     with pytest.raises(RuntimeError, match="call add"):
         Recorder(mh.World()).recording()
+
+
+def test_what_is_no_recording_is_said(tmp_path: Path) -> None:
+    (tmp_path / "robot.urdf").write_text("<robot/>")
+    np.save(tmp_path / "numbers.npy", np.zeros(3))
+    for name in ("robot.urdf", "numbers.npy"):
+        with pytest.raises(ValueError, match=f"{name} is no recording"):
+            plot(tmp_path / name, tmp_path / "run.png")
+    with pytest.raises(FileNotFoundError):
+        plot(tmp_path / "nothing.npz", tmp_path / "run.png")
+
+
+def test_environments_of_the_drop_in_are_recorded() -> None:
+    env = gymnasium.wrappers.TimeLimit(PandaPushEnv(), 50)
+    env.reset(seed=0)
+    recorder = Recorder(env)
+    for _ in range(3):
+        _, reward, *_ = env.step(np.array([0.5, 0, 0], np.float32))
+        recorder.add(float(reward))
+    run = recorder.recording()
+    np.testing.assert_allclose(np.diff(run.time), 0.04)
+    angles = [env.unwrapped.robot.get_joint_angle(joint) for joint in range(7)]  # pyright: ignore[reportAttributeAccessIssue]
+    np.testing.assert_array_equal(run.positions[-1, :7], angles)
+    np.testing.assert_array_equal(run.rewards, [-1, -1, -1])
+    assert run.hand.shape == (3, 3)
+
+
+def test_what_cannot_be_recorded_is_said() -> None:
+    for other in (PandaEnv(), 3, None):
+        with pytest.raises(TypeError, match=f"a {type(other).__name__} cannot be recorded: expected a manyhands.World"):
+            Recorder(other)
+
+
+def test_modules_come_when_they_are_asked_for() -> None:
+    code = """
+import sys, manyhands as mh
+assert not {"manyhands.plots", "manyhands.recording", "manyhands.video"} & set(sys.modules)
+mh.plots.plot, mh.recording.Recorder, mh.video.write_video
+try:
+    mh.nothing
+except AttributeError as error:
+    assert "manyhands" in str(error) and "nothing" in str(error)
+else:
+    raise SystemExit("mh.nothing is something")
+"""
+    subprocess.run([sys.executable, "-c", code], check=True)

@@ -50,6 +50,8 @@ def test_pictures_stay_in_their_order(tmp_path: Path) -> None:
 def test_nonsense_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for arguments, text in (
         (["PandaReach", "--out", str(tmp_path / "a.avi")], ".mp4 or .gif"),
+        (["PandaReach", "--out", str(tmp_path / "nodir/x.mp4")], "there is no folder"),
+        (["PandaReach", "--out", str(tmp_path / "nodir/x.gif")], "there is no folder"),
         (["PandaReach", "--episodes", "0"], "--episodes"),
         (["PandaNothing"], "no environment"),
         (["PandaReach", "--policy", str(tmp_path / "none.onnx")], "there is no file"),
