@@ -1,6 +1,8 @@
 """The viewer without a browser: its clock, its joints, its shapes and its door."""
 
 import http.client
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -580,3 +582,9 @@ def test_the_command_says_what_it_does_not_know(capsys: pytest.CaptureFixture[st
     assert "PandaReach" in capsys.readouterr().err
     assert cli.main(["view", "nowhere.urdf"]) == 2
     assert "nowhere.urdf" in capsys.readouterr().err
+
+
+def test_the_page_leaves_gymnasiums_environments_as_they_are() -> None:
+    """Importing the drop-in changes them, in all of a program."""
+    code = "import sys, manyhands.viewer.viewer; sys.exit('manyhands.panda_gym' in sys.modules)"
+    subprocess.run([sys.executable, "-c", code], check=True)

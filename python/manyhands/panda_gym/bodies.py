@@ -10,9 +10,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from manyhands import rotations
 from manyhands._core import Model, ModelBuilder, asset_path, load_urdf
-from manyhands.panda_gym import rotations
-from manyhands.panda_gym.rotations import Array
+from manyhands.rotations import Array
 
 ShapeName = Literal["box", "cylinder", "sphere"]
 

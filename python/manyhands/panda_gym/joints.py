@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from manyhands._core import World
-from manyhands.panda_gym.rotations import Array
+from manyhands.rotations import Array
 
 # What Bullet gives every joint that is not commanded: no velocity, by at most 1 N m s in a step of 2 ms.
 _HOLDING_FORCE = 500.0

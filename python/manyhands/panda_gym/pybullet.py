@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from manyhands import rotations
 from manyhands._core import UrdfError, World
 from manyhands.envs.cameras import orbit_camera
-from manyhands.panda_gym import bodies, rendering, rotations
+from manyhands.panda_gym import bodies, rendering
 from manyhands.panda_gym.assets import get_data_path
 from manyhands.panda_gym.bodies import Look, Pose, ShapeName
-from manyhands.panda_gym.rotations import Array
 from manyhands.panda_gym.simulation import Simulation, error
+from manyhands.rotations import Array
 
 __all__ = ["PyBullet", "error"]
 

@@ -8,12 +8,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
+from manyhands import rotations
 from manyhands._core import ModelBuilder, World
 from manyhands._core import panda_gym as _core
-from manyhands.panda_gym import bodies, rotations
+from manyhands.panda_gym import bodies
 from manyhands.panda_gym.bodies import Body, Pose
 from manyhands.panda_gym.joints import Joints
-from manyhands.panda_gym.rotations import Array
+from manyhands.rotations import Array
 
 
 class error(Exception):  # noqa: N801, N818  the name it has in PyBullet

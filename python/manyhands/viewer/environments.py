@@ -9,10 +9,10 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
+from manyhands import rotations
 from manyhands._core import Geom, Model, World
 from manyhands._core.envs import EnvBodies
 from manyhands.envs.single import PandaEnv
-from manyhands.panda_gym import rotations
 from manyhands.viewer.sources import Marker, SimulationSource, Source
 
 Array = NDArray[np.float64]

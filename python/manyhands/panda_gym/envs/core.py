@@ -9,7 +9,7 @@ from gymnasium import spaces
 from numpy.typing import ArrayLike, NDArray
 
 from manyhands.panda_gym.pybullet import PyBullet
-from manyhands.panda_gym.rotations import Array
+from manyhands.rotations import Array
 
 _KEYS = ("observation", "achieved_goal", "desired_goal")
 _BOUND = 10.0

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from manyhands.panda_gym.envs.core import PyBulletRobot
 from manyhands.panda_gym.pybullet import PyBullet
-from manyhands.panda_gym.rotations import Array
+from manyhands.rotations import Array
 
 # panda-gym's; the real arm's wrist has 12 N m in both of its last joints, and a finger 20 N.
 _FORCES = (87.0, 87.0, 87.0, 87.0, 12.0, 120.0, 120.0, 170.0, 170.0)

@@ -7,8 +7,8 @@ from numpy.typing import ArrayLike
 
 from manyhands.panda_gym.envs.tasks.goal_task import GoalTask, square
 from manyhands.panda_gym.pybullet import PyBullet
-from manyhands.panda_gym.rotations import Array
 from manyhands.panda_gym.utils import angle_distance
+from manyhands.rotations import Array
 
 _TEXTURE = "colored_cube.png"
 

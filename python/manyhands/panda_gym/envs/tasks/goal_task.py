@@ -7,8 +7,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from manyhands.panda_gym.envs.core import Task
 from manyhands.panda_gym.pybullet import PyBullet
-from manyhands.panda_gym.rotations import IDENTITY, Array
 from manyhands.panda_gym.utils import distance
+from manyhands.rotations import IDENTITY, Array
 
 GREEN, BLUE = (0.1, 0.9, 0.1), (0.1, 0.1, 0.9)
 TARGET_ALPHA = 0.3

@@ -4,7 +4,7 @@ import numpy as np
 
 from manyhands.panda_gym.envs.tasks.goal_task import GREEN, PlaceObject, square
 from manyhands.panda_gym.pybullet import PyBullet
-from manyhands.panda_gym.rotations import Array
+from manyhands.rotations import Array
 
 _SHARE_ON_TABLE = 0.3
 

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from manyhands.panda_gym.envs.tasks.goal_task import GREEN, TARGET_ALPHA, GoalTask, square
 from manyhands.panda_gym.pybullet import PyBullet
-from manyhands.panda_gym.rotations import Array
+from manyhands.rotations import Array
 
 
 class Reach(GoalTask):
