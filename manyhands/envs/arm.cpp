@@ -26,6 +26,14 @@ const Body& body_of(const Model& scene, const std::string& joint) {
   return body;
 }
 
+/// Throws std::invalid_argument on a name that is listed before.
+void require_distinct(const ArmSpec& spec) {
+  std::vector<std::string> names = spec.joints;
+  names.insert(names.end(), spec.fingers.begin(), spec.fingers.end());
+  for (auto name = names.begin(); name != names.end(); ++name)
+    require(std::find(names.begin(), name, *name) == name, "joint '" + *name + "' is listed twice in the arm's joints");
+}
+
 std::vector<std::size_t> dofs_of(const Model& scene, const std::vector<std::string>& names) {
   std::vector<std::size_t> dofs;
   for (const std::string& name : names) dofs.push_back(static_cast<std::size_t>(body_of(scene, name).iv));
@@ -70,6 +78,7 @@ Arm::Arm(const ArmSpec& spec, const Model& scene, ArmControl control_, bool has_
       chain(scene, hand),
       ik(control == ArmControl::kEndEffector ? panda_gym_ik() : exact_ik()) {
   const std::size_t count = joints.size() + fingers.size();
+  require_distinct(spec);
   require(!joints.empty() && joints.size() < kMostActions,
           "an arm has " + std::to_string(joints.size()) + " joints; expected 1 to " + std::to_string(kMostActions - 1));
   require(!has_gripper || !fingers.empty(), "the task needs a gripper, but the arm has no fingers");

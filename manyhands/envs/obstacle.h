@@ -5,8 +5,8 @@
 
 namespace manyhands {
 
-/// A box, sphere, cylinder or capsule, fixed in the world. Where episodes start does not depend on it: keep it clear of
-/// the square of 0.3 m about the origin in which objects start, or they may start inside of it and are pushed out.
+/// A box, sphere, cylinder or capsule, fixed in the world. Starts that would put an object or a goal into it are drawn
+/// again; those that are clear of it stay what they are without it.
 struct Obstacle {
   Shape shape{};
   Transform<double> X_WO = Transform<double>::identity();

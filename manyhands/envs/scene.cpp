@@ -41,7 +41,6 @@ void add_object(ModelBuilder& builder, const ObjectSpec& object) {
 }
 
 constexpr std::array kShapes{"box", "cylinder", "sphere", "capsule"};
-std::string obstacle_name(std::size_t i) { return "obstacle " + std::to_string(i); }
 
 void add_obstacle(ModelBuilder& builder, std::size_t i, const Obstacle& obstacle) {
   const ShapeType type = obstacle.shape.type;
@@ -59,6 +58,8 @@ void add_obstacle(ModelBuilder& builder, std::size_t i, const Obstacle& obstacle
 }  // namespace
 
 std::span<const char* const> object_shapes() { return kShapes; }
+
+std::string obstacle_name(std::size_t i) { return "obstacle " + std::to_string(i); }
 
 void reshape(ObjectSpec& object, const std::string& shape, std::span<const char* const> allowed) {
   if (std::ranges::find(allowed, shape) == allowed.end()) {

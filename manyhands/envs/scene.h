@@ -34,6 +34,9 @@ struct ObjectSpec {
 /// Throws std::invalid_argument on a shape that is not one of `allowed`; the message lists them.
 void reshape(ObjectSpec& object, const std::string& shape, std::span<const char* const> allowed = object_shapes());
 
+/// The link of the i-th obstacle, as messages name it too.
+[[nodiscard]] std::string obstacle_name(std::size_t i);
+
 [[nodiscard]] Model load_arm(const ArmSpec& spec);
 
 /// The arm first, then floor and table, then the objects, each floating, then the obstacles. Throws

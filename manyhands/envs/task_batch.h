@@ -10,6 +10,7 @@
 #include "manyhands/envs/control/control.h"
 #include "manyhands/envs/gather_lanes.h"
 #include "manyhands/envs/randomize.h"
+#include "manyhands/envs/room.h"
 #include "manyhands/envs/tasks/task.h"
 
 namespace manyhands {
@@ -20,7 +21,7 @@ template <Number T, TaskLike Task>
 class TaskBatch final : public EnvBatch {
  public:
   /// `spec` needs only an id; the rest follows from the task. Throws std::invalid_argument if the arm or an obstacle
-  /// cannot be.
+  /// cannot be, or obstacles leave no room for objects and goals.
   TaskBatch(EnvSpec spec, const ArmSpec& arm, ArmControl control, Reward reward, int num_envs,
             const EnvOptions& options, const Task& task = {});
 
@@ -91,16 +92,16 @@ class TaskBatch final : public EnvBatch {
   void reset_block(int block, StepWorkspace<T>& ws, std::span<const std::uint8_t> mask,
                    std::span<const std::uint64_t> seeds);
   void start_episode(Block& block, int lane, NumpyRandom& random, double size);
+  using Start = TaskStart<Task::kGoalSize, Task::kObjects>;
+  [[nodiscard]] Start draw_start(NumpyRandom& random, double size) const;
+  [[nodiscard]] std::optional<Room::Conflict> conflict(const Start& start, double size) const;
   void begin_randomized(int world);
   void settle(const World& world);
-  /// Of one world: (longest latency x action_dim).
-  [[nodiscard]] auto late_actions_of(std::size_t world) const {
-    const std::size_t size = late_actions_.size() / worlds_.size();
-    return std::span(late_actions_).subspan(world * size, size);
-  }
-  [[nodiscard]] auto late_actions_of(std::size_t world) {
-    const std::size_t size = late_actions_.size() / worlds_.size();
-    return std::span(late_actions_).subspan(world * size, size);
+  /// Of one world: (longest latency x action_dim). `batch` is *this, const or not.
+  template <class Batch>
+  [[nodiscard]] static auto late_actions_of(Batch& batch, std::size_t world) {
+    const std::size_t size = batch.late_actions_.size() / batch.worlds_.size();
+    return std::span(batch.late_actions_).subspan(world * size, size);
   }
   void disturb(int world, std::span<float> action);
   void add_noise(int world);
@@ -122,6 +123,7 @@ class TaskBatch final : public EnvBatch {
   EnvOptions options_;
   int num_envs_;
   ArmSpec arm_spec_;
+  Room room_;
   Model scene_;
   Arm arm_;
   std::vector<Object> objects_;

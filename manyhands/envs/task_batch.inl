@@ -68,6 +68,7 @@ TaskBatch<T, Task>::TaskBatch(EnvSpec spec, const ArmSpec& arm, ArmControl contr
       options_(options),
       num_envs_(num_envs),
       arm_spec_(arm),
+      room_(internal::objects_of(task, options.object_shape), options.obstacles),
       scene_(task_scene(arm, task.table(), internal::objects_of(task, options.object_shape), options.obstacles)),
       arm_(arm, scene_, control, Task::kHasGripper, options.impedance),
       system_(scene_),
@@ -78,9 +79,12 @@ TaskBatch<T, Task>::TaskBatch(EnvSpec spec, const ArmSpec& arm, ArmControl contr
       pool_(std::min(choose_num_threads(options.num_threads), (num_envs + W - 1) / W)) {
   spec_ = internal::complete<Task>(std::move(spec), arm_, options);
   spec_.randomized = randomizer_.names();
-  // A block waits for its slowest world, and what four sweeps leave the next step's continue.
+  // A block waits for its slowest world, and what these sweeps leave the next step's continue.
   system_.solver.max_sweeps = 8;
-  if (!options.obstacles.empty()) require_clear(arm_, scene_, options.obstacles.size());
+  if (!room_.empty()) {
+    require_clear(arm_, scene_, options.obstacles.size());
+    room_.require([this, random = NumpyRandom(0)]() mutable { return conflict(task_.draw(random), 1); });
+  }
   set_arm_motors(arm_, params_);
   for (const ObjectSpec& object : task.objects()) {
     const BodyId id = scene_.link(scene_.link_id(object.name)).body;
@@ -98,7 +102,10 @@ TaskBatch<T, Task>::TaskBatch(EnvSpec spec, const ArmSpec& arm, ArmControl contr
   for (int k = 0; k < W; ++k) reset_arm(arm_, start_, k);
   Block empty{start_, {}, {}, {}, {}, {}};
   empty.worlds.fill(-1);
-  if (randomizer_.varies_physics()) empty.params.emplace(scene_), set_arm_motors(arm_, *empty.params);
+  if (randomizer_.varies_physics()) {
+    empty.params.emplace(scene_);
+    set_arm_motors(arm_, *empty.params);
+  }
   blocks_.assign(internal::rows((num_envs + W - 1) / W, 1), empty);
   for (int worker = 0; worker < pool_.num_threads(); ++worker) workspaces_.emplace_back(system_);
   std::random_device device;
@@ -157,22 +164,6 @@ void TaskBatch<T, Task>::reset_block(int b, StepWorkspace<T>& ws, std::span<cons
     terminated_[row] = truncated_[row] = unstable_[row] = 0;
     write_row(i, lane, view, block);
   });
-}
-
-template <Number T, TaskLike Task>
-void TaskBatch<T, Task>::start_episode(Block& block, int lane, NumpyRandom& random, double size) {
-  copy_lane(start_, lane, block.state, lane);
-  block.work[static_cast<std::size_t>(lane)] = Work::kFree;
-  TaskStart<Task::kGoalSize, Task::kObjects> start = task_.draw(random);
-  if constexpr (requires { task_.resize(start, size); }) task_.resize(start, size);
-  for (std::size_t i = 0; i < Task::kGoalSize; ++i)
-    set_lane(block.goal[i], lane, static_cast<R>(static_cast<float>(start.goal[i])));
-  for (std::size_t k = 0; k < Task::kObjects; ++k) {
-    const Vec3<double>& p = start.objects[k];
-    const std::array pose{p.x, p.y, size * p.z, 0.0, 0.0, 0.0, 1.0};
-    for (std::size_t i = 0; i < pose.size(); ++i)
-      set_lane(block.state.q()[objects_[k].iq + i], lane, static_cast<R>(pose[i]));
-  }
 }
 
 template <Number T, TaskLike Task>
@@ -382,3 +373,4 @@ void TaskBatch<T, Task>::compute_reward(std::span<const float> achieved_goal, st
 #include "manyhands/envs/task_batch_randomized.inl"
 #include "manyhands/envs/task_batch_seen.inl"
 #include "manyhands/envs/task_batch_snapshot.inl"
+#include "manyhands/envs/task_batch_start.inl"

@@ -13,7 +13,7 @@ void TaskBatch<T, Task>::begin_randomized(int i) {
   if (randomizer_.empty()) return;
   const std::size_t columns = spec_.randomized.size();
   randomizer_.write(world.values, std::span(randomized_).subspan(static_cast<std::size_t>(i) * columns, columns));
-  std::ranges::fill(late_actions_of(static_cast<std::size_t>(i)), 0.0f);
+  std::ranges::fill(late_actions_of(*this, static_cast<std::size_t>(i)), 0.0f);
   settle(world);
 }
 
@@ -32,7 +32,7 @@ void TaskBatch<T, Task>::disturb(int i, std::span<float> action) {
   const auto value = [&](Randomized what) { return world.values[static_cast<std::size_t>(what)]; };
   if (const auto latency = static_cast<std::size_t>(value(Randomized::kActionLatency)); latency > 0) {
     const auto slot = static_cast<std::size_t>(world.steps) % latency * action.size();
-    std::ranges::swap_ranges(late_actions_of(static_cast<std::size_t>(i)).subspan(slot, action.size()), action);
+    std::ranges::swap_ranges(late_actions_of(*this, static_cast<std::size_t>(i)).subspan(slot, action.size()), action);
   }
   if (const float deviation = value(Randomized::kActionNoise); deviation > 0) {
     RandomStream noise = noise_of(world.key, world.steps, Randomized::kActionNoise);

@@ -25,7 +25,7 @@ template <Number T, TaskLike Task>
 std::size_t TaskBatch<T, Task>::bytes_of_world() const {
   const std::size_t bytes =
       (start_.numbers().size() + Task::kGoalSize) * sizeof(R) + sizeof(NumpyRandom::State) + sizeof(std::int32_t);
-  return randomizer_.empty() ? bytes : bytes + sizeof(RandomKey) + late_actions_of(0).size_bytes();
+  return randomizer_.empty() ? bytes : bytes + sizeof(RandomKey) + late_actions_of(*this, 0).size_bytes();
 }
 
 template <Number T, TaskLike Task>
@@ -43,7 +43,7 @@ std::vector<std::uint8_t> TaskBatch<T, Task>::snapshot() const {
     put(static_cast<std::int32_t>(world.steps));
     if (randomizer_.empty()) continue;
     put(world.key);
-    for (const float number : late_actions_of(static_cast<std::size_t>(&world - worlds_.data()))) put(number);
+    for (const float number : late_actions_of(*this, static_cast<std::size_t>(&world - worlds_.data()))) put(number);
   }
   return bytes;
 }
@@ -67,7 +67,7 @@ void TaskBatch<T, Task>::restore(std::span<const std::uint8_t> snapshot) {
     const auto i = static_cast<std::size_t>(&world - worlds_.data());
     world.key = take(RandomKey{});
     begin_randomized(static_cast<int>(i));
-    for (float& number : late_actions_of(i)) number = take(float{});
+    for (float& number : late_actions_of(*this, i)) number = take(float{});
   }
   for (Block& block : blocks_) {
     const View view = look(block, workspaces_[0]);

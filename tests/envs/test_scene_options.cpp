@@ -1,7 +1,9 @@
 // Other arms and obstacles in the tasks: what they do, and what is refused.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "manyhands/envs/experts/expert.h"
 #include "manyhands/envs/make.h"
@@ -10,6 +12,12 @@ namespace manyhands {
 namespace {
 
 const std::vector<std::uint64_t> kSeed{4};
+
+std::vector<std::uint64_t> seeds_below(std::uint64_t n) {
+  std::vector<std::uint64_t> all(n);
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
 
 Obstacle box(const Vec3<double>& half, const Vec3<double>& p) {
   Obstacle obstacle{.shape = {.type = ShapeType::kBox, .size = half}};
@@ -77,6 +85,70 @@ TEST(Obstacles, GiveTheSameBitsInAnyLanes) {
   }
 }
 
+/// A wall through the middle of the table: cubes and goals whose centres would be nearer than half an edge are drawn
+/// again; the others stay where the seed puts them without a wall.
+TEST(Obstacles, AreClearOfObjectsAndGoals) {
+  constexpr int n = 100;
+  constexpr double kHalf = 0.02, kCube = 0.02;
+  for (const char* id : {"PandaPush-v3", "PandaPickAndPlace-v3", "PandaStack-v3"}) {
+    const auto plain = make_env_batch(id, n),
+               walled = make_env_batch(id, n, {.obstacles = {box({kHalf, 0.3, 0.04}, {0, 0, 0.04})}});
+    for (EnvBatch* env : {plain.get(), walled.get()}) env->reset({}, seeds_below(n));
+    const EnvSpec& spec = plain->spec();
+    const auto columns = static_cast<std::size_t>(spec.observation_dim),
+               goals = static_cast<std::size_t>(spec.goal_dim);
+    const std::size_t object = spec.action_dim == 4 ? 7 : 6;
+    int stayed = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const auto is_clear = [&](const EnvBatch& env) {
+        bool clear = true;
+        for (std::size_t k = 0; k < goals; k += 3) {
+          const float* p = &env.observation()[columns * i + object + 4 * k];
+          const float* goal = &env.desired_goal()[goals * i + k];
+          for (const float* place : {p, goal})
+            clear = clear && (std::abs(place[0]) >= kHalf + kCube - 1e-6 || place[2] >= 0.08 + kCube - 1e-6);
+        }
+        return clear;
+      };
+      EXPECT_TRUE(is_clear(*walled)) << id << ", world " << i;
+      if (!is_clear(*plain)) continue;
+      ++stayed;
+      for (std::size_t k = 0; k < columns; ++k)
+        EXPECT_EQ(walled->observation()[columns * i + k], plain->observation()[columns * i + k]) << id;
+    }
+    EXPECT_GT(stayed, n / 10) << id;
+    EXPECT_LT(stayed, n) << id;
+  }
+}
+
+TEST(Obstacles, AreClearOfTheHandsGoals) {
+  constexpr int n = 200;
+  const Vec3<double> p{0.08, 0.1, 0.06};
+  const Obstacle ball{.shape = {.type = ShapeType::kSphere, .size = {0.06, 0, 0}},
+                      .X_WO = {Mat3<double>::identity(), p}};
+  const auto nearest = [&](const EnvOptions& options) {
+    const auto env = make_env_batch("PandaReach-v3", n, options);
+    env->reset({}, seeds_below(n));
+    double least = 1;
+    for (std::size_t i = 0; i < 3 * n; i += 3) {
+      const float* goal = &env->desired_goal()[i];
+      least = std::min(least, std::hypot(double{goal[0]} - p.x, double{goal[1]} - p.y, double{goal[2]} - p.z));
+    }
+    return least;
+  };
+  EXPECT_LT(nearest({}), 0.06);
+  EXPECT_GE(nearest({.obstacles = {ball}}), 0.06 - 1e-5);
+}
+
+TEST(Obstacles, AreRefusedWhereTheyLeaveNoRoom) {
+  const Obstacle far = box({0.05, 0.05, 0.05}, {0.5, 0.3, 0.05});
+  EXPECT_EQ(refusal({.obstacles = {far, box({0.2, 0.2, 0.01}, {0, 0, 0.01})}}),
+            "obstacle 1 covers where 'object' starts: of 200 starts drawn, obstacles leave 0; move it away");
+  EXPECT_EQ(refusal({.obstacles = {box({0.2, 0.2, 0.03}, {0.4, 0, 0.03})}}, "PandaSlide-v3"),
+            "obstacle 0 covers where goals of 'object' are: of 200 starts drawn, obstacles leave 0; move it away");
+  EXPECT_EQ(refusal({.obstacles = {box({0.2, 0.2, 0.01}, {0, 0, -0.01})}}), "") << "level with the table";
+}
+
 TEST(Obstacles, AreRefusedWithAReason) {
   const Obstacle far = box({0.05, 0.05, 0.05}, {0.5, 0.3, 0.05});
   EXPECT_EQ(refusal({.obstacles = {far}}), "");
@@ -103,6 +175,10 @@ TEST(Arms, AreRefusedWithAReason) {
               arm.joints[2] = "elbow";
             }).find("no joint 'elbow'; those that move are: 'arm6_joint1'"),
             std::string::npos);
+  EXPECT_EQ(refused([](ArmSpec& arm) { arm.joints[2] = arm.joints[0]; }),
+            "joint 'arm6_joint1' is listed twice in the arm's joints");
+  EXPECT_EQ(refused([](ArmSpec& arm) { arm.fingers[1] = arm.fingers[0]; }),
+            "joint 'arm6_finger_joint1' is listed twice in the arm's joints");
   EXPECT_NE(refused([](ArmSpec& arm) { arm.hand = "palm"; }).find("'palm'"), std::string::npos);
   EXPECT_NE(refused([](ArmSpec& arm) {
               arm.neutral.pop_back();

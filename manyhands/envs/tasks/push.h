@@ -8,6 +8,7 @@ namespace manyhands {
 /// What tasks have in common in which one object is to come to a place.
 struct PlaceObject {
   static constexpr std::size_t kObjects = 1, kGoalSize = 3, kObservationSize = 12;
+  static constexpr bool kGoalIsPlaces = true;
   static constexpr int kMaxEpisodeSteps = 50;
   static constexpr double kDistanceThreshold = 0.05;
 

@@ -8,7 +8,7 @@ namespace manyhands {
 struct Reach {
   static constexpr const char* kName = "Reach";
   static constexpr std::size_t kObjects = 0, kGoalSize = 3, kObservationSize = 0;
-  static constexpr bool kHasGripper = false;
+  static constexpr bool kHasGripper = false, kGoalIsPlaces = true;
   static constexpr int kMaxEpisodeSteps = 50;
   static constexpr double kDistanceThreshold = 0.05;
 

@@ -8,7 +8,7 @@ namespace manyhands {
 struct Stack {
   static constexpr const char* kName = "Stack";
   static constexpr std::size_t kObjects = 2, kGoalSize = 6, kObservationSize = 24;
-  static constexpr bool kHasGripper = true;
+  static constexpr bool kHasGripper = true, kGoalIsPlaces = true;
   static constexpr int kMaxEpisodeSteps = 100;
   static constexpr double kDistanceThreshold = 0.1;
 

@@ -44,8 +44,8 @@ struct TaskStart {
 };
 
 /// What a task must have; see push.h for a small one. Sizes are numbers of floats; `Objects` are ObjectState<T>. It may
-/// have `kShapes`, where its objects cannot have just any shape, and resize(start, size), where goals depend on the
-/// size of objects.
+/// have `kShapes`, where its objects cannot have just any shape, resize(start, size), where goals depend on the size of
+/// objects, and `kGoalIsPlaces`, where a goal is a place for each object, or for the hand: no obstacle may be there.
 template <class Task>
 concept TaskLike = requires(const Task& task, NumpyRandom& random, const HandState<float>& hand,
                             const std::array<ObjectState<float>, Task::kObjects>& objects, float* row) {

@@ -33,8 +33,9 @@ class ArmSpec:
 class Obstacle:
     """A shape that never moves, for `gymnasium.make("PandaReach-v3", obstacles=[Obstacle("sphere", 0.05)])`.
 
-    Goals and objects are drawn as without it: keep it away from the square of 0.3 m about the origin in which they
-    start. Raises ValueError, when the environment is made, if it cannot be or touches the arm in its neutral pose.
+    Goals and objects are drawn as without it, and drawn again where they would lie in it. Raises ValueError, when the
+    environment is made, if it cannot be, touches the arm in its neutral pose or leaves hardly any place for objects or
+    goals.
     """
 
     shape: str  # "box", "sphere", "cylinder" or "capsule"
