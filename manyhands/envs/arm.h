@@ -52,6 +52,13 @@ void reset_arm(const Arm& arm, State<T>& state, int lane) {
   }
 }
 
+/// The hand from its tree's origin, in world axes, where its body has been placed.
+template <Number T>
+MANYHANDS_INLINE Vec3<T> hand_in_tree(const Arm& arm, const Workspace<T>& ws) {
+  const std::size_t b = arm.chain.body.index();
+  return ws.R_WB[b] * broadcast<T>(broadcast<real_t<T>>(arm.chain.X_BF.p)) + ws.p_OB[b];
+}
+
 /// The hand at the state's present q and v.
 template <Number T>
 MANYHANDS_INLINE HandState<T> observe_hand(const Arm& arm, const Tree<real_t<T>>& tree, const State<T>& state,
@@ -61,7 +68,7 @@ MANYHANDS_INLINE HandState<T> observe_hand(const Arm& arm, const Tree<real_t<T>>
     move(tree, b, state.v(), ws);
   }
   const std::size_t b = arm.chain.body.index();
-  const Vec3<T> p_OF = ws.R_WB[b] * broadcast<T>(broadcast<real_t<T>>(arm.chain.X_BF.p)) + ws.p_OB[b];
+  const Vec3<T> p_OF = hand_in_tree(arm, ws);
   T width(real_t<T>(0));
   for (const std::size_t finger : arm.fingers) width += state.q()[finger];
   return {p_OF + ws.p_WO[b], at_point(ws.V[b], p_OF).v, width};

@@ -12,6 +12,7 @@
 #include "manyhands/envs/panda.h"
 #include "manyhands/envs/randomize.h"
 #include "manyhands/envs/tasks/push.h"
+#include "tests/envs/rough_policy.h"
 
 namespace manyhands {
 namespace {
@@ -25,24 +26,6 @@ const std::vector<RandomRange> kEverything{
 std::vector<std::uint64_t> seeds(int n) {
   std::vector<std::uint64_t> all(static_cast<std::size_t>(n));
   std::iota(all.begin(), all.end(), 1000);
-  return all;
-}
-
-/// Towards the first object and down, with the gripper in turns open and closed: contacts of every kind.
-std::vector<float> actions(const EnvBatch& env, int step) {
-  const EnvSpec& spec = env.spec();
-  std::vector<float> all;
-  for (int i = 0; i < env.num_envs(); ++i) {
-    std::mt19937 random(static_cast<unsigned>(i * 7919 + step));
-    const float* row = &env.observation()[static_cast<std::size_t>(i * spec.observation_dim)];
-    for (int k = 0; k < spec.action_dim; ++k) {
-      const float noise = static_cast<float>(random() % 2001) * 1e-3f - 1;
-      const int object = spec.action_dim == 4 ? 7 : 6;
-      all.push_back(k == 3                     ? (step % 25 < 10 ? 1.0f : -1.0f)
-                    : spec.observation_dim > 6 ? 10 * (row[object + k] - row[k]) + 0.3f * noise
-                                               : noise);
-    }
-  }
   return all;
 }
 
@@ -66,7 +49,7 @@ TEST_P(RandomizedTasks, AreTheSameForAnyLanesAndThreads) {
     const auto env = make_env_batch(GetParam(), n, {.num_threads = threads, .randomize = kEverything, .lanes = lanes});
     env->reset({}, seeds(n));
     for (int step = 1; step <= 40; ++step) {
-      env->step(actions(*env, step));
+      env->step(rough_actions(*env, step));
       if (step == 20) env->reset(std::vector<std::uint8_t>{1, 0, 1, 1, 0, 0, 1, 0, 1, 1, 1, 0, 1, 0, 1, 1, 0, 1, 1});
     }
     if (expected.empty()) {
@@ -88,12 +71,12 @@ TEST_P(RandomizedTasks, ContinueFromASnapshotBitForBit) {
   constexpr int n = 5;
   const auto env = make_env_batch(GetParam(), n, {.num_threads = 1, .randomize = kEverything});
   env->reset({}, seeds(n));
-  for (int step = 1; step <= 23; ++step) env->step(actions(*env, step));
+  for (int step = 1; step <= 23; ++step) env->step(rough_actions(*env, step));
   const std::vector<std::uint8_t> snapshot = env->snapshot();
   const std::uint64_t hash = env->state_hash();
   const std::vector<float> there(env->observation().begin(), env->observation().end());
   const auto go_on = [](EnvBatch& envs) {
-    for (int step = 24; step <= 40; ++step) envs.step(actions(envs, step));
+    for (int step = 24; step <= 40; ++step) envs.step(rough_actions(envs, step));
     std::vector<std::uint32_t> all = bits(envs);
     envs.reset({});  // the streams go on too
     const std::vector<std::uint32_t> next = bits(envs);
@@ -118,7 +101,7 @@ TEST_P(RandomizedTasks, AtTheUsualValuesAreThePlainOnes) {
   const auto plain = make_env_batch(GetParam(), n, {}), own = make_env_batch(GetParam(), n, {.randomize = usual});
   for (EnvBatch* env : {plain.get(), own.get()}) {
     env->reset({}, seeds(n));
-    for (int step = 1; step <= 30; ++step) env->step(actions(*env, step));
+    for (int step = 1; step <= 30; ++step) env->step(rough_actions(*env, step));
   }
   EXPECT_TRUE(std::ranges::equal(plain->observation(), own->observation()));
 }
@@ -317,7 +300,7 @@ TEST_P(Shapes, RestAndAreMoved) {
       EXPECT_NEAR(env->observation()[columns * i + object + 2], height, 2e-4) << id;
       EXPECT_LT(away(i), 1e-3) << id;
     }
-    for (int step = 10; step < 40; ++step) env->step(actions(*env, step));
+    for (int step = 10; step < 40; ++step) env->step(rough_actions(*env, step));
     for (std::size_t i = 0; i < n; ++i) moved += away(i) > 0.01f;
     EXPECT_GE(moved, n / 2) << id;
   }
@@ -339,7 +322,7 @@ TEST(Shapes, TheTasksOwnIsThePlainOne) {
     const auto plain = make_env_batch(id, 2, {}), same = make_env_batch(id, 2, {.object_shape = shape});
     for (EnvBatch* env : {plain.get(), same.get()}) {
       env->reset({}, seeds(2));
-      for (int step = 1; step <= 10; ++step) env->step(actions(*env, step));
+      for (int step = 1; step <= 10; ++step) env->step(rough_actions(*env, step));
     }
     EXPECT_EQ(plain->state_hash(), same->state_hash()) << id;
   }

@@ -12,6 +12,7 @@
 #include "manyhands/envs/make.h"
 #include "manyhands/envs/panda.h"
 #include "manyhands/envs/tasks/push.h"
+#include "tests/envs/rough_policy.h"
 
 namespace manyhands {
 namespace {
@@ -19,27 +20,6 @@ namespace {
 std::vector<std::uint64_t> seeds(int n) {
   std::vector<std::uint64_t> all;
   for (int i = 0; i < n; ++i) all.push_back(1000 + 17 * static_cast<std::uint64_t>(i));
-  return all;
-}
-
-/// Drives the hand to the first object and squeezes it, with some noise: a rough policy that makes contacts.
-std::vector<float> actions(const EnvBatch& env, int step) {
-  const EnvSpec& spec = env.spec();
-  const bool joints = spec.action_dim >= 7, gripper = spec.action_dim % 4 == 0;
-  const std::size_t object = gripper ? 7 : 6;
-  std::vector<float> all;
-  for (int i = 0; i < env.num_envs(); ++i) {
-    std::mt19937 random(static_cast<unsigned>(i * 7919 + step));
-    const float* row = &env.observation()[static_cast<std::size_t>(i * spec.observation_dim)];
-    for (int k = 0; k < spec.action_dim; ++k) {
-      const float noise = static_cast<float>(random() % 2001) * 1e-3f - 1;
-      const bool has_object = spec.observation_dim > 6;
-      float a = noise;
-      if (!joints && k < 3 && has_object) a = 10 * (row[object + static_cast<std::size_t>(k)] - row[k]) + 0.3f * noise;
-      if (gripper && k == spec.action_dim - 1) a = step % 25 < 10 ? 1.0f : -1.0f;
-      all.push_back(a);
-    }
-  }
   return all;
 }
 
@@ -65,7 +45,7 @@ TEST_P(Tasks, AreTheSameForAnyLanesAndThreads) {
     for (const int threads : {1, 3}) {
       const auto env = make_env_batch(GetParam(), n, {.num_threads = threads, .lanes = lanes});
       env->reset({}, seeds(n));
-      for (int step = 1; step <= kSteps; ++step) env->step(actions(*env, step));
+      for (int step = 1; step <= kSteps; ++step) env->step(rough_actions(*env, step));
       if (expected.empty()) {
         expected = bits(*env);
         hash = env->state_hash();
@@ -80,10 +60,10 @@ TEST_P(Tasks, ContinueFromASnapshotBitForBit) {
   constexpr int n = 5;
   const auto env = make_env_batch(GetParam(), n, {.num_threads = 1});
   env->reset({}, seeds(n));
-  for (int step = 1; step <= 23; ++step) env->step(actions(*env, step));
+  for (int step = 1; step <= 23; ++step) env->step(rough_actions(*env, step));
   const std::vector<std::uint8_t> snapshot = env->snapshot();
   const auto go_on = [](EnvBatch& envs) {
-    for (int step = 24; step <= 40; ++step) envs.step(actions(envs, step));
+    for (int step = 24; step <= 40; ++step) envs.step(rough_actions(envs, step));
     envs.reset({});  // the random streams go on too
     return bits(envs);
   };
@@ -107,7 +87,8 @@ TEST_P(Tasks, EndWhereTheyStopBeingFinite) {
     const float nan = std::numeric_limits<float>::quiet_NaN();
     const auto v = static_cast<std::size_t>(env->scene().model.nq()) * sizeof(float);
     std::memcpy(&broken[kLost * broken.size() / n + v], &nan, sizeof(nan));
-    const std::vector<float> before(env->achieved_goal().begin(), env->achieved_goal().end()), a = actions(*env, 1);
+    const std::vector<float> before(env->achieved_goal().begin(), env->achieved_goal().end()),
+        a = rough_actions(*env, 1);
 
     env->step(a);
     const auto goals = env->achieved_goal();
@@ -136,7 +117,7 @@ TEST_P(Tasks, RepeatAnEpisodeBitForBit) {
   std::vector<std::uint32_t> first;
   for (int run = 0; run < 2; ++run) {
     env->reset({}, seeds(3));
-    for (int step = 1; step <= 40; ++step) env->step(actions(*env, step));
+    for (int step = 1; step <= 40; ++step) env->step(rough_actions(*env, step));
     if (run == 0) first = bits(*env);
   }
   EXPECT_EQ(bits(*env), first);
@@ -148,7 +129,7 @@ TEST_P(Tasks, RewardAsComputeRewardDoes) {
   env->reset({}, seeds(n));
   std::vector<float> reward(n);
   for (int step = 1; step <= 20; ++step) {
-    env->step(actions(*env, step));
+    env->step(rough_actions(*env, step));
     env->compute_reward(env->achieved_goal(), env->desired_goal(), reward);
     for (std::size_t i = 0; i < reward.size(); ++i)
       EXPECT_EQ(std::bit_cast<std::uint32_t>(reward[i]), std::bit_cast<std::uint32_t>(env->reward()[i]));
@@ -272,7 +253,7 @@ TEST(Push, AClosedHandMovesTheCube) {
   const auto env = make_env_batch("PandaPush-v3", 1);
   env->reset({}, std::vector<std::uint64_t>{0});
   const float start = env->observation()[6];
-  for (int step = 0; step < 40; ++step) env->step(actions(*env, step));
+  for (int step = 0; step < 40; ++step) env->step(rough_actions(*env, step));
   EXPECT_GT(std::abs(env->observation()[6] - start), 0.02f);
   EXPECT_NEAR(env->observation()[8], 0.02, 2e-3);
 }

@@ -36,8 +36,7 @@ MANYHANDS_INLINE Force<T> spring_force(const Arm& arm, const Transform<T>& goal,
 /// tau += J^T F of the joints that move the hand.
 template <Number T>
 MANYHANDS_INLINE void add_hand_force(const Arm& arm, const Force<T>& F, const Workspace<T>& ws, T* tau) {
-  const std::size_t b = arm.chain.body.index();
-  const Vec3<T> p_OF = ws.R_WB[b] * broadcast<T>(broadcast<real_t<T>>(arm.chain.X_BF.p)) + ws.p_OB[b];
+  const Vec3<T> p_OF = hand_in_tree(arm, ws);
   for (const std::size_t i : arm.chain.dofs) tau[i] += dot(at_point(ws.S[i], p_OF), F);
 }
 
