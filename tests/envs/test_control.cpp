@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <random>
 
 #include "manyhands/envs/control/control.h"
@@ -209,6 +210,9 @@ TEST_P(Control, StaysSaneUnderRandomActions) {
   constexpr int n = 100;
   for (const auto& [name, control] : kArmControls) {
     const auto env = make_env_batch("PandaPush-v3", n, {.arm = arm_spec(GetParam()), .control = control});
+    std::vector<std::uint64_t> seeds(n);
+    std::iota(seeds.begin(), seeds.end(), 0);
+    env->reset({}, seeds);
     float fastest = 0;
     for (int step = 0; step < 50; ++step) {
       env->step(random_action(*env, step));
