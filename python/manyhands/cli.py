@@ -41,6 +41,7 @@ start here:
   manyhands train PandaReach      learn it
   manyhands evaluate runs/...     measure what was learned
   manyhands view PandaPush        see it in the browser, and drive it
+  manyhands view PandaReach --policy runs/...    see what was learned
 """
 _INTERRUPTED = 130  # the shell's code for Ctrl-C
 _MOST_THREADS = 1024
@@ -202,6 +203,7 @@ def _summarise(outcome: "Outcome", folder: "RunFolder", seed: int, say: Callable
             "",
             "Next:",
             f"  {program} evaluate {path}",
+            f"  {program} view {result.env_id} --policy {path}",
             f"  {program} train {result.env_id} --seed {seed + 1}",
             f"  {_program('tensorboard')} --logdir {shlex.quote(str(folder.path.parent))}",
         ]
@@ -212,16 +214,14 @@ def _summarise(outcome: "Outcome", folder: "RunFolder", seed: int, say: Callable
 
 def _evaluate(arguments: argparse.Namespace) -> int:
     from manyhands.training.evaluation import PolicyFile, evaluate
-    from manyhands.training.run_folder import RunFolder
     from manyhands.training.settings import resolve_env_id
 
     if arguments.threads is not None:
         whole_number("--threads", arguments.threads, 1, _MOST_THREADS)
-    path = RunFolder(arguments.policy).policy if arguments.policy.is_dir() else arguments.policy
-    policy = PolicyFile(path)
+    policy = PolicyFile(arguments.policy)
     name = arguments.env or policy.env_id
     if name is None:
-        raise ValueError(f"{path} does not say which environment it was learned in: name one with --env")
+        raise ValueError(f"{arguments.policy} does not say which environment it was learned in: name one with --env")
     result = evaluate(policy, resolve_env_id(name), arguments.episodes, arguments.seed, arguments.threads)
     if arguments.json:
         print(json.dumps(asdict(result), indent=2))
@@ -261,7 +261,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         print(f"manyhands {arguments.command}: {error}", file=sys.stderr)
         return 2
     except ModuleNotFoundError as error:
-        extra = {"view": "viewer", "record": "video"}.get(arguments.command, "train")
+        extras = {"view": "viewer", "record": "video"}
+        extra = "train" if error.name == "onnxruntime" else extras.get(arguments.command, "train")
         print(f"manyhands {arguments.command} needs {error.name}: pip install 'manyhands[{extra}]'", file=sys.stderr)
         return 2
     except KeyboardInterrupt:

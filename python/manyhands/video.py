@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from manyhands._core.envs import make_env_batch, max_episode_steps
-from manyhands.envs.experts import Expert
-from manyhands.envs.registration import variant_of
+from manyhands.envs.named import NamedEnv, given_options
+from manyhands.envs.named import add_arguments as add_env_arguments
 from manyhands.envs.single import PandaEnv
 from manyhands.envs.spaces import RENDER_FPS
 
@@ -19,6 +18,7 @@ examples:
   manyhands record PandaPickAndPlace                          three episodes of the scripted expert, as MP4
   manyhands record PandaPush --out push.gif --episodes 1
   manyhands record PandaReach --policy runs/PandaReach-v3-...  of what was learned
+  manyhands record PandaPush --robot arm6 --option render_yaw=90
 """
 _AFTER_SUCCESS = 8  # steps for which a reached goal is looked at
 
@@ -31,22 +31,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--episodes", type=int, default=3, metavar="N")
     parser.add_argument("--seed", type=int, default=0, help="of the first episode; the others count up")
     parser.add_argument("--size", type=int, nargs=2, default=(640, 480), metavar=("WIDTH", "HEIGHT"), help="[pixels]")
+    add_env_arguments(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Writes the video."""
     from manyhands.training.settings import resolve_env_id
 
-    name = resolve_env_id(arguments.env)
-    out = arguments.out or Path(f"{name}.mp4")
+    env = NamedEnv(resolve_env_id(arguments.env), given_options(arguments))
+    out = arguments.out or Path(f"{env.id}.mp4")
     if arguments.episodes < 1:
         raise ValueError(f"--episodes is {arguments.episodes}; expected 1 or more")
-    act = _policy(arguments.policy, name)
     width, height = arguments.size
-    env = PandaEnv(**variant_of(name), render_mode="rgb_array", render_width=width, render_height=height)
+    filmed = env.make(render_mode="rgb_array", render_width=width, render_height=height)
+    act = _policy(arguments.policy, env)
     seeds = range(arguments.seed, arguments.seed + arguments.episodes)
-    write_video(episodes(env, act, seeds, max_episode_steps(name)), out)
-    print(f"manyhands: {arguments.episodes} episodes of {name} are in {out}")
+    write_video(episodes(filmed, act, seeds, env.max_steps), out)
+    print(f"manyhands: {arguments.episodes} episodes of {env.title} are in {out}")
     return 0
 
 
@@ -103,16 +104,11 @@ def _picture(env: PandaEnv) -> NDArray[np.uint8]:
     return picture
 
 
-def _policy(path: Path | None, name: str) -> Callable[[], Callable[[Any], Any]]:
+def _policy(path: Path | None, env: NamedEnv) -> Callable[[], Callable[[Any], Any]]:
     if path is None:
-        return lambda: Expert(name)
-    from manyhands.training.evaluation import PolicyFile
-    from manyhands.training.run_folder import RunFolder
+        env.expert()
+        return env.expert
+    from manyhands.training.evaluation import policy_for
 
-    policy = PolicyFile(RunFolder(path).policy if path.is_dir() else path)
-    policy.require_fit(make_env_batch(name, 1).spec)
-
-    def act(observation: Any) -> Any:
-        return policy({key: observation[key][None] for key in policy.inputs})[0]
-
-    return lambda: act
+    policy = policy_for(path, env.spec())
+    return lambda: policy.act

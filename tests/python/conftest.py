@@ -1,6 +1,19 @@
-"""Lets tests import what several of them share, from this folder."""
+"""What several tests share: they import modules of this folder, and look at one policy that was learned."""
 
 import sys
 from pathlib import Path
 
+import pytest
+
 sys.path.insert(0, str(Path(__file__).parent))
+
+
+@pytest.fixture(scope="session")
+def reach_policy(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a training run that learned PandaReach, in about two seconds."""
+    from manyhands import cli
+
+    runs = tmp_path_factory.mktemp("runs")
+    assert cli.main(["train", "PandaReach", "--seed", "0", "--episodes", "10", "--runs", str(runs)]) == 0
+    (path,) = runs.iterdir()
+    return path

@@ -1,14 +1,23 @@
 """Videos of episodes."""
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import imageio_ffmpeg
 import numpy as np
 import pytest
 from PIL import Image
 
+import manyhands as mh
 from manyhands import cli
+from manyhands.envs.single import PandaEnv
 from manyhands.video import write_video
+
+
+def still() -> Callable[[Any], Any]:
+    """A policy that does nothing."""
+    return lambda _: np.zeros(3)
 
 
 def length(path: Path) -> tuple[int, float]:
@@ -37,6 +46,32 @@ def test_an_experts_episode_as_gif(tmp_path: Path) -> None:
         assert gif.size == (80, 60) and getattr(gif, "n_frames", 1) > 5
 
 
+def test_a_learned_policys_episodes(reach_policy: Path, tmp_path: Path) -> None:
+    """From the folder of its run or from the file in it; it reaches as it did in training."""
+    out, size = tmp_path / "learned.mp4", ("--size", "80", "60")
+    for policy in (reach_policy, reach_policy / "policy.onnx"):
+        arguments = ["PandaReach", "--policy", str(policy), "--episodes", "4", "--out", str(out), *size]
+        assert cli.main(["record", *arguments]) == 0
+        frames, _ = length(out)
+        # The start, at most ten steps, and eight more in which success is looked at; without success it would be 51.
+        assert 4 * 9 < frames < 4 * 19
+    idle = tmp_path / "idle.mp4"
+    act = mh.video.episodes(PandaEnv(render_mode="rgb_array", render_width=80, render_height=60), still, range(1), 50)
+    mh.video.write_video(act, idle)
+    assert length(idle)[0] == 51
+
+
+def test_another_robot_under_another_control(tmp_path: Path) -> None:
+    out = tmp_path / "push.gif"
+    asked = ["PandaReach", "--robot", "arm6", "--episodes", "1", "--out", str(out), "--size", "80", "60"]
+    assert cli.main(["record", *asked]) == 0
+    with Image.open(out) as gif:
+        arm6 = np.asarray(gif.convert("RGB")).astype(int)
+    assert cli.main(["record", *asked, "--robot", "panda", "--option", "render_yaw=45"]) == 0
+    with Image.open(out) as gif:
+        assert np.abs(np.asarray(gif.convert("RGB")) - arm6).max() > 100
+
+
 def test_pictures_stay_in_their_order(tmp_path: Path) -> None:
     greys = [np.full((32, 32, 3), grey, np.uint8) for grey in (0, 100, 200)]
     with Image.open(write_video(greys, tmp_path / "greys.gif")) as gif:
@@ -55,6 +90,10 @@ def test_nonsense_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str])
         (["PandaReach", "--episodes", "0"], "--episodes"),
         (["PandaNothing"], "no environment"),
         (["PandaReach", "--policy", str(tmp_path / "none.onnx")], "there is no file"),
+        (["PandaReach", "--control", "ee_pose"], "give a --policy"),
+        (["PandaReach", "--control", "mind"], "expected one of ['ee', 'joints'"),
+        (["PandaReach", "--robot", "ur5"], "expected 'panda', 'arm6'"),
+        (["PandaReach", "--option", "task=PandaPush"], "task is no option"),
     ):
         assert cli.main(["record", *arguments]) == 2
         assert text in capsys.readouterr().err

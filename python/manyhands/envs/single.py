@@ -9,7 +9,7 @@ from gymnasium.utils import EzPickle
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import Unpack
 
-from manyhands._core.envs import EnvBodies
+from manyhands._core.envs import EnvBodies, EnvSpec
 from manyhands.envs import spaces
 from manyhands.envs.cameras import RENDER_MODES, EnvCameras, require_mode
 from manyhands.envs.page import Page
@@ -121,6 +121,11 @@ class PandaEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         """What is observed now."""
         with self._turn:
             return self._observation()
+
+    @property
+    def env_spec(self) -> EnvSpec:
+        """The sizes of observations, goals and actions."""
+        return self._batch.spec
 
     @property
     def dt(self) -> float:

@@ -10,6 +10,7 @@ from gymnasium.vector import AutoresetMode
 from manyhands._core.envs import EnvSpec, env_ids, make_env_batch
 from manyhands.envs.registration import make_vector_env
 from manyhands.envs.spaces import Observation
+from manyhands.training.run_folder import RunFolder
 
 
 @dataclass(frozen=True)
@@ -28,7 +29,8 @@ class PolicyFile:
     """An ONNX policy, ready to act."""
 
     def __init__(self, path: Path) -> None:
-        """Raises ValueError if the file is no policy of ours."""
+        """path: a file, or the folder of a training run. Raises ValueError if it is no policy of ours."""
+        path = RunFolder(path).policy if path.is_dir() else path
         if not path.is_file():
             raise ValueError(f"there is no file {path}")
         options = onnxruntime.SessionOptions()
@@ -55,9 +57,20 @@ class PolicyFile:
         if self._sizes != expected:
             raise ValueError(f"the policy does not fit {spec.id}: its sizes are {self._sizes}, expected {expected}")
 
+    def act(self, observation: Observation) -> np.ndarray:
+        """The action (action_dim) for the observation of one environment."""
+        return self({name: np.asarray(observation[name], np.float32)[None] for name in self.inputs})[0]
+
     def __call__(self, observation: Observation) -> np.ndarray:
         """Actions (n, action_dim) for observations with rows (n, ...)."""
         return np.asarray(self._session.run(None, {name: observation[name] for name in self.inputs})[0])
+
+
+def policy_for(path: Path, spec: EnvSpec) -> PolicyFile:
+    """The policy of a file or of a training run's folder. Raises ValueError unless it fits an environment."""
+    policy = PolicyFile(path)
+    policy.require_fit(spec)
+    return policy
 
 
 def evaluate(

@@ -2,7 +2,7 @@
 
 from abc import abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import gymnasium
@@ -13,11 +13,13 @@ from manyhands import rotations
 from manyhands._core import Geom, Model, World
 from manyhands._core.envs import EnvBodies
 from manyhands.envs.single import PandaEnv
-from manyhands.viewer.sources import Marker, SimulationSource, Source
+from manyhands.measures import chain, hand_of
+from manyhands.viewer.sources import BodiesOfWorld, Marker, SimulationSource, Source
 
 Array = NDArray[np.float64]
 
 _UNTURNED, _ABOVE = np.array([0.0, 0.0, 0.0, 1.0]), np.array([0.0, 0.0, 0.06])
+_REST = 1.0  # [s] for which the end of an episode is looked at
 _SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "box": 3}
 
 
@@ -32,18 +34,29 @@ class Outcome:
     """Steps of the episode."""
     total: float = 0.0
     """The sum of its rewards."""
+    ended: bool = False
+    """Whether the episode is over."""
+    episodes: int = 0
+    """How many are over, this one included."""
+    successes: int = 0
+    """How many of them ended with success."""
 
 
 class EnvSource(Source):
     """An environment, and who acts in it.
 
     `policy` takes what the environment said last and gives an action; None leaves the joints to the page's sliders.
+    The step after the end of an episode begins the next one.
     """
 
     def __init__(self, env: gymnasium.Env[Any, Any], title: str) -> None:
         super().__init__()
         self.env, self.title = env, title
         self.policy: Callable[[Outcome], Any] | None = None
+        self.limit = self.max_steps
+        """Steps after which an episode is over; None without a limit."""
+        self.ends = True
+        """Whether an episode that is over is followed by another; otherwise it goes on."""
         self.on_step: list[Callable[[Any, Outcome], None]] = []
         self.on_reset: list[Callable[[Outcome], None]] = []
         self.outcome = Outcome(self.observe())
@@ -62,28 +75,47 @@ class EnvSource(Source):
 
     @property
     def max_steps(self) -> int | None:
-        """Of an episode; None without a limit."""
+        """What limits an episode where the environment was learned in; None if nothing does."""
         spec = self.env.spec
         return None if spec is None else spec.max_episode_steps
 
     @property
-    def is_joint_control(self) -> bool:
-        """Whether actions move joints one by one; otherwise they move, and maybe turn, the hand."""
+    def control_type(self) -> str:
+        """What actions mean: "ee" and others move, and maybe turn, the hand; those that begin with "joint" move joints
+        one by one."""
         inner: Any = self.env.unwrapped
-        holder = getattr(inner, "robot", inner)
-        return str(getattr(holder, "control_type", "")).startswith("joint")
+        return getattr(getattr(inner, "robot", inner), "control_type", "")
+
+    @property
+    def has_grip(self) -> bool:
+        """Whether the last number of an action opens the gripper."""
+        if not self.control_type.startswith("joint"):
+            return self.action_size in (4, 7)
+        hand = hand_of(self.model)
+        return hand is not None and self.action_size > len(chain(self.model, hand))
 
     def step(self) -> None:
-        """One step of the environment under the policy's action."""
+        """One step of the environment under the policy's action, or the beginning of the next episode."""
+        self.rest = 0.0
         if self.policy is None:
             self._step_freely()
             return
-        action = np.asarray(self.policy(self.outcome), np.float32)
-        observation, reward, _, _, info = self.env.step(action)
         before = self.outcome
+        if before.ended and self.ends:
+            self.reset()
+            return
+        action = np.asarray(self.policy(before), np.float32)
+        observation, reward, terminated, truncated, info = self.env.step(action)
+        success, length = bool(info.get("is_success")), before.length + 1
+        is_late = self.limit is not None and length >= self.limit
+        ended = before.ended or terminated or truncated or is_late
+        ends_now = ended and not before.ended
         self.outcome = Outcome(
-            observation, float(reward), bool(info.get("is_success")), before.length + 1, before.total + float(reward)
-        )
+            observation, float(reward), success, length, before.total + float(reward), ended,
+            before.episodes + ends_now, before.successes + (ends_now and success),
+        )  # fmt: skip
+        if ends_now and self.ends:
+            self.rest = _REST
         for tell in self.on_step:
             tell(action, self.outcome)
 
@@ -94,44 +126,38 @@ class EnvSource(Source):
 
     def begin(self, observation: Any, info: dict[str, Any]) -> None:
         """An episode that began elsewhere."""
-        self.outcome = Outcome(observation, success=bool(info.get("is_success")))
+        before = self.outcome
+        success = bool(info.get("is_success"))
+        self.outcome = Outcome(observation, success=success, episodes=before.episodes, successes=before.successes)
         for tell in self.on_reset:
             tell(self.outcome)
+
+    def count_anew(self) -> None:
+        """Forgets the episodes that are over."""
+        self.outcome = replace(self.outcome, episodes=0, successes=0)
 
     @abstractmethod
     def _step_freely(self) -> None:
         """Lets `dt` pass without an action."""
 
 
-class DropInSource(EnvSource):
+class DropInSource(EnvSource, BodiesOfWorld):
     """An environment of `manyhands.panda_gym`: a world in double precision that may be pushed and pulled."""
 
     def __init__(self, env: gymnasium.Env[Any, Any], title: str) -> None:
         super().__init__(env, title)
         inner: Any = env.unwrapped  # a RobotTaskEnv
         self._task, self._shown = inner.task, SimulationSource(inner.sim, title)
-        self.dt, self.world, self.joints = self._shown.dt, self._shown.world, self._shown.joints
-        self.pushes = self._shown.pushes
-
-    @property
-    def model(self) -> Model:
-        return self._shown.model
-
-    @property
-    def q(self) -> Array:
-        return self._shown.q
-
-    @property
-    def time(self) -> float:
-        return self._shown.time
+        assert self._shown.world is not None and self._shown.joints is not None
+        self.take(self._shown.world, self._shown.joints)
+        self.dt, self.pushes = self._shown.dt, self._shown.pushes
 
     def markers(self) -> list[Marker]:
         return self._shown.markers()
 
     def reset(self, seed: int | None = None) -> None:
         super().reset(seed)
-        if self.joints is not None:
-            self.joints.release()
+        self._drive.release()
 
     def save(self) -> Any:
         return self._shown.save(), self._task.goal, self.outcome

@@ -233,7 +233,7 @@ class Player:
             if self._steps_wanted > 0:
                 self._steps_wanted -= 1
             else:
-                self._owed -= self.source.dt
+                self._owed -= self.source.dt + self.source.rest * min(1.0, self.speed)
             if time.perf_counter() - begin > budget:
                 self._owed = min(self._owed, self.source.dt)
                 break

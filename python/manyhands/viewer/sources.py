@@ -48,6 +48,8 @@ class Source(ABC):
     """Where forces and contacts are; None of environments in single precision, which are only watched."""
     joints: JointDrive | None = None
     """What moves the world's joints by hand; None without a world."""
+    rest: float = 0.0
+    """How long the outcome of the last step is to be looked at [s] before the page makes another."""
 
     def __init__(self) -> None:
         self.pushes: dict[Any, Push] = {}
@@ -113,11 +115,11 @@ class Source(ABC):
                 self.world.apply_force(push.link, push.force, point=position + rotate(quaternion, push.point))
 
 
-class _BodiesOfWorld(Source):
-    """What both kinds of sources with a world have."""
+class BodiesOfWorld(Source):
+    """What sources with a world have in common."""
 
-    def __init__(self, world: World, drive: JointDrive) -> None:
-        super().__init__()
+    def take(self, world: World, drive: JointDrive) -> None:
+        """Shows a world from now on, whose joints are moved by a drive."""
         self.world, self.joints = world, drive
         self._world, self._drive = world, drive
 
@@ -134,11 +136,12 @@ class _BodiesOfWorld(Source):
         return self._world.time
 
 
-class WorldSource(_BodiesOfWorld):
+class WorldSource(BodiesOfWorld):
     """A world that the page moves, or that somebody else moves and the page watches."""
 
     def __init__(self, world: World, title: str = "") -> None:
-        super().__init__(world, JointDrive(world))
+        super().__init__()
+        self.take(world, JointDrive(world))
         self.dt = world.time_step
         self.title = title or world.model.name or "world"
         self._begin = world.snapshot()
@@ -165,13 +168,14 @@ class WorldSource(_BodiesOfWorld):
         self._drive.restore(state[1])
 
 
-class SimulationSource(_BodiesOfWorld):
+class SimulationSource(BodiesOfWorld):
     """The simulation under an environment of `manyhands.panda_gym`, its goals included."""
 
     def __init__(self, sim: Any, title: str = "simulation") -> None:
         """sim: a `manyhands.panda_gym.pybullet.PyBullet`."""
+        super().__init__()
         self._sim, self._simulation = sim, sim.physics_client
-        super().__init__(sim.world, JointDrive(sim.world, self._simulation.drive))
+        self.take(sim.world, JointDrive(sim.world, self._simulation.drive))
         self.title, self.dt = title, sim.dt
         self._simulation.before_each_step = self.apply_pushes
         self._begin = self.save()

@@ -8,7 +8,9 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
+from manyhands._core.envs import expert_ids
 from manyhands.envs import Expert
+from manyhands.envs.spaces import versioned
 from manyhands.viewer.environments import EnvSource, Outcome
 from manyhands.viewer.episodes import EpisodeWriter
 from manyhands.viewer.player import Frame
@@ -17,8 +19,12 @@ if TYPE_CHECKING:
     from manyhands.viewer.viewer import Viewer
 
 _HELD_FOR = 0.15  # [s] that a key acts: longer than a keyboard takes to repeat it
-_HANDS, _SLIDERS, _EXPERT, _RANDOM = "keys and buttons", "sliders and gizmo", "scripted expert", "random actions"
-_PAUSE_AFTER_END = 1.0  # [s] that a finished episode of the expert's is left standing
+_HANDS, _SLIDERS, _STILL, _RANDOM = "keys and buttons", "sliders and gizmo", "nobody", "random actions"
+_EXPERT = "scripted expert"
+_BY_HAND = (_HANDS, _SLIDERS)  # they take the time they want
+
+Act = Callable[[Any], Any]
+"""Gives an action for an observation."""
 
 # Keys, what they say on the page, and the direction of the action: the camera has W A S D and the arrows.
 _MOVES = (
@@ -41,25 +47,29 @@ class TeleopPanel:
         self._source = viewer.source
         self._until: dict[tuple[int, float], float] = {}
         self._grip = 0.0
-        self._ended_at: float | None = None
         self._writer = EpisodeWriter(self._source)
         gui = viewer.server.gui
         with tabs.add_tab("Drive"):
-            actors = [_HANDS, *((_SLIDERS,) if self._source.joints is not None else ()), _RANDOM]
-            if (expert := self._expert()) is not None:
-                actors.insert(2, _EXPERT)
-            self._make_expert = expert
-            self._actor = gui.add_dropdown("Who acts", actors, initial_value=_HANDS)
+            self._actors = self._usual()
+            hands = [_HANDS, *((_SLIDERS,) if self._source.joints is not None else ())]
+            self._actor: Any = gui.add_dropdown("Who acts", [*hands, *self._actors], initial_value=_HANDS)
             self._actor.on_update(lambda _: self._choose())
+            self._status = gui.add_markdown("")
+            ends = gui.add_checkbox(
+                "Episodes end", True,
+                hint="With success, and after as many steps as the environment allows unless somebody drives by hand; "
+                "then another one begins",
+            )  # fmt: skip
+            ends.on_update(lambda _: setattr(self._source, "ends", ends.value))
             self._strength = gui.add_slider("Strength", 0.05, 1.0, 0.05, 0.6, hint="Of an action by key or button")
             self._add_buttons(gui)
             self._add_grip(gui)
-            self._status = gui.add_markdown("")
             self._keep = gui.add_button(
                 "Record episodes", icon=viser.Icon.PLAYER_RECORD, hint="Every step from now on (key B)"
             )
             self._keep.on_click(lambda _: self._record())
             gui.add_command("Record episodes", hotkey="B").on_trigger(lambda _: self._record())
+        self._source.on_reset.append(lambda _: self._renew())
         self._choose()
 
     # ---- who acts ------------------------------------------------------------------------------------------------
@@ -69,36 +79,48 @@ class TeleopPanel:
         if self._actor.value != _SLIDERS:
             self._actor.value = _SLIDERS
 
-    def _expert(self) -> Callable[[], Expert] | None:
-        """What makes an expert for this environment; None if there is none."""
+    def add(self, name: str, act: Act) -> None:
+        """Offers somebody who acts, and lets them."""
+        self._actors[name] = lambda: act
+        self._actor.options = (*dict.fromkeys((*self._actor.options, name)),)
+        if self._actor.value == name:
+            self._choose()
+        else:
+            self._actor.value = name
+
+    def _usual(self) -> dict[str, Callable[[], Act]]:
+        """What makes those who act without hands, anew for each episode."""
+        space, still = self._source.env.action_space, np.zeros(self._source.action_size, np.float32)
+        actors: dict[str, Callable[[], Act]] = {
+            _STILL: lambda: lambda _: still,
+            _RANDOM: lambda: lambda _: space.sample(),
+        }
         spec = self._source.env.spec
         name = spec.id if spec is not None else self._source.title
-        try:
-            Expert(name)
-        except ValueError:
-            return None
-        return lambda: Expert(name)
+        if self._source.control_type == "ee" and versioned(name) in expert_ids():
+            actors[_EXPERT] = lambda: Expert(name)
+        return actors
 
     def _choose(self) -> None:
-        actor, space = self._actor.value, self._source.env.action_space
-        if actor == _EXPERT:
-            assert self._make_expert is not None
-            expert = self._make_expert()
-
-            def act(outcome: Outcome) -> Any:
-                return expert(outcome.observation)
-
-            policy = act
-        else:
-            policies = {_HANDS: self._by_hand, _SLIDERS: None, _RANDOM: lambda _: space.sample()}
-            policy = policies[actor]
+        actor = self._actor.value
 
         def choose() -> None:
-            self._source.policy = policy
+            self._source.limit = None if actor in _BY_HAND else self._source.max_steps
+            self._source.count_anew()
+            self._renew()
             if actor != _SLIDERS and self._source.joints is not None:
                 self._source.joints.forget()
 
         self._viewer.player.do(choose)
+
+    def _renew(self) -> None:
+        """Who acts begins anew, as with each episode: experts remember what they did."""
+        actor = self._actor.value
+        if actor in _BY_HAND:
+            self._source.policy = self._by_hand if actor == _HANDS else None
+        else:
+            act = self._actors[actor]()
+            self._source.policy = lambda outcome: act(outcome.observation)
 
     # ---- by hand -------------------------------------------------------------------------------------------------
 
@@ -120,9 +142,8 @@ class TeleopPanel:
 
     def _add_buttons(self, gui: viser.GuiApi) -> None:
         size = self._source.action_size
-        self._has_grip = size in (4, 7)
-        if self._source.is_joint_control:
-            self._has_grip = size == 8
+        self._has_grip = self._source.has_grip
+        if self._source.control_type.startswith("joint"):
             arm = size - self._has_grip
             moves = [
                 (key, f"Joint {joint + 1} {sign}", joint, 1.0 if sign == "+" else -1.0)
@@ -162,23 +183,18 @@ class TeleopPanel:
         self._viewer.player.do(switch)
 
     def refresh(self, _: Frame) -> None:
-        """Says how the episode goes; a finished one of a policy's is followed by another."""
-        outcome = self._source.outcome
-        state = "**Reached!**" if outcome.success else "on the way"
-        text = f"{state} &nbsp; step {outcome.length}, return {outcome.total:.1f}"
+        """Says how the episode goes, and how those before it went."""
+        text = _story(self._source.outcome)
         if self._writer.where is not None:
             text += f"\n\n{'Recording to' if self._writer.is_writing else 'Recorded:'} `{self._writer.where}`"
         if self._status.content != text:
             self._status.content = text
-        if self._actor.value not in (_EXPERT, _RANDOM) or not self._viewer.player.playing:
-            self._ended_at = None
-            return
-        limit = self._source.max_steps
-        if not (outcome.success or (limit is not None and outcome.length >= limit)):
-            self._ended_at = None
-        elif self._ended_at is None:
-            self._ended_at = time.perf_counter()
-        elif time.perf_counter() - self._ended_at > _PAUSE_AFTER_END:
-            self._ended_at = None
-            self._choose()
-            self._viewer.reset()
+
+
+def _story(outcome: Outcome) -> str:
+    state = "**Reached!**" if outcome.success else "**Not reached.**" if outcome.ended else "on the way"
+    text = f"{state} &nbsp; step {outcome.length}, return {outcome.total:.1f}"
+    if outcome.episodes:
+        rate = outcome.successes / outcome.episodes
+        text += f"\n\nEpisodes: {outcome.episodes}, of which {outcome.successes} reached the goal ({rate:.0%})"
+    return text

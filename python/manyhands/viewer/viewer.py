@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from manyhands._core import World
 from manyhands._core.render import Camera
 from manyhands.measures import rotate
-from manyhands.viewer.environments import source_of_environment
+from manyhands.viewer.environments import EnvSource, source_of_environment
 from manyhands.viewer.gate import Gate, is_loopback, quiet, serve
 from manyhands.viewer.overlays import Overlays
 from manyhands.viewer.panel import Panel
@@ -74,6 +74,8 @@ class Viewer:
         self.overlays = Overlays(self.server)
         self.stage = Stage(self.server, self._on_drag)
         self.player = Player(self.source, self._draw, fps)
+        if isinstance(self.source, EnvSource):
+            self.source.on_reset.append(lambda _: self.overlays.clear_trails())
         self.pull = _PULL
         """Force of a drag [N/m]."""
         self._parts: tuple[Any, ...] = ()
@@ -209,6 +211,13 @@ class Viewer:
         """Offers a quantity among the page's plots: what gives a number or an array (k), asked at most `fps` times a
         second between two steps."""
         self.panel.graphs.add(name, measure)
+
+    def actor(self, name: str, act: Callable[[Any], ArrayLike]) -> None:
+        """Lets a policy act in the environment that is shown: what gives an action for an observation. The page offers
+        it by that name. Raises TypeError where there is no environment."""
+        if self.panel.teleop is None:
+            raise TypeError(f"{self.source.title} is no environment in which {name!r} could act")
+        self.panel.teleop.add(name, act)
 
     def camera(self, name: str, camera: Camera | Callable[[], NDArray[np.uint8] | None]) -> None:
         """Offers what a camera sees beside the scene, or pictures (h, w, 3) from elsewhere; they are taken a few times
