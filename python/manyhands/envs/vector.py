@@ -11,12 +11,14 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import Unpack
 
-from manyhands._core.envs import AutoresetBatch
+from manyhands._core.envs import AutoresetBatch, EnvBodies
 from manyhands._core.envs import AutoresetMode as CoreMode
 from manyhands.arguments import whole_number
 from manyhands.envs import spaces
-from manyhands.envs.cameras import RENDER_MODES, EnvCameras
+from manyhands.envs.cameras import RENDER_MODES, EnvCameras, require_mode
+from manyhands.envs.page import Page
 from manyhands.envs.spaces import ControlType, EnvOptions, Observation, RewardType
+from manyhands.envs.tally import Tally
 
 _MOST_WORLDS, _MOST_THREADS = 2**20, 1024
 
@@ -51,6 +53,9 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         num_threads: None takes the variable MANYHANDS_THREADS, or as many as the machine has cores.
         copy: False returns observations as read-only views that the next step or reset overwrites.
 
+        render_mode: "human" shows a world, to be chosen, on a page in the browser: steps keep real time and wait while
+        the page is paused, as it is set there, but never for a browser. Needs the extra `viewer`.
+
         render_tiles: False makes `render` give a tuple of pictures, as Gymnasium's vector wrappers expect.
 
         options: those of `spaces.EnvOptions`.
@@ -74,8 +79,13 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         self._was_reset = False
         self.num_envs = num_envs
         self.render_mode = render_mode
-        self.metadata = {"render_modes": [*RENDER_MODES], "render_fps": spaces.RENDER_FPS, "autoreset_mode": mode}
-        self._cameras = EnvCameras(self._envs, render_mode, options, threads)
+        modes = ["human", *RENDER_MODES]
+        require_mode(render_mode, modes)
+        self.metadata = {"render_modes": modes, "render_fps": spaces.RENDER_FPS, "autoreset_mode": mode}
+        self._page = Page()
+        self._bodies: EnvBodies | None = None
+        self._tally: Tally | None = None
+        self._cameras = EnvCameras(self._envs, None if render_mode == "human" else render_mode, options, threads)
         self._tiles = render_tiles
         pictures = self._cameras.spaces()
         if pictures:
@@ -106,7 +116,12 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
                 seeded = np.array([one is not None for one in seeds])
                 self._batch.reset(mask, spaces.as_seeds([0 if one is None else one for one in seeds]), seeded)
             self._was_reset = True
-            return self._observation(), self._info(mask)
+            if self._tally is not None:
+                self._tally.reset(mask)
+            observation, info = self._observation(), self._info(mask)
+        if self.render_mode == "human":
+            self.render()
+        return observation, info
 
     def step(
         self, actions: ArrayLike
@@ -127,16 +142,54 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
             observation, info = self._observation(), self._final_info() | self._info()
             if info.get("final_info", info)["unstable"].any():
                 spaces.warn_unstable()
-            return observation, *self._batch.outcome(), info
+            reward, terminated, truncated = self._batch.outcome()
+            if self._tally is not None:
+                success = info.get("final_info", {}).get("is_success", info["is_success"])
+                self._tally.step(reward, terminated | truncated, success)
+        if self.render_mode == "human":
+            self.render()
+        return observation, reward, terminated, truncated, info
 
     def render(self) -> Any:
         """What the render mode says, of up to 64 worlds in tiles: "rgb_array" (height, width, 3) uint8, "depth_array"
-        (height, width) float32 [m]. With `render_tiles=False` a tuple of such pictures, one for each world."""
+        (height, width) float32 [m]. With `render_tiles=False` a tuple of such pictures, one for each world. "human"
+        waits for real time, and while the page is paused."""
+        if self.render_mode == "human":
+            self._page.show(self)
+            return None
         with self._turn:
             if self._tiles or self.render_mode is None:
                 return self._cameras.render()
             frames = self._cameras.frames(range(self.num_envs))
             return None if frames is None else tuple(frames)
+
+    def close_extras(self, **_: Any) -> None:
+        """Takes the page away."""
+        self._page.close()
+
+    @property
+    def dt(self) -> float:
+        """What a step takes [s]."""
+        return self._envs.spec.dt
+
+    @property
+    def bodies(self) -> EnvBodies:
+        """What is seen of the worlds: `bodies.model`, and `bodies.configuration(world)`, its q, between two steps."""
+        if self._bodies is None:
+            self._bodies = EnvBodies(self._envs)
+        return self._bodies
+
+    def see(self, world: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """A world between two steps: q (nq) of `bodies.model`, and its goal (goal_dim)."""
+        with self._turn:
+            goal = self._batch.observations(False)[2][world].astype(np.float64)
+            return self.bodies.configuration(world), goal
+
+    def count_episodes(self) -> Tally:
+        """What counts the episodes of all worlds from now on."""
+        if self._tally is None:
+            self._tally = Tally(self.num_envs, self.metadata["autoreset_mode"])
+        return self._tally
 
     def compute_reward(self, achieved_goal: ArrayLike, desired_goal: ArrayLike, info: Any = None) -> Any:
         """The task's reward for goals (..., goal_dim): float32, a scalar or of shape (...). `info` is not used."""

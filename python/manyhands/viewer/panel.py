@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import viser
 
+from manyhands.viewer.batches import BatchSource
 from manyhands.viewer.camera_panel import CameraPanel
 from manyhands.viewer.environments import EnvSource
 from manyhands.viewer.graph_panel import GraphPanel
@@ -14,6 +15,7 @@ from manyhands.viewer.record_panel import RecordPanel
 from manyhands.viewer.robot_panel import RobotPanel
 from manyhands.viewer.teleop_panel import TeleopPanel
 from manyhands.viewer.view_panel import ViewPanel
+from manyhands.viewer.worlds_panel import WorldsPanel
 
 if TYPE_CHECKING:
     from manyhands.viewer.viewer import Viewer
@@ -42,6 +44,7 @@ class Panel:
         tabs = gui.add_tab_group()
         source = viewer.source
         self.teleop = TeleopPanel(viewer, tabs) if isinstance(source, EnvSource) else None
+        self.worlds = WorldsPanel(viewer, tabs) if isinstance(source, BatchSource) else None
         self.robot = RobotPanel(viewer, tabs) if source.joints is not None and source.joints.knobs else None
         self.view = ViewPanel(viewer, tabs)
         self.graphs = GraphPanel(viewer, tabs)
@@ -101,7 +104,7 @@ class Panel:
             return
         self._last_refresh = now
         self._show_time(frame)
-        parts: tuple[Any, ...] = (self.robot, self.teleop, self.graphs, self.cameras)
+        parts: tuple[Any, ...] = (self.robot, self.teleop, self.worlds, self.graphs, self.cameras)
         for part in parts:
             if part is not None:
                 part.refresh(frame)

@@ -222,6 +222,8 @@ class Player:
 
     def _advance(self) -> None:
         """What a frame's time brings, or as much of it as there is time for: then it is slow motion."""
+        if not self.source.moves:
+            return
         begin, budget = time.perf_counter(), 0.8 / self.fps
         self._owed = self._owed + self.speed / self.fps if self.playing else 0.0
         while (self._steps_wanted > 0 or self._owed >= self.source.dt) and not self.problem:

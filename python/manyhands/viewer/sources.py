@@ -48,6 +48,8 @@ class Source(ABC):
     """Where forces and contacts are; None of environments in single precision, which are only watched."""
     joints: JointDrive | None = None
     """What moves the world's joints by hand; None without a world."""
+    moves: bool = True
+    """Whether the page moves it where no loop of the program's does."""
     rest: float = 0.0
     """How long the outcome of the last step is to be looked at [s] before the page makes another."""
 

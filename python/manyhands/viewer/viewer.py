@@ -11,11 +11,13 @@ from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
+from gymnasium.vector import VectorEnv
 from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import World
 from manyhands._core.render import Camera
 from manyhands.measures import rotate
+from manyhands.viewer.batches import source_of_worlds
 from manyhands.viewer.environments import EnvSource, source_of_environment
 from manyhands.viewer.gate import Gate, is_loopback, quiet, serve
 from manyhands.viewer.overlays import Overlays
@@ -55,7 +57,7 @@ class Viewer:
         open_browser: bool = False,
         announce: bool = True,
     ) -> None:
-        """shown: a `World`, or an environment of this package made by `gymnasium.make`.
+        """shown: a `World`, or an environment of this package made by `gymnasium.make` or `gymnasium.make_vec`.
 
         host: the address to listen on. Any that is not this machine's own needs a token in the page's address: the one
         given, or one drawn at random. port: the first to try. fps: frames a second, at most. announce: whether the
@@ -320,6 +322,8 @@ def _source(shown: Any, title: str) -> Source:
         return WorldSource(shown, title)
     if isinstance(getattr(shown, "world", None), World):
         return SimulationSource(shown, title or "simulation")
+    if isinstance(shown, VectorEnv):
+        return source_of_worlds(shown, title)
     source = source_of_environment(shown, title)
     if source is None:
         raise TypeError(f"there is no way to show a {type(shown).__name__}: expected a World or an environment")

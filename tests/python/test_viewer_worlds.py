@@ -1,0 +1,184 @@
+"""A page that shows a world of many, stepped by a loop."""
+
+import threading
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.vector import AutoresetMode
+
+import manyhands as mh
+from manyhands.envs.vector import PandaVectorEnv
+from manyhands.viewer import Viewer
+from manyhands.viewer.batches import BatchSource
+
+
+def reaching(envs: Any, steps: int) -> list[tuple[Any, ...]]:
+    """What an expert's steps bring."""
+    expert = mh.envs.Expert("PandaReach-v3")
+    observation, _ = envs.reset(seed=3)
+    seen = []
+    for _ in range(steps):
+        observation, *rest = envs.step(expert(observation))
+        seen.append((observation, *rest))
+    return seen
+
+
+@pytest.fixture
+def envs() -> Iterator[PandaVectorEnv]:
+    envs = PandaVectorEnv(5, "PandaReach", num_threads=1)
+    yield envs
+    envs.close()
+
+
+# ---- counting ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("mode", list(AutoresetMode))
+def test_episodes_are_counted_as_single_environments_would(mode: AutoresetMode) -> None:
+    """Under the same actions, one by one, with a limit of 6 steps that some random episodes meet."""
+    n, limit = 6, 6
+    envs = PandaVectorEnv(n, "PandaReach", max_episode_steps=limit, autoreset_mode=mode, distance_threshold=0.15)
+    tally = envs.count_episodes()
+    envs.reset(seed=0)
+    singles = [gymnasium.make("PandaReach-v3", max_episode_steps=limit, distance_threshold=0.15) for _ in range(n)]
+    for k, single in enumerate(singles):
+        single.reset(seed=k)
+    length, episodes, successes = np.zeros((3, n), int)
+    total = np.zeros(n)
+    over = np.zeros(n, bool)
+    rng = np.random.default_rng(1)
+    for _ in range(40):
+        actions = rng.uniform(-1, 1, (n, 3)).astype(np.float32)
+        _, _, terminated, truncated, _ = envs.step(actions)
+        for k, single in enumerate(singles):
+            if over[k]:  # what NEXT_STEP does with this step
+                single.reset()
+                length[k], total[k], over[k] = 0, 0.0, False
+                continue
+            _, reward, done, late, info = single.step(actions[k])
+            length[k], total[k] = length[k] + 1, total[k] + float(reward)
+            if done or late:
+                episodes[k], successes[k] = episodes[k] + 1, successes[k] + info["is_success"]
+                if mode == AutoresetMode.NEXT_STEP:
+                    over[k] = True
+                else:
+                    single.reset()
+                    length[k], total[k] = 0, 0.0
+        if mode == AutoresetMode.DISABLED and (terminated | truncated).any():
+            envs.reset(options={"reset_mask": terminated | truncated})
+        assert np.array_equal(tally.length, length)
+        assert np.allclose(tally.total, total)
+        assert np.array_equal(tally.episodes, episodes)
+        assert np.array_equal(tally.successes, successes)
+    assert (episodes > successes).any() and successes.any()
+
+
+# ---- what is shown -----------------------------------------------------------------------------------------------
+
+
+def test_the_chosen_world_is_shown_where_it_is_observed(envs: PandaVectorEnv) -> None:
+    observation, _ = envs.reset(seed=0)
+    source = BatchSource(envs, "reach")
+    hand = [link.name for link in source.model.links].index("panda_grasptarget")
+    for world in (0, 3, 4):
+        source.chosen = world
+        (marker,) = source.markers()
+        assert np.allclose(marker.position, observation["desired_goal"][world])
+        observation, *_ = envs.step(np.full((5, 3), 0.3))
+        source.tick()
+        assert np.allclose(source.poses()[0][hand], observation["achieved_goal"][world], atol=2e-3)
+    assert source.time == pytest.approx(3 * 0.04)
+
+
+def test_looking_back_leaves_the_worlds_alone(envs: PandaVectorEnv) -> None:
+    envs.reset(seed=0)
+    source = BatchSource(envs, "reach")
+    source.chosen = 2
+    past, then = source.save(), source.q.copy()
+    envs.step(np.full((5, 3), 0.5))
+    source.tick()
+    now, bits = source.q.copy(), envs._envs.state_hash
+    assert not np.array_equal(now, then)
+    source.restore(past)
+    assert np.array_equal(source.q, then) and source.time == 0
+    source.step()
+    source.reset()
+    assert envs._envs.state_hash == bits
+    assert np.array_equal(source.q, now) and source.time == pytest.approx(0.04)
+
+
+def test_human_mode_changes_no_bits_and_keeps_time() -> None:
+    watched = gymnasium.make_vec("PandaReach-v3", num_envs=4, render_mode="human", num_threads=1)
+    assert watched.render_mode == "human"
+    start = time.perf_counter()
+    seen = reaching(watched, 12)
+    assert time.perf_counter() - start > 0.4  # 13 steps of 0.04 s
+    unseen = reaching(gymnasium.make_vec("PandaReach-v3", num_envs=4, num_threads=1), 12)
+    for one, other in zip(seen, unseen, strict=True):
+        assert np.array_equal(one[0]["observation"], other[0]["observation"])
+        assert all(np.array_equal(a, b) for a, b in zip(one[1:4], other[1:4], strict=True))
+    inner: Any = watched.unwrapped
+    page = inner._page._viewer
+    assert page is not None and page.source.tally.episodes.sum() == sum(int((s[2] | s[3]).sum()) for s in seen)
+    watched.close()
+    assert page.is_closed
+
+
+def test_unknown_modes_are_refused() -> None:
+    with pytest.raises(ValueError, match=r"expected None or one of \('human', 'rgb_array', 'depth_array'\)"):
+        PandaVectorEnv(2, "PandaReach", render_mode="ansi")
+    with pytest.raises(TypeError, match="expected a PandaVectorEnv"):
+        mh.view(gymnasium.make_vec("CartPole-v1", num_envs=2, vectorization_mode="sync"), port=18480)
+
+
+# ---- the page ----------------------------------------------------------------------------------------------------
+
+
+def test_a_browser_that_hangs_holds_up_no_step(envs: PandaVectorEnv, monkeypatch: pytest.MonkeyPatch) -> None:
+    release = threading.Event()
+    with Viewer(envs, port=18470, announce=False) as viewer:
+        viewer.speed = float("inf")
+        monkeypatch.setattr(viewer.player, "_draw", lambda _: release.wait(20.0) and None)
+        envs.reset(seed=0)
+        start = time.perf_counter()
+        for _ in range(300):
+            envs.step(np.zeros((5, 3)))
+            viewer.sync()
+        taken = time.perf_counter() - start
+        release.set()
+    assert taken < 5.0  # 12 s at the worlds' own pace
+
+
+def test_the_page_never_moves_the_worlds(envs: PandaVectorEnv) -> None:
+    """Also when the loop takes long between two steps, as learners do."""
+    with Viewer(envs, port=18470, announce=False) as viewer:
+        envs.reset(seed=0)
+        before = envs._envs.state_hash
+        viewer.play()
+        viewer.step(3)
+        viewer.reset()
+        time.sleep(0.3)
+        assert viewer.player.do(lambda: None, wait=5.0)
+        assert envs._envs.state_hash == before
+        assert viewer.panel.teleop is None and viewer.panel.worlds is not None
+        with pytest.raises(TypeError, match="no environment in which 'me' could act"):
+            viewer.actor("me", lambda _: np.zeros(3))
+
+
+def test_worlds_are_gone_through(envs: PandaVectorEnv) -> None:
+    with Viewer(envs, port=18470, announce=False) as viewer:
+        panel = viewer.panel.worlds
+        assert panel is not None
+        for by, expected in ((1, 1), (1, 2), (-1, 1), (-1, 0), (-1, 4), (1, 0)):
+            panel._go(by)
+            assert viewer.player.do(lambda: None, wait=5.0)
+            assert panel._source.chosen == expected == panel._world.value
+        reaching(envs, 30)
+        panel.refresh(viewer.player._frame)  # pyright: ignore[reportArgumentType]
+        tally = panel._source.tally
+        assert f"All 5 worlds: {tally.episodes.sum()} episodes" in panel._status.content
+        assert tally.successes.sum() == tally.episodes.sum() > 5
