@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from manyhands.files import replacing
 from manyhands.recording import Recording
 
 Array = NDArray[np.float64]
@@ -39,7 +40,9 @@ def plot(run: Recording | str | Path, out: str | Path) -> Path:
     if draw is None:
         raise ValueError(f"{out} ends with {out.suffix!r}; expected .png or .html")
     recording = run if isinstance(run, Recording) else Recording.load(run)
-    draw(recording, panels(recording), out)
+    drawn = panels(recording)
+    with replacing(out) as temporary:
+        draw(recording, drawn, temporary)
     return out
 
 

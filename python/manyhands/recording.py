@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from manyhands._core import World
+from manyhands.files import replacing
 from manyhands.measures import contact_forces, hand_of, joint_forces, joints_of
 
 Array = NDArray[np.float64]
@@ -37,10 +38,13 @@ class Recording:
     """(n), or empty."""
 
     def save(self, path: str | Path) -> Path:
-        """Writes a file of numpy's, .npz."""
+        """Writes a file of numpy's, .npz, which is added to a name that ends otherwise. Returns its path."""
         path = Path(path)
+        if path.suffix != ".npz":
+            path = path.with_name(f"{path.name}.npz")
         arrays: dict[str, Any] = {field.name: np.asarray(getattr(self, field.name)) for field in fields(self)}
-        np.savez_compressed(path, **arrays)
+        with replacing(path) as temporary:
+            np.savez_compressed(temporary, **arrays)
         return path
 
     @classmethod

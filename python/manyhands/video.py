@@ -12,6 +12,7 @@ from manyhands.envs.named import NamedEnv, given_options
 from manyhands.envs.named import add_arguments as add_env_arguments
 from manyhands.envs.single import PandaEnv
 from manyhands.envs.spaces import RENDER_FPS
+from manyhands.files import replacing
 
 EXAMPLES = """\
 examples:
@@ -36,6 +37,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Writes the video."""
+    from rich.console import Console
+    from rich.progress import track
+
     from manyhands.training.settings import resolve_env_id
 
     env = NamedEnv(resolve_env_id(arguments.env), given_options(arguments))
@@ -46,7 +50,9 @@ def run(arguments: argparse.Namespace) -> int:
     filmed = env.make(render_mode="rgb_array", render_width=width, render_height=height)
     act = _policy(arguments.policy, env)
     seeds = range(arguments.seed, arguments.seed + arguments.episodes)
-    write_video(episodes(filmed, act, seeds, env.max_steps), out)
+    console = Console(stderr=True)
+    shown = track(seeds, f"Filming {env.title}", console=console, transient=True, disable=not console.is_terminal)
+    write_video(episodes(filmed, act, shown, env.max_steps), out)
     print(f"manyhands: {arguments.episodes} episodes of {env.title} are in {out}")
     return 0
 
@@ -71,31 +77,46 @@ def write_video(pictures: Iterable[NDArray[np.uint8]], path: str | Path, fps: in
     path = Path(path)
     if not path.parent.is_dir():
         raise FileNotFoundError(f"there is no folder {path.parent} to write {path.name} to")
-    if path.suffix == ".gif":
-        from PIL import Image
-
-        first, *others = (Image.fromarray(picture).convert("P", palette=Image.Palette.ADAPTIVE) for picture in pictures)
-        first.save(path, save_all=True, append_images=others, duration=1000 / fps, loop=0)
-        return path
-    if path.suffix != ".mp4":
+    write = {".gif": _write_gif, ".mp4": _write_mp4}.get(path.suffix)
+    if write is None:
         raise ValueError(f"{path} ends with {path.suffix!r}; expected .mp4 or .gif")
+    with replacing(path) as temporary:
+        write(pictures, temporary, fps)
+    return path
+
+
+def _write_gif(pictures: Iterable[NDArray[np.uint8]], path: Path, fps: int) -> None:
+    from PIL import Image
+
+    frames = [Image.fromarray(picture).convert("P", palette=Image.Palette.ADAPTIVE) for picture in pictures]
+    _require_some(frames)
+    frames[0].save(path, save_all=True, append_images=frames[1:], duration=1000 / fps, loop=0)
+
+
+def _write_mp4(pictures: Iterable[NDArray[np.uint8]], path: Path, fps: int) -> None:
     import imageio_ffmpeg
 
     writer: Any = None
-    for picture in pictures:
-        # H.264 wants even sides.
-        frame = np.ascontiguousarray(picture[: picture.shape[0] // 2 * 2, : picture.shape[1] // 2 * 2])
-        if writer is None:
-            size = frame.shape[1], frame.shape[0]
-            writer = imageio_ffmpeg.write_frames(
-                str(path), size, fps=fps, quality=8, macro_block_size=2, ffmpeg_log_level="error"
-            )
-            writer.send(None)
-        writer.send(frame)
-    if writer is None:
+    try:
+        for picture in pictures:
+            # H.264 wants even sides.
+            frame = np.ascontiguousarray(picture[: picture.shape[0] // 2 * 2, : picture.shape[1] // 2 * 2])
+            if writer is None:
+                size = frame.shape[1], frame.shape[0]
+                writer = imageio_ffmpeg.write_frames(
+                    str(path), size, fps=fps, quality=8, macro_block_size=2, ffmpeg_log_level="error"
+                )
+                writer.send(None)
+            writer.send(frame)
+        _require_some(writer)
+    finally:
+        if writer is not None:
+            writer.close()
+
+
+def _require_some(frames: object) -> None:
+    if not frames:
         raise ValueError("there are no pictures to write")
-    writer.close()
-    return path
 
 
 def _picture(env: PandaEnv) -> NDArray[np.uint8]:

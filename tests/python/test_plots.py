@@ -46,7 +46,9 @@ def test_a_recording_is_what_happened(run: Recording) -> None:
 
 
 def test_files_keep_recordings(run: Recording, tmp_path: Path) -> None:
-    again = Recording.load(run.save(tmp_path / "run.npz"))
+    path = run.save(tmp_path / "run")  # gets its ending
+    assert path == tmp_path / "run.npz"
+    again = Recording.load(path)
     assert again.joints == run.joints and again.touched == run.touched
     assert np.array_equal(again.positions, run.positions) and np.array_equal(again.contacts, run.contacts)
     np.savez(tmp_path / "other.npz", a=1)

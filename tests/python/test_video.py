@@ -1,12 +1,13 @@
 """Videos of episodes."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import imageio_ffmpeg
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from PIL import Image
 
 import manyhands as mh
@@ -80,6 +81,20 @@ def test_pictures_stay_in_their_order(tmp_path: Path) -> None:
             gif.seek(frame)
             seen.append(int(np.asarray(gif.convert("L")).mean()))
     assert seen == pytest.approx([0, 100, 200], abs=3)
+
+
+@pytest.mark.parametrize("name", ["reach.mp4", "reach.gif"])
+def test_what_is_interrupted_leaves_the_file_as_it_was(name: str, tmp_path: Path) -> None:
+    def interrupted() -> Iterator[NDArray[np.uint8]]:
+        yield np.zeros((16, 16, 3), np.uint8)
+        raise KeyboardInterrupt
+
+    out = tmp_path / name
+    out.write_text("of yesterday")
+    with pytest.raises(KeyboardInterrupt):
+        write_video(interrupted(), out)
+    assert out.read_text() == "of yesterday"
+    assert list(tmp_path.iterdir()) == [out]
 
 
 def test_nonsense_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -7,7 +7,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter, PercentFormatter
 
-from manyhands.training.files import replacing
+from manyhands.files import replacing
 from manyhands.training.recorder import Row
 from manyhands.training.run_folder import RunFolder
 

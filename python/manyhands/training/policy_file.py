@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from onnx import TensorProto, helper, numpy_helper
 
 from manyhands._core.learn import Policy
-from manyhands.training.files import replacing
+from manyhands.files import replacing
 
 _OPSET, _IR_VERSION = 17, 8  # old enough for every onnxruntime since 1.12
 

@@ -12,7 +12,7 @@ from tensorboard.compat.proto.summary_pb2 import Summary  # pyright: ignore[repo
 from tensorboard.summary.writer.event_file_writer import EventFileWriter
 
 from manyhands._core.learn import TrainMetrics
-from manyhands.training.files import write_text
+from manyhands.files import write_text
 from manyhands.training.run_folder import RunFolder
 
 

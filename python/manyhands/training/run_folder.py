@@ -8,7 +8,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from manyhands.training.files import write_text
+from manyhands.files import write_text
 from manyhands.training.settings import FIRST_EVALUATION_SEED, TrainSettings
 
 _VERSIONS_OF = ("manyhands", "numpy", "gymnasium", "onnx", "matplotlib", "tensorboard")

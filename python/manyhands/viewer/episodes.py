@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from manyhands.files import replacing
 from manyhands.viewer.environments import EnvSource, Outcome
 
 
@@ -61,11 +62,12 @@ class EpisodeWriter:
         while path.exists():
             number += 1
             path = self._folder / f"{name}-{number}.npz"
-        np.savez_compressed(
-            path, **arrays, action=np.array([action for action, _ in self._rows]),
-            reward=np.array([outcome.reward for outcome in outcomes]),
-            success=np.array([outcome.success for outcome in outcomes]),
-            dt=self._source.dt, env_id=self._source.title,
-        )  # fmt: skip
+        with replacing(path) as temporary:
+            np.savez_compressed(
+                temporary, **arrays, action=np.array([action for action, _ in self._rows]),
+                reward=np.array([outcome.reward for outcome in outcomes]),
+                success=np.array([outcome.success for outcome in outcomes]),
+                dt=self._source.dt, env_id=self._source.title,
+            )  # fmt: skip
         self.where = path
         self._rows = []

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import World
 from manyhands._core.render import Camera
+from manyhands.files import write_text
 from manyhands.measures import rotate
 from manyhands.viewer.batches import source_of_worlds
 from manyhands.viewer.environments import EnvSource, source_of_environment
@@ -231,7 +232,7 @@ class Viewer:
     def save_html(self, path: str | Path, seconds: float | None = None) -> Path:
         """Writes what the page showed in the last seconds, at most three minutes, as a page that opens alone."""
         path = Path(path)
-        path.write_text(self.recording(seconds))
+        write_text(path, self.recording(seconds))
         return path
 
     def recording(self, seconds: float | None = None) -> str:
