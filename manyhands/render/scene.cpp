@@ -28,6 +28,15 @@ Vec3<float> half_extents(ShapeType type, const Vec3<float>& size) {
   }
 }
 
+constexpr float kFar = std::numeric_limits<float>::infinity();
+constexpr Vec3<float> kInfinite{kFar, kFar, kFar};
+
+/// Makes the box from `low` to `high` so large that it also holds that from `from` to `to`.
+void widen(Vec3<float>& low, Vec3<float>& high, const Vec3<float>& from, const Vec3<float>& to) {
+  low = {min(low.x, from.x), min(low.y, from.y), min(low.z, from.z)};
+  high = {max(high.x, to.x), max(high.y, to.y), max(high.z, to.z)};
+}
+
 Triangles::Part part_of(const Mesh& mesh) { return {mesh.vertices, mesh.triangles}; }
 
 Triangles::Part part_of(const ConvexPolyhedron& hull) {
@@ -119,10 +128,10 @@ Scene::Scene(std::shared_ptr<const Model> model) : model_(std::move(model)) {
     item.is_clear = is_clear;
     items_.push_back(item);
     const Pattern pattern = geom.shape.type == ShapeType::kPlane ? Pattern::kChecks : Pattern::kPlain;
-    seen_.push_back({geom.link, id, geom.rgba, pattern});
+    seen_.push_back({geom.link, id, geom.rgba, pattern, item.low, item.high});
   }
   for (const auto& [key, geoms] : clusters) {
-    Item item{.body = BodyId(key.first), .type = ShapeType::kMesh};
+    Item item{.body = BodyId(key.first), .type = ShapeType::kMesh, .low = kInfinite, .high = -kInfinite};
     item.first_seen = static_cast<int>(seen_.size());
     item.is_clear = key.second;
     std::vector<Triangles::Part> parts;
@@ -130,13 +139,15 @@ Scene::Scene(std::shared_ptr<const Model> model) : model_(std::move(model)) {
       const Geom& geom = model_->geoms()[id.index()];
       Triangles::Part part = part_of(*model_, geom, model_->link(geom.link).X_BL * geom.X_LG);
       if (part.triangles.empty()) continue;
+      Seen& seen = seen_.emplace_back(
+          Seen{.link = geom.link, .geom = id, .rgba = geom.rgba, .low = kInfinite, .high = -kInfinite});
+      for (const Vec3<float>& v : part.vertices) widen(seen.low, seen.high, v, v);
+      widen(item.low, item.high, seen.low, seen.high);
       parts.push_back(std::move(part));
-      seen_.push_back({geom.link, id, geom.rgba, Pattern::kPlain});
     }
     if (parts.empty()) continue;
+    item.num_seen = static_cast<int>(parts.size());
     item.triangles = Triangles::of(std::move(parts));
-    item.low = item.triangles->low();
-    item.high = item.triangles->high();
     items_.push_back(item);
   }
 }

@@ -21,6 +21,7 @@ struct Seen {
   GeomId geom{};
   std::array<float, 4> rgba{};
   Pattern pattern = Pattern::kPlain;
+  Vec3<float> low{}, high{};  ///< of a box that holds it, in the axes of its item [m]; not for planes
 };
 
 /// What rays are tried against in one go: a simple shape, or triangles that move together.
@@ -32,6 +33,7 @@ struct Item {
   std::shared_ptr<const Triangles> triangles{};
   Vec3<float> low{}, high{};  ///< of a box that holds it, in I [m]; not for planes
   int first_seen = 0;         ///< what it shows: for triangles, that of part 0
+  int num_seen = 1;           ///< for triangles, one of each part
   bool is_clear = false;      ///< one sees through it: alpha below 1
 };
 

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <map>
 #include <mutex>
 #include <numeric>
 #include <stdexcept>
@@ -131,17 +129,10 @@ std::shared_ptr<const Triangles> Triangles::of(std::vector<Part> parts) {
 }
 
 Triangles::Triangles(std::vector<Part> parts) : parts_(std::move(parts)), built_(std::make_unique<Built>()) {
-  constexpr float kInfinite = std::numeric_limits<float>::infinity();
-  low_ = {kInfinite, kInfinite, kInfinite};
-  high_ = -low_;
   built_->scene = rtcNewScene(device());
   rtcSetSceneFlags(built_->scene, RTC_SCENE_FLAG_ROBUST);
   rtcSetSceneBuildQuality(built_->scene, RTC_BUILD_QUALITY_HIGH);
   for (Part& part : parts_) {
-    for (const Vec& v : part.vertices) {
-      low_ = {min(low_.x, v.x), min(low_.y, v.y), min(low_.z, v.z)};
-      high_ = {max(high_.x, v.x), max(high_.y, v.y), max(high_.z, v.z)};
-    }
     normals_.push_back(corner_normals(part));
     const std::size_t vertices = part.vertices.size();
     part.vertices.push_back(Vec::zero());  // Embree reads up to 16 bytes from the start of the last vertex
@@ -183,33 +174,46 @@ MANYHANDS_INLINE void fill(Ray& ray, const RayPacket& rays) {
 
 // Neighbouring rays of a small picture meet different triangles of a robot's fine meshes: one by one they are found
 // half as fast again as in packets that stay together.
-void intersect(const int* valid, RTCScene scene, RTCRayHit8& hit) {
 #if RTC_VERSION_MAJOR >= 4
-  RTCIntersectArguments arguments;
-  rtcInitIntersectArguments(&arguments);
+
+template <class Arguments>
+Arguments one_by_one(void (*set_defaults)(Arguments*)) {
+  Arguments arguments;
+  set_defaults(&arguments);
   arguments.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
+  return arguments;
+}
+
+void intersect(const int* valid, RTCScene scene, RTCRayHit8& hit) {
+  RTCIntersectArguments arguments = one_by_one(rtcInitIntersectArguments);
   rtcIntersect8(valid, scene, &hit, &arguments);
-#else
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-  rtcIntersect8(valid, scene, &context, &hit);
-#endif
 }
 
 void occlude(const int* valid, RTCScene scene, RTCRay8& ray) {
-#if RTC_VERSION_MAJOR >= 4
-  RTCOccludedArguments arguments;
-  rtcInitOccludedArguments(&arguments);
-  arguments.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
+  RTCOccludedArguments arguments = one_by_one(rtcInitOccludedArguments);
   rtcOccluded8(valid, scene, &ray, &arguments);
+}
+
 #else
+
+RTCIntersectContext one_by_one() {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-  rtcOccluded8(valid, scene, &context, &ray);
-#endif
+  return context;
 }
+
+void intersect(const int* valid, RTCScene scene, RTCRayHit8& hit) {
+  RTCIntersectContext context = one_by_one();
+  rtcIntersect8(valid, scene, &context, &hit);
+}
+
+void occlude(const int* valid, RTCScene scene, RTCRay8& ray) {
+  RTCIntersectContext context = one_by_one();
+  rtcOccluded8(valid, scene, &context, &ray);
+}
+
+#endif
 
 }  // namespace
 

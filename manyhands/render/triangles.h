@@ -34,9 +34,6 @@ class Triangles {
   Triangles(const Triangles&) = delete;
   Triangles& operator=(const Triangles&) = delete;
 
-  [[nodiscard]] const Vec3<float>& low() const { return low_; }  ///< of a box that holds all [m]
-  [[nodiscard]] const Vec3<float>& high() const { return high_; }
-
   /// Shortens `rays.far` to the first triangle met, from either side, and says which it was; returns the lanes that met
   /// one. The others' `part` and `triangle` stay as they are.
   RayMask meet(RayPacket& rays, RayInts& part, RayInts& triangle) const;
@@ -51,7 +48,6 @@ class Triangles {
 
   std::vector<Part> parts_;
   std::vector<std::vector<std::array<Vec3<float>, 3>>> normals_;  // of each part's triangles' corners
-  Vec3<float> low_, high_;
   std::unique_ptr<Built> built_;
 };
 
