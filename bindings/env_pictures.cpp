@@ -19,25 +19,35 @@ void bind_env_pictures(nb::module_& parent) {
   using bindings::Looks;
   auto m = nb::borrow<nb::module_>(parent.attr("envs"));
   nb::class_<PictureVariation>(m, "PictureVariation",
-                               "How pictures differ from episode to episode: the most that something is off.")
+                               "How pictures differ from episode to episode: by how much at most.")
       .def(
           "__init__",
           [](PictureVariation* self, double position, double direction, double zoom, double light, double brightness,
-             double colour) {
+             double colour, double texture, const std::vector<Texture>& textures) {
             for (const double most : {position, direction, zoom, light, brightness, colour}) {
               if (!(most >= 0 && most < 1)) {
                 throw std::invalid_argument("what varies is off by " + std::to_string(most) +
                                             "; expected 0 or more, less than 1");
               }
             }
-            new (self) PictureVariation{position, direction, zoom, light, brightness, colour};
+            if (!(texture >= 0 && texture <= 1)) {
+              throw std::invalid_argument("textures vary with a chance of " + std::to_string(texture) +
+                                          "; expected 0 to 1");
+            }
+            if (texture == 0 && !textures.empty()) {
+              throw std::invalid_argument(
+                  "textures vary by what is chosen from, but with no chance; give `texture`, "
+                  "the chance of 0 to 1");
+            }
+            new (self) PictureVariation{position, direction, zoom, light, brightness, colour, texture, textures};
           },
           nb::kw_only(), "position"_a = 0, "direction"_a = 0, "zoom"_a = 0, "light"_a = 0, "brightness"_a = 0,
-          "colour"_a = 0,
+          "colour"_a = 0, "texture"_a = 0, "textures"_a = std::vector<Texture>{},
           "position: of the camera, along each of its axes [m]. direction: about each [rad]. zoom: of its focal "
-          "lengths, "
-          "as a share. light: of the unit vector to the sun. brightness: of sun and sky, as a share. colour: of each "
-          "geom's red, green and blue. Raises ValueError unless all lie in [0, 1).");
+          "lengths, as a share. light: of the unit vector to the sun. brightness: of sun and sky, as a share. colour: "
+          "of each geom's red, green and blue. texture: the chance that floor, table, an obstacle or an object shows "
+          "an image in place of its colour. textures: those to choose from; else checkers, stripes and noise. Raises "
+          "ValueError unless all lie in [0, 1), the chance in [0, 1].");
   nb::class_<EnvPictures>(m, "EnvPictures", "Cameras of a batch of environments; goals are drawn over the worlds.")
       .def(nb::init<const EnvBatch&, int>(), "envs"_a, "num_threads"_a = 0, nb::keep_alive<1, 2>(),
            "Shows `envs`. Raises RuntimeError where there is nothing to see.")

@@ -7,7 +7,12 @@
 
 #include "manyhands/render/renderer.h"
 
-namespace manyhands::bindings {
+namespace manyhands {
+
+void bind_texture(nanobind::module_& m);
+void bind_pictures(nanobind::module_& m, nanobind::module_& parent);  // parent has World and Batch
+
+namespace bindings {
 
 struct Outputs {
   bool colour, depth, segmentation, normals;
@@ -45,4 +50,5 @@ struct PythonPicture {
 [[nodiscard]] nanobind::object take_pictures(Renderer& renderer, std::vector<Shot> shots, const Outputs& wanted,
                                              bool is_one);
 
-}  // namespace manyhands::bindings
+}  // namespace bindings
+}  // namespace manyhands

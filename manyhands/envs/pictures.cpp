@@ -1,5 +1,7 @@
 #include "manyhands/envs/pictures.h"
 
+#include <algorithm>
+
 #include "manyhands/base/hash.h"
 #include "manyhands/math/quaternion.h"
 
@@ -12,6 +14,12 @@ constexpr double kGoalRadius = 0.02;      // of the ball that shows where the ha
 constexpr double kRotationHeight = 0.06;  // where orientations are shown, in the middle of the table [m]
 constexpr float kGoalAlpha = 0.5f;
 
+/// The world itself, and links that hang on it and carry nothing.
+bool is_thing(const Model& model, LinkId link) {
+  const auto carries = [&](const Link& other) { return other.parent == link; };
+  return link == LinkId(0) || (model.link(link).parent == LinkId(0) && std::ranges::none_of(model.links(), carries));
+}
+
 }  // namespace
 
 EnvPictures::EnvPictures(const EnvBatch& envs, int num_threads) : EnvPictures(envs, envs.scene(), num_threads) {}
@@ -23,10 +31,14 @@ EnvPictures::EnvPictures(const EnvBatch& envs, EnvScene scene, int num_threads)
   const std::span<const Geom> geoms = model().geoms();
   for (const Geom& geom : geoms) {
     patterns_.push_back(geom.shape.type == ShapeType::kPlane ? Pattern::kChecks : Pattern::kPlain);
+    takes_texture_.push_back(is_thing(model(), geom.link));
   }
   // Where a rotation is the goal, one must see how things are turned.
   if (static_cast<std::size_t>(envs.spec().goal_dim) != kRotation) return;
-  for (const GeomId object : objects_) patterns_[object.index()] = Pattern::kDie;
+  for (const GeomId object : objects_) {
+    patterns_[object.index()] = Pattern::kDie;
+    takes_texture_[object.index()] = false;
+  }
 }
 
 Shot EnvPictures::shot(int world, const Camera& camera, const Look& look, const PictureVariation& variation,
@@ -63,12 +75,39 @@ void EnvPictures::vary(Shot& shot, const PictureVariation& variation, RandomStre
   shot.look.light = (1 / norm(shot.look.light)) * shot.look.light + vector(variation.light);
   shot.look.sun *= static_cast<float>(1 + off(variation.brightness));
   shot.look.ambient *= static_cast<float>(1 + off(variation.brightness));
-  if (variation.colour == 0) return;
+  if (variation.colour > 0) vary_colours(shot, variation.colour, random);
+  if (variation.texture > 0) vary_textures(shot, variation, random);
+}
+
+void EnvPictures::vary_colours(Shot& shot, double most, RandomStream& random) const {
   for (const Geom& geom : model().geoms()) {
-    std::array<float, 4> rgba = geom.rgba;
-    for (std::size_t c = 0; c < 3; ++c)
-      rgba[c] = clamp(rgba[c] + static_cast<float>(off(variation.colour)), 0.0f, 1.0f);
-    shot.guise.rgba.push_back(rgba);
+    std::array<float, 4>& rgba = shot.guise.rgba.emplace_back(geom.rgba);
+    for (std::size_t c = 0; c < 3; ++c) {
+      rgba[c] = clamp(rgba[c] + static_cast<float>(random.uniform(-most, most)), 0.0f, 1.0f);
+    }
+  }
+}
+
+void EnvPictures::vary_textures(Shot& shot, const PictureVariation& variation, RandomStream& random) const {
+  const std::span<const Geom> geoms = model().geoms();
+  const bool is_tinted = !shot.guise.rgba.empty();
+  shot.guise.textures.resize(geoms.size());
+  for (std::size_t i = 0; i < geoms.size(); ++i) {
+    if (!is_tinted) shot.guise.rgba.push_back(geoms[i].rgba);
+    // As many numbers for each geom, whether it wears a texture or not.
+    const bool is_worn = random.unit<double>() < variation.texture;
+    const double which = random.unit<double>();
+    const auto repeat = static_cast<float>(random.uniform(0.5, 4.0));
+    if (!is_worn || !takes_texture_[i]) continue;
+    const auto one_of = [&](const auto& all) {
+      return all[static_cast<std::size_t>(which * static_cast<double>(all.size()))];
+    };
+    shot.guise.textures[i] =
+        variation.textures.empty() ? Texture{one_of(assorted_images()), {repeat, repeat}} : one_of(variation.textures);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float tint = is_tinted ? shot.guise.rgba[i][c] - geoms[i].rgba[c] : 0;
+      shot.guise.rgba[i][c] = clamp(1 + tint, 0.0f, 1.0f);  // the image's own colours
+    }
   }
 }
 

@@ -7,7 +7,7 @@
 
 namespace manyhands {
 
-/// How pictures differ from episode to episode: each number is the most that something is off, either way.
+/// How pictures differ from episode to episode: most numbers are the most that something is off, either way.
 struct PictureVariation {
   double position = 0;    ///< of the camera, along each axis of its frame [m]
   double direction = 0;   ///< of its view, about each of its axes [rad]
@@ -15,6 +15,8 @@ struct PictureVariation {
   double light = 0;       ///< of the direction to the sun, along each axis of a unit vector
   double brightness = 0;  ///< of sun and sky, as a share
   double colour = 0;      ///< of each geom's red, green and blue
+  double texture = 0;     ///< chance that floor, table, an obstacle or an object shows one in place of its colour
+  std::vector<Texture> textures{};  ///< to choose from; none: `assorted_images`, repeated up to four times
 
   [[nodiscard]] bool operator==(const PictureVariation&) const = default;
 };
@@ -37,11 +39,14 @@ class EnvPictures {
  private:
   explicit EnvPictures(const EnvBatch& envs, EnvScene scene, int num_threads);
   void vary(Shot& shot, const PictureVariation& variation, RandomStream random) const;
+  void vary_colours(Shot& shot, double most, RandomStream& random) const;
+  void vary_textures(Shot& shot, const PictureVariation& variation, RandomStream& random) const;
   [[nodiscard]] std::vector<Mark> goal_marks(std::span<const float> goal, std::span<const Vec3<double>> sizes) const;
 
   const EnvBatch& envs_;
   std::vector<GeomId> objects_;
-  std::vector<Pattern> patterns_;  // (geoms)
+  std::vector<Pattern> patterns_;    // (geoms)
+  std::vector<bool> takes_texture_;  // (geoms)
   Renderer renderer_;
 };
 

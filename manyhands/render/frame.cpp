@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
-#include <string>
 
 namespace manyhands {
 
@@ -65,28 +63,18 @@ LightAxes axes_of(const Vec3<double>& direction) {
   return {broadcast<float>(x), broadcast<float>(cross(z, x)), broadcast<float>(z)};
 }
 
-Paint paint_of(const std::array<float, 4>& rgba, Pattern pattern) {
-  return {linear_light(rgba[0]), linear_light(rgba[1]), linear_light(rgba[2]), clamp(rgba[3], 0.0f, 1.0f), pattern};
+Paint paint_of(const std::array<float, 4>& rgba, Pattern pattern = Pattern::kPlain, bool is_textured = false) {
+  return {linear_light(rgba[0]),
+          linear_light(rgba[1]),
+          linear_light(rgba[2]),
+          clamp(rgba[3], 0.0f, 1.0f),
+          pattern,
+          is_textured};
 }
+
+Paint paint_of(const Colour& c) { return paint_of({c[0], c[1], c[2], 1}); }
 
 }  // namespace
-
-float linear_light(float srgb) {
-  const float c = clamp(srgb, 0.0f, 1.0f);
-  return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f);
-}
-
-void require_look(const Look& look) {
-  const auto require = [](bool holds, const std::string& what) {
-    if (!holds) throw std::invalid_argument("look: " + what);
-  };
-  require(norm(look.light) > 1e-9 && is_finite(norm(look.light)), "the direction to the light has no length");
-  require(look.sun >= 0 && look.ambient >= 0 && is_finite(look.sun + look.ambient),
-          "sun and ambient are brightnesses of 0 or more");
-  require(look.shadow_rays >= 1 && look.shadow_rays <= 256, "shadow_rays must be from 1 to 256");
-  require(look.sun_size >= 0 && look.sun_size < 1, "sun_size must be from 0 to 1 rad");
-  require(look.antialiasing >= 1 && look.antialiasing <= 8, "antialiasing must be from 1 to 8");
-}
 
 void set_frame(PictureFrame& frame, const Scene& scene, const Camera& camera, const Look& look,
                std::span<const Transform<double>> X_WB, std::span<const Mark> marks, const Guise& guise) {
@@ -95,8 +83,8 @@ void set_frame(PictureFrame& frame, const Scene& scene, const Camera& camera, co
   frame.camera = camera;
   frame.look = look;
   frame.light = axes_of(look.light);
-  frame.horizon = paint_of({look.horizon[0], look.horizon[1], look.horizon[2], 1}, Pattern::kPlain);
-  frame.zenith = paint_of({look.zenith[0], look.zenith[1], look.zenith[2], 1}, Pattern::kPlain);
+  frame.horizon = paint_of(look.horizon);
+  frame.zenith = paint_of(look.zenith);
   Transform<double> X_WC = camera.X_FC;
   if (!camera.frame.empty()) {
     const Frame& mount = scene.model().frame(scene.model().frame_id(camera.frame));
@@ -106,7 +94,11 @@ void set_frame(PictureFrame& frame, const Scene& scene, const Camera& camera, co
   frame.solid.clear();
   frame.clear.clear();
   frame.paint.clear();
+  frame.textured.clear();
 
+  const auto has_texture = [&](std::size_t geom) {
+    return !guise.textures.empty() && guise.textures[geom].image != nullptr;
+  };
   const auto place = [&](const Item& item, const Transform<double>& X_WI, int first_seen, bool is_clear) {
     PlacedItem placed{};
     placed.item = &item;
@@ -120,17 +112,26 @@ void set_frame(PictureFrame& frame, const Scene& scene, const Camera& camera, co
   for (const Seen& seen : scene.seen()) {
     const std::size_t geom = seen.geom.index();
     frame.paint.push_back(paint_of(guise.rgba.empty() ? seen.rgba : guise.rgba[geom],
-                                   guise.patterns.empty() ? seen.pattern : guise.patterns[geom]));
+                                   guise.patterns.empty() ? seen.pattern : guise.patterns[geom], has_texture(geom)));
   }
   frame.own.clear();
   frame.own.reserve(scene.items().size() + marks.size());  // what is placed keeps its address
   for (const Item& item : scene.items()) {
-    const Item* seen = &item;
+    const Item* shown = &item;
     const std::size_t geom = scene.seen()[static_cast<std::size_t>(item.first_seen)].geom.index();
     if (item.triangles == nullptr && !guise.sizes.empty() && guise.sizes[geom].x > 0) {
-      seen = &frame.own.emplace_back(item_of({.type = item.type, .size = guise.sizes[geom]}));
+      shown = &frame.own.emplace_back(item_of({.type = item.type, .size = guise.sizes[geom]}));
     }
-    place(*seen, X_WB[item.body.index()] * broadcast<double>(item.X_BI), item.first_seen, item.is_clear);
+    const Transform<double> X_WI = X_WB[item.body.index()] * broadcast<double>(item.X_BI);
+    place(*shown, X_WI, item.first_seen, item.is_clear);
+    for (int number = item.first_seen; number < item.first_seen + item.num_seen; ++number) {
+      const Seen& seen = scene.seen()[static_cast<std::size_t>(number)];
+      if (!has_texture(seen.geom.index())) continue;
+      const Vec low = item.triangles ? seen.low : shown->low, high = item.triangles ? seen.high : shown->high;
+      const Vec rate{1 / (high.x - low.x), 1 / (high.y - low.y), 1 / (high.z - low.z)};
+      frame.textured.push_back(
+          {number, item.type, low, high, rate, broadcast<float>(X_WI), &guise.textures[seen.geom.index()]});
+    }
   }
   for (const Mark& mark : marks) {
     place(frame.own.emplace_back(item_of(mark.shape)), mark.X_WM, static_cast<int>(frame.paint.size()), true);

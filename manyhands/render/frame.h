@@ -4,6 +4,7 @@
 #include "manyhands/render/camera.h"
 #include "manyhands/render/look.h"
 #include "manyhands/render/scene.h"
+#include "manyhands/render/texture_place.h"
 
 namespace manyhands {
 
@@ -30,6 +31,7 @@ struct PlacedItem {
 struct Paint {
   float red, green, blue, alpha;
   Pattern pattern;
+  bool is_textured = false;
 };
 
 /// Axes across the light, and towards it.
@@ -47,6 +49,7 @@ struct PictureFrame {
   std::vector<PlacedItem> clear;  ///< from the farthest on
   std::vector<Paint> paint;       ///< by number of `Seen`; marks follow
   std::vector<Item> own;          ///< items of this picture alone: marks, and shapes of other sizes
+  std::vector<TexturedSurface> textured;
 };
 
 /// How a picture's geoms differ from the model's. Each list has one entry for every geom of the model, or none at all.
@@ -54,10 +57,8 @@ struct Guise {
   std::vector<std::array<float, 4>> rgba{};
   std::vector<Pattern> patterns{};
   std::vector<Vec3<double>> sizes{};  ///< of simple shapes, see Shape [m]; x = 0: the model's
+  std::vector<Texture> textures{};    ///< take the place of floors' checks and of dice
 };
-
-/// The linear light of a number as screens take it (sRGB, IEC 61966-2-1).
-[[nodiscard]] float linear_light(float srgb);
 
 /// X_WB: poses of the model's bodies (bodies). Frames are used again and again, so that their memory is.
 void set_frame(PictureFrame& frame, const Scene& scene, const Camera& camera, const Look& look,

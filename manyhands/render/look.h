@@ -20,6 +20,9 @@ struct Look {
   Colour horizon{0.86f, 0.89f, 0.92f}, zenith{0.46f, 0.58f, 0.72f};
 };
 
+/// The linear light of a number as screens take it (sRGB, IEC 61966-2-1).
+[[nodiscard]] float linear_light(float srgb);
+
 /// Throws std::invalid_argument unless every number is in its range.
 void require_look(const Look& look);
 

@@ -149,9 +149,11 @@ void Renderer::require_fit(std::span<const Shot> shots, const Pictures& pictures
       throw std::invalid_argument("a configuration has " + std::to_string(shot.q.size()) +
                                   " numbers; expected nq = " + std::to_string(model.nq()));
     }
-    for (const std::size_t given : {shot.guise.rgba.size(), shot.guise.patterns.size(), shot.guise.sizes.size()}) {
+    const Guise& guise = shot.guise;
+    for (const std::size_t given :
+         {guise.rgba.size(), guise.patterns.size(), guise.sizes.size(), guise.textures.size()}) {
       if (given == 0 || given == model.geoms().size()) continue;
-      throw std::invalid_argument("there are colours, patterns or sizes of " + std::to_string(given) +
+      throw std::invalid_argument("there are colours, patterns, sizes or textures of " + std::to_string(given) +
                                   " geoms; expected one for each of " + std::to_string(model.geoms().size()) +
                                   ", or none");
     }

@@ -119,11 +119,16 @@ MANYHANDS_INLINE Rays stripes(Rays x, Rays w) {
   return Rays(2.0f) * (a - b) / w;
 }
 
+/// How wide a pixel is across the view at these depths [m].
+MANYHANDS_INLINE Rays pixel_width(const Camera& camera, Rays depth) {
+  const Rays one(static_cast<float>(1 / camera.fy));
+  return camera.orthographic ? one : depth * one;
+}
+
 MANYHANDS_INLINE Light checks(const PictureFrame& frame, const PlacedItem& placed, const Vec& p, Rays depth,
                               Rays facing, const Light& paint) {
   const Vec o = transpose_times(broadcast<Rays>(placed.X_WI.R), p - broadcast<Rays>(placed.X_WI.p));
-  const float pixel = static_cast<float>(1 / frame.camera.fy);
-  const Rays across = frame.camera.orthographic ? Rays(pixel) : depth * Rays(pixel);
+  const Rays across = pixel_width(frame.camera, depth);
   const Rays w = max(across / max(facing, Rays(0.02f)), Rays(1e-4f)) * Rays(1 / kCheck);
   const Rays f = stripes(o.x * Rays(1 / kCheck), w) * stripes(o.y * Rays(1 / kCheck), w);
   return scaled(fma(Rays(0.16f), f, Rays(1.0f)), paint);
@@ -167,6 +172,27 @@ MANYHANDS_INLINE Light reflected(const PictureFrame& frame, const Vec& n, const 
   return {fma(both, paint.red, gloss), fma(both, paint.green, gloss), fma(both, paint.blue, gloss)};
 }
 
+/// The paint of points p with normals n (unit), seen along d (all in the world), where what is seen has a texture.
+Light textured(const PictureFrame& frame, RayInts seen, const Vec& p, const Vec& n, const Vec& d, Rays depth,
+               Light paint) {
+  for (const TexturedSurface& surface : frame.textured) {
+    const RayMask here(seen == surface.seen);
+    when(here, [&] {
+      const Mat3<Rays> R_WS = broadcast<Rays>(surface.X_WS.R);
+      const Vec p_S = transpose_times(R_WS, p - broadcast<Rays>(surface.X_WS.p)), n_S = transpose_times(R_WS, n);
+      const Vec d_S = (Rays(1.0f) / norm(d)) * transpose_times(R_WS, d);
+      const Rays width = pixel_width(frame.camera, depth);
+      for_lanes<Rays>(here, [&](int j) {
+        const Colour light = texture_light(surface, lane(p_S, j), lane(n_S, j), lane(d_S, j), lane(width, j));
+        set_lane(paint.red, j, light[0] * lane(paint.red, j));
+        set_lane(paint.green, j, light[1] * lane(paint.green, j));
+        set_lane(paint.blue, j, light[2] * lane(paint.blue, j));
+      });
+    });
+  }
+  return paint;
+}
+
 Light paint_of(const PictureFrame& frame, RayInts seen) {
   Light paint;
   for (int k = 0; k < kRays; ++k) {
@@ -186,16 +212,19 @@ void add_clear(const PictureFrame& frame, const Samples& s, std::size_t k, const
     const LocalRay ray = local_ray(frame, placed.X_IC, s.x[k], s.y[k]);
     const Rays near(static_cast<float>(frame.camera.near));
     RayMask met;
+    Rays t;
     RayInts seen = RayInts{} + placed.first_seen;
     Vec n{Rays(0.0f), Rays(0.0f), Rays(1.0f)};
     if (placed.item->triangles == nullptr) {
       const Entry<Rays> entry = enter_shape(placed.item->type, placed.item->size, ray.o, ray.d);
-      met = s.active[k] & (entry.t >= near) & (entry.t < s.depth[k]);
+      t = entry.t;
+      met = s.active[k] & (t >= near) & (t < s.depth[k]);
       n = broadcast<Rays>(placed.X_WI.R) * entry.n;
     } else {
       RayPacket packet{s.active[k], ray.o, ray.d, near, s.depth[k]};
       RayInts part = RayInts{}, triangle = RayInts{};
       met = placed.item->triangles->meet(packet, part, triangle);
+      t = packet.far;
       seen = seen + part;
       for_lanes<Rays>(met, [&](int j) {
         const Vec3<float> normal =
@@ -208,7 +237,12 @@ void add_clear(const PictureFrame& frame, const Samples& s, std::size_t k, const
     }
     when(met, [&] {
       Light paint = paint_of(frame, seen);
-      if (frame.paint[size(placed.first_seen)].pattern == Pattern::kDie) paint = die(placed, n, paint);
+      const Paint& own = frame.paint[size(placed.first_seen)];
+      if (own.pattern == Pattern::kDie && !own.is_textured) paint = die(placed, n, paint);
+      if (!frame.textured.empty()) {
+        const Vec p = broadcast<Rays>(placed.X_WI) * fma(t, ray.d, ray.o);
+        paint = textured(frame, select(met, seen, RayInts{} - 1), p, n, d_W, t, paint);
+      }
       Rays alpha(0.0f);
       for (int j = 0; j < kRays; ++j) set_lane(alpha, j, frame.paint[size(seen[j])].alpha);
       light = select(met, mix(alpha, light, reflected(frame, n, d_W, Rays(1.0f), paint)), light);
@@ -216,20 +250,22 @@ void add_clear(const PictureFrame& frame, const Samples& s, std::size_t k, const
   }
 }
 
+/// The paint of a packet's solid surfaces with what is on them, and by how much they fade into the horizon.
 Light patterned(const PictureFrame& frame, const Samples& s, std::size_t k, const Vec& p, const Vec& d, Light paint,
                 Rays& fade) {
   fade = Rays(0.0f);
+  if (!frame.textured.empty()) paint = textured(frame, s.seen[k], p, s.n[k], d, s.depth[k], paint);
   for (const PlacedItem& placed : frame.solid) {
-    const Pattern pattern = frame.paint[size(placed.first_seen)].pattern;
-    if (pattern == Pattern::kPlain || !placed.view.meets(s.part)) continue;
+    const Paint& own = frame.paint[size(placed.first_seen)];
+    if (own.pattern == Pattern::kPlain || !placed.view.meets(s.part)) continue;
     const RayMask here(s.seen[k] == placed.first_seen);
     when(here, [&] {
-      if (pattern == Pattern::kDie) {
-        paint = select(here, die(placed, s.n[k], paint), paint);
+      if (own.pattern == Pattern::kDie) {
+        if (!own.is_textured) paint = select(here, die(placed, s.n[k], paint), paint);
         return;
       }
       const Rays facing = -dot(s.n[k], d) / norm(d);
-      paint = select(here, checks(frame, placed, p, s.depth[k], facing, paint), paint);
+      if (!own.is_textured) paint = select(here, checks(frame, placed, p, s.depth[k], facing, paint), paint);
       const Rays along = (s.depth[k] - Rays(kFadeFrom)) * Rays(1 / (kFadeTo - kFadeFrom));
       const Rays f = clamp(along, Rays(0.0f), Rays(1.0f));
       fade = select(here, f * f * (Rays(3.0f) - Rays(2.0f) * f), fade);

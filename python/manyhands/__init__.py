@@ -35,8 +35,9 @@ from manyhands._core import (
     load_urdf,
     set_asset_root,
 )
-from manyhands._core.render import Camera, Look, Mark, Picture, Renderer
+from manyhands._core.render import Camera, Look, Mark, Picture, Renderer, Texture
 from manyhands.kinematics import IkResult, inverse_kinematics
+from manyhands.textures import load_texture
 from manyhands.viewer import view
 
 if TYPE_CHECKING:
@@ -91,6 +92,7 @@ __all__ = [
     "Picture",
     "Renderer",
     "SimulationError",
+    "Texture",
     "UrdfError",
     "World",
     "__version__",
@@ -101,6 +103,7 @@ __all__ = [
     "inverse_kinematics",
     "load_mjcf",
     "load_mjcf_string",
+    "load_texture",
     "load_urdf",
     "plots",
     "recording",

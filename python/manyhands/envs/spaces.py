@@ -57,7 +57,7 @@ class CameraOptions(TypedDict, total=False):
     depth: bool  # observe depth [m], too
     segmentation: bool  # and the links' numbers
     look: Look  # light and background
-    vary: "Mapping[str, float]"  # what differs from episode to episode, and how much: docs/cameras.md
+    vary: "Mapping[str, Any]"  # what differs from episode to episode, and how much: docs/cameras.md
 
 
 _CONVERTED = {"randomize", "robot", "obstacles", "cameras"}  # `cameras` elsewhere, with what begins with render_

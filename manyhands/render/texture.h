@@ -1,0 +1,57 @@
+// Images on surfaces, in place of one colour.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "manyhands/render/look.h"
+
+namespace manyhands {
+
+/// An image that is repeated without end in both directions. Immutable, shared by scenes and threads.
+class Image {
+ public:
+  /// rgb: (height, width, 3) as screens take it (sRGB), rows from the top. Throws std::invalid_argument unless width
+  /// and height lie between 1 and 4096 and `rgb` has as many numbers.
+  Image(int width, int height, std::span<const std::uint8_t> rgb);
+
+  [[nodiscard]] int width() const { return levels_[0].width; }
+  [[nodiscard]] int height() const { return levels_[0].height; }
+
+  /// The mean linear light about a point, over a width of so many pixels of the image: from 0 at its left edge to 1 at
+  /// its right edge, and from its upper edge to the lower one.
+  [[nodiscard]] Colour mean_at(float u, float v, float pixels) const;
+
+ private:
+  /// The image at half the size of the one before.
+  struct Level {
+    int width, height;
+    std::vector<std::array<float, 4>> pixels;  // linear light; the fourth number fills the lanes
+  };
+  std::vector<Level> levels_;
+};
+
+/// What a surface shows, multiplied by its colour. Where the image comes to lie follows from the surface's shape:
+/// upright on the sides of boxes and of meshes (seen from that side of the box that holds them), around spheres,
+/// cylinders and capsules from their lower end to the upper one, and on every metre of a plane.
+struct Texture {
+  std::shared_ptr<const Image> image{};     ///< none: the surface's own colour
+  std::array<float, 2> repeat{1.0f, 1.0f};  ///< how often the image lies there, along its width and its height
+
+  [[nodiscard]] bool operator==(const Texture&) const = default;
+};
+
+// ---- images of 128 x 128 pixels by rule; each fits together with itself ------------------------------------------
+
+[[nodiscard]] std::shared_ptr<const Image> checker_image(const Colour& a, const Colour& b);  ///< 2 x 2 squares
+[[nodiscard]] std::shared_ptr<const Image> stripe_image(const Colour& a,
+                                                        const Colour& b);  ///< upright: a left, b right
+/// Clouds between two colours: value noise of four octaves.
+[[nodiscard]] std::shared_ptr<const Image> noise_image(const Colour& a, const Colour& b, std::uint64_t seed);
+
+/// Checkers, stripes and noise in many colours, always the same: what randomised pictures choose from.
+[[nodiscard]] std::span<const std::shared_ptr<const Image>> assorted_images();
+
+}  // namespace manyhands

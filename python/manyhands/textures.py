@@ -1,0 +1,26 @@
+"""Image files as textures."""
+
+from os import PathLike
+
+import numpy as np
+
+from manyhands._core.render import Texture
+
+
+def load_texture(path: str | PathLike[str], repeat: float | tuple[float, float] = 1) -> Texture:
+    """The image of a file: PNG, JPEG, or whatever else Pillow reads; what is see-through there is white.
+
+    repeat: how often it lies where it else lies once (see `Texture`). Raises FileNotFoundError, ValueError on what is
+    no image, ModuleNotFoundError without Pillow.
+    """
+    try:
+        from PIL import Image, UnidentifiedImageError
+    except ModuleNotFoundError as reason:
+        raise ModuleNotFoundError("images are read by Pillow: pip install pillow") from reason
+    try:
+        with Image.open(path) as image:
+            whole = image.convert("RGBA")
+    except UnidentifiedImageError as reason:
+        raise ValueError(f"{path} is no image that can be read") from reason
+    white = Image.new("RGBA", whole.size, "white")
+    return Texture(np.asarray(Image.alpha_composite(white, whole).convert("RGB")), repeat)
