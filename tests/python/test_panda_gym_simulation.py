@@ -280,6 +280,18 @@ def test_a_texture_is_found(sim: PyBullet, tmp_path: Path) -> None:
     assert sim.physics_client.bodies["other"].look.texture == own
 
 
+def test_a_texture_of_ones_own_is_shown(tmp_path: Path) -> None:
+    image = pytest.importorskip("PIL.Image")
+    image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / "red.png")
+    sim = PyBullet(render_mode="rgb_array")
+    box(sim, half_extents=[0.3] * 3, texture=str(tmp_path / "red.png"))
+    picture = sim.render(60, 40)
+    assert picture is not None
+    red, green, blue = picture[20, 30, :3].astype(int)
+    assert red > 3 * green and red > 3 * blue
+    sim.close()
+
+
 def test_states_are_numbered_from_the_smallest_free(sim: PyBullet) -> None:
     box(sim)
     assert [sim.save_state() for _ in range(3)] == [0, 1, 2]

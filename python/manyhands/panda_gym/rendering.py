@@ -3,6 +3,8 @@
 import time
 import warnings
 from collections.abc import Iterable
+from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,7 +14,9 @@ from manyhands._core import World
 from manyhands._core.render import Camera, Mark
 from manyhands.envs.cameras import FINE
 from manyhands.envs.page import Page
+from manyhands.panda_gym.assets import get_data_path
 from manyhands.panda_gym.bodies import Body
+from manyhands.textures import load_texture
 
 MODES = ("human", "rgb_array")
 RENDERERS = ("Tiny", "OpenGL")
@@ -73,9 +77,23 @@ class Display:
 def picture(world: World, bodies: Iterable[Body], camera: Camera) -> NDArray[np.uint8]:
     """What the camera sees of the world, (height, width, 3), and over it the ghosts, which are not in it."""
     shapes = [body for body in bodies if body.shape is not None]
-    dice = [body.links[0] for body in shapes if body.in_world and body.look.texture is not None]
+    dice = [body.links[0] for body in shapes if body.in_world and _is_die(body)]
+    textures = {
+        body.links[0]: _texture(body.look.texture)
+        for body in shapes
+        if body.in_world and body.look.texture is not None and not _is_die(body)
+    }
     marks = [_mark(body) for body in shapes if not body.in_world and body.look.rgba[3] > 0]
-    return world.render(camera, look=FINE, marks=marks, dice=dice, depth=False, segmentation=False).colour
+    options: Any = {"look": FINE, "marks": marks, "dice": dice, "textures": textures}
+    return world.render(camera, **options, depth=False, segmentation=False).colour
+
+
+_texture = lru_cache(16)(load_texture)
+
+
+def _is_die(body: Body) -> bool:
+    """Whether it wears the package's own picture, whose faces are drawn without it."""
+    return body.look.texture is not None and body.look.texture.parent == Path(get_data_path())
 
 
 def _mark(ghost: Body) -> Mark:
@@ -83,4 +101,4 @@ def _mark(ghost: Body) -> Mark:
     kind, sizes = ghost.shape
     rgba: Any = ghost.look.rgba
     position, quaternion = ghost.pose.position.tolist(), ghost.pose.quaternion.tolist()
-    return Mark(kind, sizes, position, quaternion, rgba, is_die=ghost.look.texture is not None)
+    return Mark(kind, sizes, position, quaternion, rgba, is_die=_is_die(ghost))
