@@ -201,6 +201,16 @@ def test_a_copy_goes_its_own_way() -> None:
     twin.restore_state(state)
 
 
+@pytest.mark.parametrize(
+    "make", [gymnasium.make, panda_gym.make, lambda _, **options: panda_gym.envs.PandaPushEnv(**options)]
+)
+def test_unknown_options_are_named_with_those_there_are(make: Any) -> None:
+    with pytest.raises(TypeError, match=r"no option 'rendermode' \(it is 'human'\); there are render_mode"):
+        make("PandaPush-v3", rendermode="human")
+    with pytest.raises(TypeError, match=r"no option 'object_shape' .*n_substeps, time_step.*joint_forces"):
+        make("PandaPush-v3", object_shape="sphere")
+
+
 def test_a_saved_goal_is_a_copy() -> None:
     env = make("Reach")
     env.reset(seed=0)

@@ -167,6 +167,20 @@ def test_all_ids_of_version_2(name: str) -> None:
     env.close()
 
 
+def test_looking_ahead_takes_no_steps_from_an_episode_of_version_2() -> None:
+    env = panda_gym.make("PandaPush-v2", terminate_on_success=False)
+    env.reset(seed=0)
+    action = np.full(3, 0.1)
+    dones = []
+    for _ in range(50):
+        state = env.save_state()
+        env.step(-action)
+        env.restore_state(state)
+        env.remove_state(state)
+        dones.append(env.step(action)[2])
+    assert dones == [False] * 49 + [True]
+
+
 def test_names_that_there_are_not() -> None:
     with pytest.raises(gymnasium.error.NameNotFound, match="PandaReachDense"):
         panda_gym.make("PandaJuggle-v2")

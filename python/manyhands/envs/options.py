@@ -56,12 +56,17 @@ _KINDS: dict[str, _Kind] = {
 }
 
 
-def require_options(given: Mapping[str, Any], known: Collection[str]) -> None:
-    """Raises TypeError on an option that is not known, or of another type; the message names it and what there is."""
+def require_known(given: Mapping[str, Any], known: Collection[str]) -> None:
+    """Raises TypeError on an option that is not known; the message names it and what there is."""
     for name, value in given.items():
         if name not in known:
-            names = ", ".join(("reward_type", "control_type", "render_mode", *known))
-            raise TypeError(f"there is no option {name!r} (it is {value!r}); there are {names}")
+            raise TypeError(f"there is no option {name!r} (it is {value!r}); there are {', '.join(known)}")
+
+
+def require_options(given: Mapping[str, Any], known: Collection[str]) -> None:
+    """Raises TypeError on an option that is not known, or of another type; the message names it and what there is."""
+    require_known(given, ("reward_type", "control_type", "render_mode", *known))
+    for name, value in given.items():
         expected, fits = _KINDS.get(name, ("", None))
         if fits is not None and not fits(value):
             raise TypeError(f"{name} is {value!r}, expected {expected}")

@@ -15,13 +15,15 @@ __all__ = ["TimeLimit", "make", "spaces"]
 class TimeLimit:
     """An environment of panda-gym 2 whose episodes end after so many steps; what else is asked of it, it answers.
 
-    `done` stays True until the next reset.
+    `done` stays True until the next reset. A saved state holds the steps of its episode, so that looking ahead takes
+    none from it; the old gym's limit counted those too.
     """
 
     def __init__(self, env: RobotTaskEnv, max_episode_steps: int) -> None:
         self.env = env
         self._max_episode_steps = max_episode_steps
         self._elapsed_steps: int | None = None
+        self._saved_steps: dict[int, int | None] = {}
 
     @property
     def unwrapped(self) -> RobotTaskEnv:
@@ -48,6 +50,22 @@ class TimeLimit:
             info["TimeLimit.truncated"] = not done
             done = True
         return observation, reward, done, info
+
+    def save_state(self) -> int:
+        """Keeps the present state, until `remove_state` of the number that this returns."""
+        state_id = self.env.save_state()
+        self._saved_steps[state_id] = self._elapsed_steps
+        return state_id
+
+    def restore_state(self, state_id: int) -> None:
+        """Goes back to a saved state and to the step it was saved after."""
+        self.env.restore_state(state_id)
+        self._elapsed_steps = self._saved_steps.get(state_id, self._elapsed_steps)
+
+    def remove_state(self, state_id: int) -> None:
+        """Forgets a saved state."""
+        self.env.remove_state(state_id)
+        self._saved_steps.pop(state_id, None)
 
     def render(self, mode: str = "human", **kwargs: Any) -> Any:
         """As `RobotTaskEnv.render`."""

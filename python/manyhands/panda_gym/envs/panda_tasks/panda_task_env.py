@@ -1,10 +1,12 @@
 """What the six environments share: a Panda at a table."""
 
 from abc import abstractmethod
-from typing import ClassVar
+from inspect import signature
+from typing import Any, ClassVar
 
 from numpy.typing import ArrayLike
 
+from manyhands.envs.options import require_known
 from manyhands.panda_gym.envs.core import RobotTaskEnv
 from manyhands.panda_gym.envs.robots.panda import Panda
 from manyhands.panda_gym.envs.tasks.goal_task import GoalTask
@@ -43,8 +45,10 @@ class PandaTaskEnv(RobotTaskEnv):
         terminate_on_success: bool = True,
         distance_threshold: float = 0.0,
         joint_forces: ArrayLike | None = None,
+        **unknown: Any,
     ) -> None:
-        """Raises ValueError on an unknown mode, renderer or type."""
+        """Raises ValueError on an unknown mode, renderer or type, TypeError on an unknown option."""
+        require_known(unknown, [name for name in signature(PandaTaskEnv).parameters if name != "unknown"])
         mode = "rgb_array" if render_mode is None else render_mode
         sim = PyBullet(mode, n_substeps, renderer=renderer, render=render, timestep=time_step)
         robot = Panda(sim, self.block_gripper, BASE_POSITION, control_type, joint_forces=joint_forces)
