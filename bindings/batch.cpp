@@ -310,6 +310,9 @@ void bind_batch_worlds(nb::module_& m) {
   bind_state(batch);
   bind_bodies(batch);
   bind_parameters(batch);
+  refuse_pickle(batch,
+                "a Batch cannot be copied or pickled: make another of the same model, with as many worlds, and give "
+                "its restore what snapshot() gives here");
 }
 
 }  // namespace manyhands

@@ -31,4 +31,22 @@ void step_in_pieces(Worlds& worlds, int n, int piece) {
   } while (n > 0);
 }
 
+/// What never changes is its own copy.
+template <class Bound>
+void copy_as_itself(Bound& bound) {
+  const auto itself = [](const nanobind::object& self) { return self; };
+  bound.def("__copy__", itself)
+      .def(
+          "__deepcopy__", [itself](const nanobind::object& self, const nanobind::object&) { return itself(self); },
+          nanobind::arg("memo"));
+}
+
+/// Makes pickling fail with a message that says what to do instead.
+template <class Bound>
+void refuse_pickle(Bound& bound, const char* instead) {
+  bound.def(
+      "__getstate__", [instead](nanobind::handle) -> nanobind::object { throw nanobind::type_error(instead); },
+      nanobind::sig("def __getstate__(self) -> typing.NoReturn"));
+}
+
 }  // namespace manyhands

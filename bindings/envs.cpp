@@ -52,6 +52,12 @@ std::span<const std::uint64_t> numbers(const Seeds& seeds) {
   return seeds ? as_span(*seeds) : std::span<const std::uint64_t>{};
 }
 
+nb::bytes as_bytes(const std::vector<std::uint8_t>& numbers) { return nb::bytes(numbers.data(), numbers.size()); }
+
+std::span<const std::uint8_t> as_bytes(const nb::bytes& text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
+
 std::string shape_text(std::size_t rows, std::size_t columns) {
   return "(" + std::to_string(rows) + ", " + std::to_string(columns) + ")";
 }
@@ -157,18 +163,11 @@ void bind_batch(nb::module_& m) {
           "(n, len(spec.randomized)), what the present episode of each world has.")
       .def_prop_ro("state_hash", &EnvBatch::state_hash, "Of the physics of all worlds: equal bits, equal hash.")
       .def(
-          "snapshot",
-          [](const EnvBatch& envs) {
-            const std::vector<std::uint8_t> bytes = envs.snapshot();
-            return nb::bytes(bytes.data(), bytes.size());
-          },
+          "snapshot", [](const EnvBatch& envs) { return as_bytes(envs.snapshot()); },
           "All that a run needs to continue bit for bit: physics, goals, random streams, step counts.")
       .def(
-          "restore",
-          [](EnvBatch& envs, const nb::bytes& snapshot) {
-            envs.restore({reinterpret_cast<const std::uint8_t*>(snapshot.data()), snapshot.size()});
-          },
-          "snapshot"_a, "Goes back to a snapshot. Raises ValueError if it is of another environment.")
+          "restore", [](EnvBatch& envs, const nb::bytes& snapshot) { envs.restore(as_bytes(snapshot)); }, "snapshot"_a,
+          "Goes back to a snapshot. Raises ValueError if it is of another environment.")
       .def("compute_reward", &compute_reward, "achieved_goal"_a, "desired_goal"_a,
            nb::sig("def compute_reward(self, achieved_goal: numpy.typing.NDArray[numpy.float32], "
                    "desired_goal: numpy.typing.NDArray[numpy.float32]) -> numpy.typing.NDArray[numpy.float32]"),
@@ -310,6 +309,12 @@ void bind_autoreset(nb::module_& m) {
                   "numpy.typing.NDArray[numpy.float32], numpy.typing.NDArray[numpy.float32]]"),
           "(observation, achieved_goal, desired_goal): (n, observation_dim), (n, goal_dim), (n, goal_dim). Without "
           "`copy`, read-only views that the next step or reset overwrites.")
+      .def(
+          "snapshot", [](const AutoresetBatch& batch) { return as_bytes(batch.snapshot()); },
+          "All that a run needs to continue bit for bit: that of the batch, and where each world is in its episode.")
+      .def(
+          "restore", [](AutoresetBatch& batch, const nb::bytes& snapshot) { batch.restore(as_bytes(snapshot)); },
+          "snapshot"_a, "Goes back to a snapshot. Raises ValueError if it is of another environment.")
       .def("outcome", &outcome,
            nb::sig("def outcome(self) -> tuple[numpy.typing.NDArray[numpy.float64], "
                    "numpy.typing.NDArray[numpy.bool_], numpy.typing.NDArray[numpy.bool_]]"),

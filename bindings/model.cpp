@@ -62,15 +62,15 @@ void bind_report(nb::module_& m) {
 }
 
 void bind_model_class(nb::module_& m) {
-  nb::class_<PythonModel>(
+  auto model = nb::class_<PythonModel>(
       m, "Model",
       "A robot or scene that never changes, made by `load_urdf` or `ModelBuilder.build`.\n\n"
       "Coordinates, depth first over the joints (see `Joint.iq`, `Joint.iv`): revolute, continuous: angle [rad]; "
       "prismatic: shift [m]; planar: x, y [m] across the axis and the angle [rad]; spherical: q is a quaternion xyzw, "
       "v "
       "the angular velocity in the joint frame F; floating: q is position [m] and quaternion xyzw, v is angular "
-      "velocity, then velocity of the origin, both in F.")
-      .def_prop_ro("name", [](const PythonModel& self) { return self.model->name(); })
+      "velocity, then velocity of the origin, both in F.");
+  model.def_prop_ro("name", [](const PythonModel& self) { return self.model->name(); })
       .def_prop_ro(
           "nq", [](const PythonModel& self) { return self.model->nq(); }, "Length of q.")
       .def_prop_ro(
@@ -126,6 +126,11 @@ void bind_model_class(nb::module_& m) {
         return "<Model '" + self.model->name() + "': " + std::to_string(self.model->links().size()) + " links, nq " +
                std::to_string(self.model->nq()) + ", nv " + std::to_string(self.model->nv()) + ">";
       });
+  copy_as_itself(model);
+  refuse_pickle(
+      model,
+      "a Model cannot be pickled: load its file, or build it, where it is needed. Copies within a program are "
+      "the model itself, which never changes");
 }
 
 using PythonLoaded = std::pair<std::unique_ptr<PythonModel>, LoadReport>;

@@ -47,9 +47,12 @@ Camera posed(Camera camera, const Transform<double>& X_FC, const std::string& fr
 }
 
 void bind_camera(nb::module_& m) {
-  nb::class_<Camera>(m, "Camera",
-                     "A camera without distortion; its frame is the optical one: x to the right, y down, z forward. "
-                     "Immutable: what moves it gives another.")
+  auto bound = nb::class_<Camera>(
+      m, "Camera",
+      "A camera without distortion; its frame is the optical one: x to the right, y down, z forward. "
+      "Immutable: what moves it gives another.");
+  copy_as_itself(bound);
+  bound
       .def_static("perspective", &perspective_camera, "width"_a, "height"_a, "fov_y"_a,
                   "One that sees `fov_y` [rad] from top to bottom, at the world's origin. Raises ValueError unless 0 < "
                   "fov_y < pi and width and height lie between 1 and 16384.")
@@ -116,7 +119,10 @@ void bind_camera(nb::module_& m) {
 
 void bind_look(nb::module_& m) {
   const Look standard;
-  nb::class_<Look>(m, "Look", "How a scene is lit, and what is behind it. Colours are red, green, blue, 0 to 1.")
+  auto bound =
+      nb::class_<Look>(m, "Look", "How a scene is lit, and what is behind it. Colours are red, green, blue, 0 to 1.");
+  copy_as_itself(bound);
+  bound
       .def(
           "__init__",
           [](Look* self, const Numbers3& light, float sun, float ambient, bool shadows, int shadow_rays,

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "bindings/arrays.h"
+#include "bindings/bindings.h"
 #include "bindings/render.h"
 
 namespace nb = nanobind;
@@ -67,11 +68,13 @@ void bind_texture(nb::module_& m) {
   const auto signature = [](const char* name, const char* own) {
     return std::string("def ") + name + kColours + own + kRepeat;
   };
-  nb::class_<Texture>(
+  auto bound = nb::class_<Texture>(
       m, "Texture",
       "An image that surfaces show, multiplied by their colour. It lies upright on each side of a box, from end to end "
       "around spheres, cylinders and capsules, on every metre of a plane, and on meshes as on the box that holds them. "
-      "Immutable.")
+      "Immutable.");
+  copy_as_itself(bound);
+  bound
       .def(
           "__init__",
           [](Texture* self, const AnyArray& image, const Repeat& repeat) {

@@ -256,6 +256,9 @@ void bind_world(nb::module_& m) {
   bind_world_contacts(m, world);
   bind_world_queries(m, world);
   bind_world_parts(world);
+  refuse_pickle(world,
+                "a World cannot be pickled: build it from its files where it is needed, and give its restore what "
+                "snapshot() gives here; World.copy() copies it within a program");
 }
 
 }  // namespace manyhands

@@ -1,6 +1,7 @@
 #include "manyhands/envs/autoreset.h"
 
 #include <algorithm>
+#include <cstring>
 #include <stdexcept>
 #include <string>
 
@@ -91,6 +92,30 @@ void AutoresetBatch::step(std::span<const float> action) {
     for (const int world : final_.world) steps_[static_cast<std::size_t>(world)] = 0;
     std::ranges::fill(done_, std::uint8_t{0});
   }
+}
+
+std::vector<std::uint8_t> AutoresetBatch::snapshot() const {
+  std::vector<std::uint8_t> bytes = envs_.snapshot();
+  const auto* steps = reinterpret_cast<const std::uint8_t*>(steps_.data());
+  bytes.insert(bytes.end(), steps, steps + sizeof(std::int32_t) * steps_.size());
+  bytes.insert(bytes.end(), done_.begin(), done_.end());
+  return bytes;
+}
+
+void AutoresetBatch::restore(std::span<const std::uint8_t> snapshot) {
+  const std::size_t own = (sizeof(std::int32_t) + 1) * steps_.size();
+  if (snapshot.size() < own) {
+    throw std::invalid_argument("AutoresetBatch::restore: the snapshot has " + std::to_string(snapshot.size()) +
+                                " bytes, too few for " + std::to_string(steps_.size()) + " worlds");
+  }
+  envs_.restore(snapshot.first(snapshot.size() - own));
+  const auto rest = snapshot.last(own);
+  std::memcpy(steps_.data(), rest.data(), own - done_.size());
+  std::ranges::copy(rest.last(done_.size()), done_.begin());
+  std::ranges::fill(reward_, 0);
+  std::ranges::fill(terminated_, std::uint8_t{0});
+  std::ranges::fill(truncated_, std::uint8_t{0});
+  forget_final_rows();
 }
 
 void AutoresetBatch::record_outcomes() {

@@ -47,6 +47,12 @@ class AutoresetBatch {
     return truncated_;
   }  ///< (n), the limit or instability
 
+  /// The batch's snapshot, and where each world is in its episode.
+  [[nodiscard]] std::vector<std::uint8_t> snapshot() const;
+  /// Continues from a snapshot; outcomes are zeros until the next step. Throws std::invalid_argument if it is of
+  /// another environment.
+  void restore(std::span<const std::uint8_t> snapshot);
+
   /// The k worlds that ended and started anew within the last `step` (mode kSameStep), and their last rows.
   struct Final {
     std::vector<int> world;                                       // (k), ascending
@@ -67,7 +73,7 @@ class AutoresetBatch {
   EnvBatch& envs_;
   AutoresetMode mode_;
   int max_episode_steps_;
-  std::vector<int> steps_;                            // (n), of the running episode
+  std::vector<std::int32_t> steps_;                   // (n), of the running episode
   std::vector<double> reward_;                        // (n)
   std::vector<std::uint8_t> terminated_, truncated_;  // (n)
   std::vector<std::uint8_t> done_;                    // (n), ended and not reset yet

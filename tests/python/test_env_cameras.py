@@ -1,6 +1,8 @@
 """What environments show: `render`, pictures in the observation, and videos."""
 
+import copy
 import math
+import pickle
 from pathlib import Path
 from typing import Any
 
@@ -211,3 +213,17 @@ def test_record_video_writes_what_was_rendered(tmp_path: Path) -> None:
     video.close()
     (file,) = tmp_path.glob("*.mp4")
     assert file.stat().st_size > 1000
+
+
+def test_copies_see_what_the_original_sees() -> None:
+    plain: CameraOptions = {"width": 24, "height": 16, "depth": True}
+    camera = mh.Camera.perspective(24, 16, 0.8).look_at([0.7, 0, 0.5], [0, 0, 0])
+    env = PandaEnv("PandaPush", cameras={"front": plain})
+    env.reset(seed=0)
+    env.step(np.ones(3))
+    np.testing.assert_equal(pickle.loads(pickle.dumps(env)).observe(), env.observe())
+    own: CameraOptions = {**plain, "look": Look(antialiasing=2)}
+    own["vary"] = {"texture": 1.0, "textures": [mh.Texture.checker((1, 0, 0), (0, 0, 1))]}
+    env = PandaEnv("PandaPush", cameras={"front": own, "mine": camera})
+    env.reset(seed=1)
+    np.testing.assert_equal(copy.deepcopy(env).observe(), env.observe())

@@ -3,6 +3,7 @@
 import copy
 import pickle
 import warnings
+from collections.abc import Callable
 from typing import Any
 
 import gymnasium
@@ -188,6 +189,41 @@ def test_copies_and_pickles_are_environments_of_the_same_kind() -> None:
     for other in (copy.deepcopy(env), pickle.loads(pickle.dumps(env))):
         np.testing.assert_equal(other.reset(seed=5), env.reset(seed=5))
         np.testing.assert_equal(other.step(np.ones(7)), env.step(np.ones(7)))
+
+
+@pytest.mark.parametrize(
+    "twin_of", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))], ids=["copy", "pickle"]
+)
+def test_copies_continue_in_the_middle_of_an_episode_with_its_limit(twin_of: Callable[[Any], Any]) -> None:
+    env = gymnasium.make("PandaPush-v3", terminate_on_success=False)
+    env.reset(seed=3)
+    env.action_space.seed(3)
+    for _ in range(20):
+        env.step(env.action_space.sample())
+    twin = twin_of(env)
+    assert twin.spec == env.spec
+    assert twin.unwrapped is not env.unwrapped
+    for t in range(21, 51):
+        here, there = env.step(env.action_space.sample()), twin.step(twin.action_space.sample())
+        np.testing.assert_equal(there, here)
+        assert there[3] == (t == 50)
+    np.testing.assert_equal(twin.reset(), env.reset())  # the random stream goes on
+
+
+def test_looking_ahead_takes_no_steps_from_the_episode() -> None:
+    env = gymnasium.make("PandaPush-v3", terminate_on_success=False)
+    plain = gymnasium.make("PandaPush-v3", terminate_on_success=False)
+    panda: Any = env.unwrapped
+    np.testing.assert_equal(env.reset(seed=1), plain.reset(seed=1))
+    for t in range(1, 51):
+        state = panda.save_state()
+        for _ in range(2):
+            panda.step(env.action_space.sample())
+        panda.restore_state(state)
+        action = np.full(3, np.sin(t))
+        here = env.step(action)
+        np.testing.assert_equal(here, plain.step(action))
+        assert here[3] == (t == 50)
 
 
 def test_unknown_render_modes_are_refused_plainly() -> None:

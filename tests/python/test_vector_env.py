@@ -1,5 +1,7 @@
 """The native vector environment equals Gymnasium's SyncVectorEnv over single environments, to the bit."""
 
+import copy
+import pickle
 import threading
 import time
 import warnings
@@ -317,3 +319,39 @@ def test_other_python_threads_run_during_a_step() -> None:
     stop.set()
     thread.join()
     assert sum(begin < t < end for t in ticks) > 10 * 1.5, "the interpreter lock was held while stepping"
+
+
+@pytest.mark.parametrize("mode", list(AutoresetMode))
+def test_states_copies_and_pickles_continue_where_the_worlds_are(mode: AutoresetMode) -> None:
+    envs = native(max_episode_steps=7, autoreset_mode=mode, randomize={"action_latency": (0, 2)}, num_threads=2)
+
+    def play(worlds: PandaVectorEnv, obs: Any, steps: int) -> tuple[Any, ...]:
+        results: list[Any] = []
+        rng = np.random.default_rng(2)
+        for _ in range(steps):
+            results.append(worlds.step(actions_for(worlds, obs, rng)))
+            obs, _, terminated, truncated, _ = results[-1]
+            if mode == AutoresetMode.DISABLED and (terminated | truncated).any():
+                results.append(worlds.reset(options={"reset_mask": terminated | truncated}))
+                obs = results[-1][0]
+        return tuple(results)
+
+    obs = play(envs, envs.reset(seed=4)[0], 12)[-1][0]
+    state, twins = envs.save_state(), [copy.deepcopy(envs), pickle.loads(pickle.dumps(envs))]
+    expected = play(envs, obs, 12)
+    assert_same(envs.restore_state(state), obs, "what is observed there")
+    for continued in (envs, *twins):
+        assert continued.spec == envs.spec
+        assert_same(play(continued, obs, 12), expected, mode.name)
+    for wrong in (state[:-1], state[:5]):
+        with pytest.raises(ValueError, match=r"snapshot"):
+            envs.restore_state(wrong)
+
+
+def test_a_copy_waits_for_its_reset_as_the_original_does() -> None:
+    envs = native(max_episode_steps=2, autoreset_mode=AutoresetMode.DISABLED)
+    envs.reset(seed=0)
+    for _ in range(2):
+        envs.step(np.zeros((N, 3), np.float32))
+    with pytest.raises(RuntimeError, match="reset it first"):
+        copy.deepcopy(envs).step(np.zeros((N, 3), np.float32))

@@ -2,6 +2,7 @@
 
 import copy
 import math
+import pickle
 from pathlib import Path
 
 import numpy as np
@@ -79,6 +80,18 @@ def test_copies_and_snapshots_go_on_alike() -> None:
         assert each.state_hash() == world.state_hash()
     with pytest.raises(ValueError, match="another model"):
         mh.World().restore(snapshot)
+
+
+def test_what_cannot_be_pickled_says_what_to_do() -> None:
+    world = table()
+    for each, instead in ((world, "restore"), (world.model, "load"), (mh.Batch(world.model, 2), "restore")):
+        with pytest.raises(TypeError, match=f"cannot be .*pickled: .*{instead}"):
+            pickle.dumps(each)
+    with pytest.raises(TypeError, match="cannot be copied"):
+        copy.deepcopy(mh.Batch(world.model, 2))
+    model = world.model
+    assert copy.copy(model) is model
+    assert copy.deepcopy({"model": model})["model"] is model
 
 
 def test_a_wrist_feels_what_hangs_on_it() -> None:

@@ -5,7 +5,6 @@ from typing import Any, ClassVar
 
 import gymnasium
 import numpy as np
-from gymnasium.utils import EzPickle
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import Unpack
 
@@ -15,8 +14,10 @@ from manyhands.envs.cameras import RENDER_MODES, EnvCameras, require_mode
 from manyhands.envs.page import Page
 from manyhands.envs.spaces import ControlType, EnvOptions, Observation, RewardType
 
+_MADE_ANEW = "_batch", "_cameras", "_page", "_turn"  # in a copy
 
-class PandaEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
+
+class PandaEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     """A Panda arm and a task, as panda-gym describes them.
 
     Tasks: PandaReach, PandaPush, PandaSlide, PandaPickAndPlace, PandaStack, PandaFlip. Observations are dicts of
@@ -39,8 +40,8 @@ class PandaEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
     Calls from several Python threads take turns.
 
     `info["is_success"]` of reset and step says whether the goal is reached; with `randomize`, `info["randomized"]` what
-    the episode has, by name. Copies and pickles are new environments
-    made from the same arguments.
+    the episode has, by name. Copies and pickles continue where the environment is: those of an environment in
+    Gymnasium's wrappers too, with the number of steps that its TimeLimit has counted.
     """
 
     metadata: ClassVar[dict[str, Any]] = {"render_modes": ["human", *RENDER_MODES], "render_fps": spaces.RENDER_FPS}  # pyright: ignore[reportIncompatibleVariableOverride]
@@ -62,9 +63,7 @@ class PandaEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         option or one of another type.
         """
         require_mode(render_mode, self.metadata["render_modes"])
-        EzPickle.__init__(
-            self, task, reward_type=reward_type, control_type=control_type, render_mode=render_mode, **options
-        )
+        self._arguments = {"task": task, "reward_type": reward_type, "control_type": control_type, **options}
         self.render_mode = render_mode
         self._page = Page()
         self._turn = threading.Lock()
@@ -138,8 +137,14 @@ class PandaEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
         return EnvBodies(self._batch)
 
     def save_state(self) -> bytes:
-        """All that a run needs to continue bit for bit: physics, goal and random stream."""
-        return self._batch.snapshot()
+        """All that a run needs to continue bit for bit: physics, goal and random stream.
+
+        What wraps the environment is not in it: the steps that gymnasium's TimeLimit has counted are those of its own
+        `step`. To look ahead, try actions with `env.unwrapped.step`, which it does not count; to come back to an
+        episode with its limit, keep `copy.deepcopy(env)`.
+        """
+        with self._turn:
+            return self._batch.snapshot()
 
     def restore_state(self, state: bytes) -> Observation:
         """Goes back to a saved state and returns what is observed there. Raises ValueError on one of another task."""
@@ -150,6 +155,16 @@ class PandaEnv(gymnasium.Env[Observation, NDArray[np.float32]], EzPickle):
     def compute_reward(self, achieved_goal: ArrayLike, desired_goal: ArrayLike, info: Any = None) -> Any:
         """The task's reward for goals (..., goal_dim): float32, a scalar or of shape (...). `info` is not used."""
         return spaces.compute_reward(self._batch, achieved_goal, desired_goal)
+
+    def __getstate__(self) -> dict[str, Any]:
+        kept = {name: value for name, value in vars(self).items() if name not in _MADE_ANEW}
+        return {"kept": kept, "state": self.save_state()}
+
+    def __setstate__(self, saved: dict[str, Any]) -> None:
+        kept = saved["kept"]
+        PandaEnv.__init__(self, render_mode=kept["render_mode"], **kept["_arguments"])
+        vars(self).update(kept)
+        self._batch.restore(saved["state"])
 
     def _observation(self) -> Observation:
         observation, achieved, desired = self._batch.observations()

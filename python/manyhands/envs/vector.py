@@ -20,6 +20,7 @@ from manyhands.envs.page import Page
 from manyhands.envs.spaces import ControlType, EnvOptions, Observation, RewardType
 from manyhands.envs.tally import Tally
 
+_MADE_ANEW = "_batch", "_bodies", "_cameras", "_envs", "_page", "_tally", "_turn"  # in a copy
 _MOST_WORLDS, _MOST_THREADS = 2**20, 1024
 
 
@@ -28,7 +29,7 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
 
     Made by `gymnasium.make_vec("PandaReach-v3", num_envs=4096, num_threads=2, autoreset_mode="SameStep")`. Arrays are
     as in `PandaEnv` with a first axis for the worlds. The results do not depend on the number of threads.
-    Calls from several Python threads take turns.
+    Calls from several Python threads take turns. Copies and pickles continue where the environment is.
     """
 
     def __init__(
@@ -70,6 +71,17 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
             if max_episode_steps == 0:
                 raise ValueError("max_episode_steps is 0, expected 1 or more, or -1 for no limit")
         mode = AutoresetMode(autoreset_mode)
+        self._arguments = {
+            "num_envs": num_envs,
+            "task": task,
+            "reward_type": reward_type,
+            "control_type": control_type,
+            "max_episode_steps": max_episode_steps,
+            "num_threads": num_threads,
+            "autoreset_mode": mode,
+            "render_mode": render_mode,
+            **options,
+        }
         self._envs = spaces.make_batch(task, reward_type, control_type, num_envs, threads, options)
         spec = self._envs.spec
         limit = spec.max_episode_steps if max_episode_steps is None else max(max_episode_steps, 0)
@@ -190,6 +202,29 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         if self._tally is None:
             self._tally = Tally(self.num_envs, self.metadata["autoreset_mode"])
         return self._tally
+
+    def save_state(self) -> bytes:
+        """All that a run needs to continue bit for bit: physics, goals, random streams, and where each world is in its
+        episode."""
+        with self._turn:
+            return self._batch.snapshot()
+
+    def restore_state(self, state: bytes) -> Observation:
+        """Goes back to a saved state and returns what is observed there. Raises ValueError on one of another task or
+        number of worlds."""
+        with self._turn:
+            self._batch.restore(state)
+            self._was_reset = True
+            return self._observation()
+
+    def __getstate__(self) -> dict[str, Any]:
+        kept = {name: value for name, value in vars(self).items() if name not in _MADE_ANEW}
+        return {"kept": kept, "state": self.save_state()}
+
+    def __setstate__(self, saved: dict[str, Any]) -> None:
+        PandaVectorEnv.__init__(self, **saved["kept"]["_arguments"])
+        vars(self).update(saved["kept"])
+        self._batch.restore(saved["state"])
 
     def compute_reward(self, achieved_goal: ArrayLike, desired_goal: ArrayLike, info: Any = None) -> Any:
         """The task's reward for goals (..., goal_dim): float32, a scalar or of shape (...). `info` is not used."""
