@@ -141,7 +141,9 @@ env.close()
 
 
 def test_greedy_search_comes_nearer(hurry: None) -> None:
-    end = run(SAVE_AND_RESTORE, rounds=300)
+    # One search in eight ends farther away than it began: the manual's has no seed.
+    seeded = SAVE_AND_RESTORE.replace("env.reset()", "env.reset(seed=0)\nenv.action_space.seed(0)")
+    end = run(seeded, rounds=300)
     before, after = (np.linalg.norm(obs["desired_goal"] - obs["achieved_goal"]) for obs in (end["first"], end["obs"]))
     assert after < before
 
