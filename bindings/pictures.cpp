@@ -178,9 +178,7 @@ std::vector<Pattern> with_dice(const Model& model, const std::vector<std::string
   if (dice.empty()) return patterns;
   for (const Geom& geom : model.geoms()) {
     const bool is_die = std::ranges::find(dice, geom.name) != dice.end();
-    patterns.push_back(is_die                                 ? Pattern::kDie
-                       : geom.shape.type == ShapeType::kPlane ? Pattern::kChecks
-                                                              : Pattern::kPlain);
+    patterns.push_back(is_die ? Pattern::kDie : usual_pattern(geom));
   }
   return patterns;
 }

@@ -30,7 +30,7 @@ EnvPictures::EnvPictures(const EnvBatch& envs, EnvScene scene, int num_threads)
       renderer_(std::make_shared<const Model>(std::move(scene.model)), num_threads) {
   const std::span<const Geom> geoms = model().geoms();
   for (const Geom& geom : geoms) {
-    patterns_.push_back(geom.shape.type == ShapeType::kPlane ? Pattern::kChecks : Pattern::kPlain);
+    patterns_.push_back(usual_pattern(geom));
     takes_texture_.push_back(is_thing(model(), geom.link));
   }
   // Where a rotation is the goal, one must see how things are turned.

@@ -56,11 +56,8 @@ void settle(const PictureFrame& frame, const TriangleHits& hits, Samples& s) {
       const Vec3<float> d = lane(rays.d, j);
       const Triangles::Surface surface =
           placed.item->triangles->surface({hits.part[k][j], hits.triangle[k][j]}, lane(rays.o, j), d);
-      const Vec3<float> n = placed.X_WI.R * surface.n;
       set_lane(s.depth[k], j, surface.t);
-      set_lane(s.n[k].x, j, n.x);
-      set_lane(s.n[k].y, j, n.y);
-      set_lane(s.n[k].z, j, n.z);
+      set_lane(s.n[k], j, placed.X_WI.R * surface.n);
     });
   }
 }

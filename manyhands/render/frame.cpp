@@ -78,8 +78,6 @@ Paint paint_of(const Colour& c) { return paint_of({c[0], c[1], c[2], 1}); }
 
 void set_frame(PictureFrame& frame, const Scene& scene, const Camera& camera, const Look& look,
                std::span<const Transform<double>> X_WB, std::span<const Mark> marks, const Guise& guise) {
-  require_camera(camera);
-  require_look(look);
   frame.camera = camera;
   frame.look = look;
   frame.light = axes_of(look.light);

@@ -60,7 +60,8 @@ struct Guise {
   std::vector<Texture> textures{};    ///< take the place of floors' checks and of dice
 };
 
-/// X_WB: poses of the model's bodies (bodies). Frames are used again and again, so that their memory is.
+/// X_WB: poses of the model's bodies (bodies). All numbers must fit, which the renderer checks. Frames are used again
+/// and again, so that their memory is.
 void set_frame(PictureFrame& frame, const Scene& scene, const Camera& camera, const Look& look,
                std::span<const Transform<double>> X_WB, std::span<const Mark> marks, const Guise& guise);
 

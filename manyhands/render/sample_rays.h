@@ -8,6 +8,12 @@ namespace manyhands {
 
 [[nodiscard]] MANYHANDS_INLINE std::size_t size(int n) { return static_cast<std::size_t>(n); }
 
+MANYHANDS_INLINE void set_lane(Vec3<Rays>& to, int k, const Vec3<float>& from) {
+  set_lane(to.x, k, from.x);
+  set_lane(to.y, k, from.y);
+  set_lane(to.z, k, from.z);
+}
+
 struct LocalRay {
   Vec3<Rays> o, d;
 };

@@ -101,6 +101,10 @@ std::vector<GeomId> seen_geoms(const Model& model) {
 
 }  // namespace
 
+Pattern usual_pattern(const Geom& geom) {
+  return geom.shape.type == ShapeType::kPlane ? Pattern::kChecks : Pattern::kPlain;
+}
+
 Item item_of(const Shape& shape) {
   if (!is_simple(shape.type)) throw std::invalid_argument("only simple shapes can be drawn without a model");
   Item item{.type = shape.type, .size = broadcast<float>(shape.size)};
@@ -127,8 +131,7 @@ Scene::Scene(std::shared_ptr<const Model> model) : model_(std::move(model)) {
     item.first_seen = static_cast<int>(seen_.size());
     item.is_clear = is_clear;
     items_.push_back(item);
-    const Pattern pattern = geom.shape.type == ShapeType::kPlane ? Pattern::kChecks : Pattern::kPlain;
-    seen_.push_back({geom.link, id, geom.rgba, pattern, item.low, item.high});
+    seen_.push_back({geom.link, id, geom.rgba, usual_pattern(geom), item.low, item.high});
   }
   for (const auto& [key, geoms] : clusters) {
     Item item{.body = BodyId(key.first), .type = ShapeType::kMesh, .low = kInfinite, .high = -kInfinite};

@@ -15,6 +15,9 @@ enum class Pattern : std::uint8_t {
   kDie,     ///< on boxes: a colour for each face
 };
 
+/// What a geom wears unless it is told otherwise.
+[[nodiscard]] Pattern usual_pattern(const Geom& geom);
+
 /// One geom as it is seen.
 struct Seen {
   LinkId link{};  ///< invalid for marks

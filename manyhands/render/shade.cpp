@@ -227,11 +227,8 @@ void add_clear(const PictureFrame& frame, const Samples& s, std::size_t k, const
       t = packet.far;
       seen = seen + part;
       for_lanes<Rays>(met, [&](int j) {
-        const Vec3<float> normal =
-            placed.X_WI.R * placed.item->triangles->surface({part[j], triangle[j]}, lane(ray.o, j), lane(ray.d, j)).n;
-        set_lane(n.x, j, normal.x);
-        set_lane(n.y, j, normal.y);
-        set_lane(n.z, j, normal.z);
+        const TriangleHit hit{part[j], triangle[j]};
+        set_lane(n, j, placed.X_WI.R * placed.item->triangles->surface(hit, lane(ray.o, j), lane(ray.d, j)).n);
       });
       n = select(dot(n, d_W) > Rays(0.0f), -n, n);
     }
