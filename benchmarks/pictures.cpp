@@ -25,10 +25,11 @@ Camera camera_of(int width, int height) {
 
 /// Pictures of the first n worlds, taken again and again.
 struct Job {
-  Job(const EnvPictures& pictures, int n, int width, int height, bool with_colour, bool shadows) {
+  Job(const EnvPictures& pictures, int n, int width, int height, bool with_colour, bool shadows,
+      const PictureVariation& variation = {}) {
     Look look;
     look.shadows = shadows;
-    for (int i = 0; i < n; ++i) shots.push_back(pictures.shot(i, camera_of(width, height), look));
+    for (int i = 0; i < n; ++i) shots.push_back(pictures.shot(i, camera_of(width, height), look, variation));
     const std::size_t pixels = size(n) * size(width) * size(height);
     if (with_colour) colour.resize(3 * pixels);
     depth.resize(pixels);
@@ -128,10 +129,11 @@ void run(const Settings& settings) {
   // The stages of a small picture, by what is left out of it.
   Job all(one, 1, 84, 84, true, true), unshaded(one, 1, 84, 84, true, false), found(one, 1, 84, 84, false, false);
   Job tiny(one, 1, 1, 1, true, true), large(one, 1, 640, 480, true, true);
+  Job textured(one, kWorlds, 84, 84, true, true, {.texture = 1});  // on floor, table and cube, in each world others
   Rasteriser rasteriser(one.model());
   int left = 0;
   std::vector<std::function<void()>> calls;
-  for (Job* job : {&all, &unshaded, &found, &tiny, &large})
+  for (Job* job : {&all, &unshaded, &found, &tiny, &large, &textured})
     calls.emplace_back([job, &one] { job->take(one.renderer()); });
   calls.emplace_back([&] { left = rasteriser.set_up(camera_of(84, 84)); });
   const std::vector<Timing> t = time_in_turns<std::function<void()>>(settings, calls);
@@ -139,6 +141,7 @@ void run(const Settings& settings) {
   print_rate("84 x 84 without shadows", 1, t[1].cpu, t[1], unshaded);
   print_rate("84 x 84 depth, segmentation", 1, t[2].cpu, t[2], found);
   print_rate("640 x 480 with shadows", 1, t[4].cpu, t[4], large);
+  print_rate("84 x 84 with textures", 1, t[5].cpu, t[5], textured);
   const auto stage = [&](const char* name, double seconds) {
     print({std::string("picture stage: ") + name, "lanes8", 1, 1e6 * seconds, "us/frame", 0, 0, 0, {}});
   };
@@ -149,7 +152,7 @@ void run(const Settings& settings) {
   print({"picture prototype: a rasteriser before it fills pixels",
          "lanes8",
          1,
-         1e6 * t[5].cpu,
+         1e6 * t[6].cpu,
          "us/frame",
          0,
          0,

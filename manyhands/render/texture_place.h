@@ -82,7 +82,7 @@ inline ImagePoint around(const Vec3<float>& p, float v, float down) {
   const float per_metre =
       max(middle.across * static_cast<float>(image.width()), middle.down * static_cast<float>(image.height()));
   const float facing = max(std::abs(dot(n, d)), 0.02f), stretch = width / facing;
-  const float looks = clamp(std::ceil(stretch * per_metre / max(width * per_metre, 1.0f)), 1.0f, kMost);
+  const float looks = clamp(std::floor(stretch * per_metre / max(width * per_metre, 1.0f) + 0.5f), 1.0f, kMost);
   const float wide = max(width, stretch / looks) * per_metre;
   if (looks == 1) return image.mean_at(middle.u, middle.v, wide);
   const Vec3<float> along = d - dot(n, d) * n;
