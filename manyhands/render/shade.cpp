@@ -183,10 +183,10 @@ Light textured(const PictureFrame& frame, RayInts seen, const Vec& p, const Vec&
       const Vec d_S = (Rays(1.0f) / norm(d)) * transpose_times(R_WS, d);
       const Rays width = pixel_width(frame.camera, depth);
       for_lanes<Rays>(here, [&](int j) {
-        const Colour light = texture_light(surface, lane(p_S, j), lane(n_S, j), lane(d_S, j), lane(width, j));
-        set_lane(paint.red, j, light[0] * lane(paint.red, j));
-        set_lane(paint.green, j, light[1] * lane(paint.green, j));
-        set_lane(paint.blue, j, light[2] * lane(paint.blue, j));
+        const Lanes4 light = texture_light(surface, lane(p_S, j), lane(n_S, j), lane(d_S, j), lane(width, j));
+        set_lane(paint.red, j, lane(light, 0) * lane(paint.red, j));
+        set_lane(paint.green, j, lane(light, 1) * lane(paint.green, j));
+        set_lane(paint.blue, j, lane(light, 2) * lane(paint.blue, j));
       });
     });
   }

@@ -6,7 +6,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "manyhands/math/instantiate.h"
 #include "manyhands/math/philox.h"
 
 namespace manyhands {
@@ -135,7 +134,7 @@ Image::Image(int width, int height, std::span<const std::uint8_t> rgb) {
   }
 }
 
-Colour Image::mean_at(float u, float v, float pixels) const {
+Lanes4 Image::mean_at(float u, float v, float pixels) const {
   const float wide = pixels > 1 ? pixels : 1;  // of NaN, too
   const int last = static_cast<int>(levels_.size()) - 1, octave = std::min(exponent_of(wide), last);
   // Along a straight line in place of the logarithm, from one level to the next.
@@ -157,7 +156,7 @@ Colour Image::mean_at(float u, float v, float pixels) const {
   };
   add(levels_[size(octave)], 1 - between);
   if (between > 0) add(levels_[size(octave + 1)], between);
-  return {lane(sum, 0), lane(sum, 1), lane(sum, 2)};
+  return sum;
 }
 
 std::shared_ptr<const Image> checker_image(const Colour& a, const Colour& b) {

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "manyhands/math/instantiate.h"
 #include "manyhands/render/look.h"
 
 namespace manyhands {
@@ -20,9 +21,9 @@ class Image {
   [[nodiscard]] int width() const { return levels_[0].width; }
   [[nodiscard]] int height() const { return levels_[0].height; }
 
-  /// The mean linear light about a point, over a width of so many pixels of the image: from 0 at its left edge to 1 at
-  /// its right edge, and from its upper edge to the lower one.
-  [[nodiscard]] Colour mean_at(float u, float v, float pixels) const;
+  /// The mean linear light (red, green, blue, 0) about a point, over a width of so many pixels of the image: from 0 at
+  /// its left edge to 1 at its right edge, and from its upper edge to the lower one.
+  [[nodiscard]] Lanes4 mean_at(float u, float v, float pixels) const;
 
  private:
   /// The image at half the size of the one before.

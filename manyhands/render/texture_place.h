@@ -72,9 +72,9 @@ inline ImagePoint around(const Vec3<float>& p, float v, float down) {
   return {across * at.u, down * at.v, across * at.across, down * at.down};
 }
 
-/// The mean linear light of the texture over a pixel that is `width` wide across the view and sees the surface along d
-/// (unit, in S): a longer stretch where it looks along the surface.
-[[nodiscard]] inline Colour texture_light(const TexturedSurface& s, const Vec3<float>& p, const Vec3<float>& n,
+/// The mean linear light (red, green, blue, 0) of the texture over a pixel that is `width` wide across the view and
+/// sees the surface along d (unit, in S): a longer stretch where it looks along the surface.
+[[nodiscard]] inline Lanes4 texture_light(const TexturedSurface& s, const Vec3<float>& p, const Vec3<float>& n,
                                           const Vec3<float>& d, float width) {
   constexpr float kMost = 4;  // looks at the image
   const Image& image = *s.texture->image;
@@ -85,15 +85,14 @@ inline ImagePoint around(const Vec3<float>& p, float v, float down) {
   const float looks = clamp(std::floor(stretch * per_metre / max(width * per_metre, 1.0f) + 0.5f), 1.0f, kMost);
   const float wide = max(width, stretch / looks) * per_metre;
   if (looks == 1) return image.mean_at(middle.u, middle.v, wide);
-  const Vec3<float> along = d - dot(n, d) * n;
-  const float length = max(norm(along), 1e-6f);
-  Colour sum{};
-  for (float i = 0.5f; i < looks; ++i) {
-    const ImagePoint at = image_point(s, fma((i / looks - 0.5f) * stretch / length, along, p), n);
-    const Colour light = image.mean_at(at.u, at.v, wide);
-    for (std::size_t c = 0; c < 3; ++c) sum[c] += light[c] / looks;
+  const float share = 1 / looks, length = std::sqrt(1 - facing * facing);
+  const Vec3<float> step = (share * stretch / length) * (d - dot(n, d) * n);
+  Lanes4 sum(0.0f);
+  for (float i = 0.5f - 0.5f * looks; i < 0.5f * looks; ++i) {
+    const ImagePoint at = image_point(s, fma(i, step, p), n);
+    sum += image.mean_at(at.u, at.v, wide);
   }
-  return sum;
+  return Lanes4(share) * sum;
 }
 
 }  // namespace manyhands

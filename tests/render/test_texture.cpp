@@ -74,21 +74,21 @@ TEST(Image, GivesItsPixelsBetweenThemAndAsFarAsAsked) {
     for (int x = 0; x < 3; ++x) {
       const float u = (static_cast<float>(x) + 0.5f) / 3, v = (static_cast<float>(y) + 0.5f) / 2;
       for (const float turns : {0.0f, -2.0f, 7.0f}) {
-        const Colour at = image->mean_at(u + turns, v - turns, 0.1f);
+        const Lanes4 at = image->mean_at(u + turns, v - turns, 0.1f);
         for (std::size_t c = 0; c < 3; ++c) {
           const auto byte = static_cast<float>(pixels[static_cast<std::size_t>(3 * y + x)][c]);
-          EXPECT_NEAR(at[c], linear_light(byte / 255), 1e-5f) << x << ", " << y;
+          EXPECT_NEAR(lane(at, static_cast<int>(c)), linear_light(byte / 255), 1e-5f) << x << ", " << y;
         }
       }
     }
   }
-  EXPECT_NEAR(image->mean_at(1 / 3.0f, 0.25f, 1)[0], 0.5f, 1e-5f);  // between red and green
-  EXPECT_NEAR(image->mean_at(0, 0.25f, 1)[2], 0.5f, 1e-5f);         // red, and blue on the other side
-  const Colour all = image->mean_at(0.3f, 0.9f, 100);
-  EXPECT_NEAR(all[0], (2 + linear_light(188.0f / 255)) / 6, 1e-5f);
-  EXPECT_NEAR(all[1], 2 / 6.0f, 1e-5f);
+  EXPECT_NEAR(lane(image->mean_at(1 / 3.0f, 0.25f, 1), 0), 0.5f, 1e-5f);  // between red and green
+  EXPECT_NEAR(lane(image->mean_at(0, 0.25f, 1), 2), 0.5f, 1e-5f);         // red, and blue on the other side
+  const Lanes4 all = image->mean_at(0.3f, 0.9f, 100);
+  EXPECT_NEAR(lane(all, 0), (2 + linear_light(188.0f / 255)) / 6, 1e-5f);
+  EXPECT_NEAR(lane(all, 1), 2 / 6.0f, 1e-5f);
   for (const float odd : {std::nanf(""), std::numeric_limits<float>::infinity()}) {
-    EXPECT_TRUE(std::isfinite(image->mean_at(odd, odd, odd)[0]));
+    EXPECT_TRUE(std::isfinite(lane(image->mean_at(odd, odd, odd), 0)));
   }
 }
 
