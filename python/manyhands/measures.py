@@ -53,8 +53,8 @@ def contact_forces(world: World) -> dict[str, float]:
 
 
 def rotate(quaternion: Array, vector: Array) -> Array:
-    """A vector (3) turned by a quaternion xyzw (4)."""
-    axis, w = quaternion[:3], quaternion[3]
+    """A vector (3) turned by a quaternion xyzw (4), or by many (n, 4)."""
+    axis, w = quaternion[..., :3], quaternion[..., 3:]
     across = 2 * np.cross(axis, vector)
     return vector + w * across + np.cross(axis, across)
 

@@ -3,6 +3,7 @@
 import os
 import re
 import shutil
+import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -79,7 +80,7 @@ def opened(page: Any, viewer: Viewer) -> None:
     viewer.stage.shadows = False
     if not page.url.startswith(viewer.url.partition("?")[0]):
         page.goto(viewer.url)
-        page.get_by_role("button", name="Play", exact=True).wait_for()
+        page.get_by_role("button", name=re.compile("^(Play|Pause)$")).wait_for()
         # What browsers say of WebGL in software would cover the scene.
         page.add_style_tag(content=".mantine-Notifications-root { display: none }")
         until(lambda: viewer.server.get_clients())
@@ -277,6 +278,43 @@ def test_a_learned_policy_is_chosen_and_acts(reach: Viewer, page: Any, reach_pol
         page.get_by_text(f"Episodes: {source.outcome.episodes}, ").wait_for()
         assert source.outcome.successes == (source.outcome.episodes if name == "what was learned" else 0)
     reach.speed = 1
+
+
+def test_worlds_of_many_are_chosen_and_stand_side_by_side(page: Any, tmp_path: Path) -> None:
+    """While a loop steps them."""
+    envs: Any = gymnasium.make_vec("PandaReach-v3", num_envs=4, num_threads=1)
+    envs.reset(seed=0)
+    ended = threading.Event()
+    with Viewer(envs, port=18525, announce=False) as viewer:
+
+        def loop() -> None:
+            while not ended.is_set():
+                envs.step(np.zeros((4, 3)))
+                viewer.sync()
+
+        thread = threading.Thread(target=loop)
+        thread.start()
+        try:
+            opened(page, viewer)
+            source: Any = viewer.source
+            page.get_by_role("button", name="Next", exact=True).click(force=True)
+            until(lambda: source.chosen == 1)
+            page.get_by_text("World 1: step").wait_for()
+            page.get_by_label("Side by side").click(force=True)
+            page.get_by_role("option", name="4", exact=True).click(force=True)
+            until(lambda: viewer.stage.neighbours._batches)
+
+            def others(seen: bool) -> Any:
+                for batch in viewer.stage.neighbours._batches.values():
+                    batch.visible = seen
+                time.sleep(1.0)
+                return pixels(page, tmp_path / "worlds.png").astype(int)
+
+            until(lambda: (np.abs(others(True) - others(False)).max(-1) > 20).sum() > 3000)
+        finally:
+            ended.set()
+            thread.join()
+        page.goto("about:blank")
 
 
 def test_the_recording_opens_alone(arm: Viewer, page: Any, browser: Any, tmp_path: Path) -> None:

@@ -2,7 +2,7 @@
 
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import gymnasium
@@ -11,9 +11,11 @@ import pytest
 from gymnasium.vector import AutoresetMode
 
 import manyhands as mh
+from manyhands import rotations
 from manyhands.envs.vector import PandaVectorEnv
 from manyhands.viewer import Viewer
 from manyhands.viewer.batches import BatchSource
+from manyhands.viewer.neighbours import places
 
 
 def reaching(envs: Any, steps: int) -> list[tuple[Any, ...]]:
@@ -85,7 +87,7 @@ def test_the_chosen_world_is_shown_where_it_is_observed(envs: PandaVectorEnv) ->
     source = BatchSource(envs, "reach")
     hand = [link.name for link in source.model.links].index("panda_grasptarget")
     for world in (0, 3, 4):
-        source.chosen = world
+        source.choose(world)
         (marker,) = source.markers()
         assert np.allclose(marker.position, observation["desired_goal"][world])
         observation, *_ = envs.step(np.full((5, 3), 0.3))
@@ -94,10 +96,24 @@ def test_the_chosen_world_is_shown_where_it_is_observed(envs: PandaVectorEnv) ->
     assert source.time == pytest.approx(3 * 0.04)
 
 
+def test_worlds_beside_it_are_the_next_ones(envs: PandaVectorEnv) -> None:
+    observation, _ = envs.reset(seed=0)
+    source = BatchSource(envs, "reach")
+    assert source.neighbours() is None
+    source.choose(3, count=4)
+    shown = source.neighbours()
+    assert shown is not None and shown.worlds == [3, 4, 0, 1]
+    hand = [link.name for link in source.model.links].index("panda_grasptarget")
+    assert np.allclose(shown.positions[:, hand], observation["achieved_goal"][shown.worlds], atol=2e-3)
+    goals = [markers[0].position for markers in shown.markers]
+    assert np.allclose(goals, observation["desired_goal"][shown.worlds])
+    assert np.array_equal(source.poses()[0], shown.positions[0])  # the chosen one is where it always is
+
+
 def test_looking_back_leaves_the_worlds_alone(envs: PandaVectorEnv) -> None:
     envs.reset(seed=0)
     source = BatchSource(envs, "reach")
-    source.chosen = 2
+    source.choose(2)
     past, then = source.save(), source.q.copy()
     envs.step(np.full((5, 3), 0.5))
     source.tick()
@@ -182,3 +198,47 @@ def test_worlds_are_gone_through(envs: PandaVectorEnv) -> None:
         tally = panel._source.tally
         assert f"All 5 worlds: {tally.episodes.sum()} episodes" in panel._status.content
         assert tally.successes.sum() == tally.episodes.sum() > 5
+
+
+def test_worlds_beside_it_are_drawn_apart() -> None:
+    """Each geom where its own world has it, computed here for one world at a time."""
+    envs = PandaVectorEnv(6, "PandaStack", num_threads=1)
+    envs.reset(seed=0)
+    with Viewer(envs, port=18470, announce=False) as viewer:
+        panel, stage = viewer.panel.worlds, viewer.stage.neighbours
+        assert panel is not None and panel._count.options == ("1", "4", "6")
+        panel._count.value = "4"
+        until(lambda: "goals/target object1" in stage._batches)
+        model = viewer.source.model
+        apart = places(4)
+        assert np.ptp(apart, axis=0)[:2].min() > 1.0  # no arm reaches its neighbours' table
+        for number in (name for name in stage._batches if name.isdigit()):
+            geom, batch = model.geoms[int(number)], stage._batches[number]
+            for k in range(1, 4):
+                q = envs.bodies.configuration(k)
+                positions, quaternions = mh.dynamics.forward_kinematics(model, q)
+                turned, at = quaternions[geom.link], positions[geom.link]
+                place = apart[k] + at + rotations.rotate(turned, geom.position)
+                wxyz = np.roll(rotations.multiply(turned, geom.quaternion), 1)
+                assert np.allclose(batch.batched_positions[k - 1], place, atol=1e-5)
+                assert np.allclose(batch.batched_wxyzs[k - 1], wxyz, atol=1e-5)
+        seen = {model.geoms[int(name)].link for name in stage._batches if name.isdigit()}
+        assert seen == {
+            int(body.name.split("/")[2].split()[0]) for body in viewer.stage._bodies if has_mesh(body, viewer)
+        }
+        panel._count.value = "1"
+        until(lambda: not stage._batches)
+    envs.close()
+
+
+def has_mesh(body: Any, viewer: Viewer) -> bool:
+    """Whether anything is drawn on a link of the world that is shown."""
+    nodes = viewer.server.scene._handle_from_node_name
+    return any(name.startswith(f"{body.name}/") and handle.visible for name, handle in nodes.items())
+
+
+def until(condition: Callable[[], object], seconds: float = 10.0) -> None:
+    deadline = time.perf_counter() + seconds
+    while not condition():
+        assert time.perf_counter() < deadline, "it did not come about"
+        time.sleep(0.02)

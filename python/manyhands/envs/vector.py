@@ -191,11 +191,11 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
             self._bodies = EnvBodies(self._envs)
         return self._bodies
 
-    def see(self, world: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """A world between two steps: q (nq) of `bodies.model`, and its goal (goal_dim)."""
+    def see(self, worlds: Sequence[int]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Some worlds between two steps: q (n, nq) of `bodies.model`, and their goals (n, goal_dim)."""
         with self._turn:
-            goal = self._batch.observations(False)[2][world].astype(np.float64)
-            return self.bodies.configuration(world), goal
+            goals = self._batch.observations(False)[2][list(worlds)].astype(np.float64)
+            return np.stack([self.bodies.configuration(world) for world in worlds]), goals
 
     def count_episodes(self) -> Tally:
         """What counts the episodes of all worlds from now on."""

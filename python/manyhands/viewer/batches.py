@@ -1,17 +1,20 @@
-"""Environments of many worlds on a page, of which it shows one."""
+"""Environments of many worlds on a page, of which it shows some."""
 
 from typing import Any
 
 from gymnasium.vector import VectorEnv
 
+from manyhands import dynamics
 from manyhands._core import Model
 from manyhands.envs.vector import PandaVectorEnv
 from manyhands.viewer.environments import goal_markers
+from manyhands.viewer.neighbours import Neighbours
 from manyhands.viewer.sources import Array, Marker, Source
 
 
 class BatchSource(Source):
-    """A world of many that a loop of the program's steps together: watched, and looked back at, but not moved."""
+    """A world of many that a loop of the program's steps together, and some beside it: watched, and looked back at, but
+    not moved."""
 
     moves = False
 
@@ -20,7 +23,7 @@ class BatchSource(Source):
         self.env, self.title, self.dt = env, title, env.dt
         self.tally = env.count_episodes()
         self._model = env.bodies.model
-        self._world = 0
+        self._worlds = [0]
         self._steps = self._shown_step = 0
         self._seen: tuple[Array, Array] | None = None
 
@@ -31,44 +34,55 @@ class BatchSource(Source):
     @property
     def chosen(self) -> int:
         """The world that is shown."""
-        return self._world
+        return self._worlds[0]
 
-    @chosen.setter
-    def chosen(self, world: int) -> None:
-        self._world, self._seen, self._shown_step = world, None, self._steps
+    def choose(self, world: int, count: int = 1) -> None:
+        """Shows a world, and the next ones beside it: `count` in all."""
+        self._worlds = [(world + k) % self.env.num_envs for k in range(count)]
+        self._come_back()
 
     @property
     def q(self) -> Array:
-        return self._look()[0]
+        return self._look()[0][0]
 
     @property
     def time(self) -> float:
         return self._shown_step * self.dt
 
     def markers(self) -> list[Marker]:
-        return goal_markers(self._model, self._look()[1])
+        return goal_markers(self._model, self._look()[1][0])
+
+    def neighbours(self) -> Neighbours | None:
+        if len(self._worlds) == 1:
+            return None
+        q, goals = self._look()
+        positions, quaternions = dynamics.forward_kinematics(self._model, q)
+        return Neighbours(self._worlds, positions, quaternions, [goal_markers(self._model, goal) for goal in goals])
 
     def step(self) -> None:
         """All worlds are stepped by the loop."""
 
     def tick(self) -> None:
         self._steps += 1
-        self.chosen = self._world
+        self._come_back()
 
     def reset(self) -> None:
         """Episodes begin as the loop has it; the page comes back to the present."""
-        self.chosen = self._world
+        self._come_back()
 
     def save(self) -> Any:
-        return self._world, self._shown_step, self._look()
+        return self._worlds, self._shown_step, self._look()
 
     def restore(self, state: Any) -> None:
         """Shows what was, until the loop goes on from where it is."""
-        self._world, self._shown_step, self._seen = state
+        self._worlds, self._shown_step, self._seen = state
+
+    def _come_back(self) -> None:
+        self._shown_step, self._seen = self._steps, None
 
     def _look(self) -> tuple[Array, Array]:
         if self._seen is None:
-            self._seen = self.env.see(self._world)
+            self._seen = self.env.see(self._worlds)
         return self._seen
 
 

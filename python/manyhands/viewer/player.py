@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from manyhands._core import Contact, SimulationError
 from manyhands.viewer.history import History
+from manyhands.viewer.neighbours import Neighbours
 from manyhands.viewer.sources import Marker, Source
 
 _DRIVEN_FOR = 1.0  # a loop that called `sync` this recently [s] moves the simulation itself
@@ -31,6 +32,7 @@ class Frame(NamedTuple):
     markers: list[Marker]
     contacts: list[Contact]
     values: dict[str, NDArray[np.float64]]
+    neighbours: Neighbours | None
 
 
 class Player:
@@ -262,8 +264,9 @@ class Player:
             name: np.atleast_1d(np.asarray(measure(), np.float64)) for name, measure in list(self.watched.items())
         }
         self._frame = Frame(
-            source.time, self.moment, source.parts(), *source.poses(), source.markers(), contacts, values
-        )
+            source.time, self.moment, source.parts(), *source.poses(), source.markers(), contacts, values,
+            source.neighbours(),
+        )  # fmt: skip
 
     def _measure_rate(self) -> None:
         now, (since, simulated) = time.perf_counter(), self._rate_from

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from manyhands.viewer.viewer import Viewer
 
 _SECONDS = 180.0
-_PASSING = ("/contacts", "/push", "/gizmo")  # what does not belong into a recording
+_PASSING = ("/contacts", "/push", "/gizmo", "/beside")  # what does not belong into a recording
 
 
 class RecordPanel:

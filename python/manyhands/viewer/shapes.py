@@ -1,6 +1,6 @@
 """Triangles for the shapes of a model, shaded smoothly where they are smooth."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,14 @@ Vertices = NDArray[np.float32]
 Triangles = NDArray[np.uint32]
 
 _ROUND = 48  # sides of what is round
+_GLOSS_LIMIT = 0.9  # the brightest that a surface may be, so that its shading shows
 _CREASE = np.cos(np.radians(38.0))  # flatter edges are smoothed
+
+
+def color(rgba: Any) -> tuple[int, int, int]:
+    """Of a surface, as the page takes it."""
+    r, g, b = (round(255 * min(float(c), _GLOSS_LIMIT)) for c in rgba[:3])
+    return r, g, b
 
 
 class Surface(NamedTuple):

@@ -1,7 +1,7 @@
 """What a page shows and drives."""
 
 from abc import ABC, abstractmethod
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +10,9 @@ from manyhands import dynamics
 from manyhands._core import Model, World
 from manyhands.measures import rotate
 from manyhands.viewer.joints import JointDrive
+
+if TYPE_CHECKING:
+    from manyhands.viewer.neighbours import Neighbours
 
 Array = NDArray[np.float64]
 
@@ -86,6 +89,10 @@ class Source(ABC):
     def markers(self) -> list[Marker]:
         """Goals and the like."""
         return []
+
+    def neighbours(self) -> "Neighbours | None":
+        """Worlds that are drawn beside this one; None without any."""
+        return None
 
     def tick(self) -> None:  # noqa: B027  most sources know their time
         """Somebody else's loop has made a step."""

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from manyhands._core import Model
 from manyhands.viewer import shapes
+from manyhands.viewer.neighbours import NeighbourStage, places
 from manyhands.viewer.player import Frame
 from manyhands.viewer.sources import Marker
 
@@ -21,7 +22,6 @@ _COLLISION = (255, 140, 60)
 _WIDE = 1.0  # a fixed flat box of more than this half extent [m] is ground
 _SMALL = 0.06  # what is not larger [m] receives no shadows: their coarse map would draw bands along its edges
 _GLASS = 0.35  # opacity of goals
-_GLOSS_LIMIT = 0.9  # the brightest that a surface may be, so that its shading shows
 
 
 class Stage:
@@ -37,6 +37,7 @@ class Stage:
         self._collision: list[viser.MeshHandle] = []
         self._markers: dict[str, viser.MeshHandle] = {}
         self._shows_collision = False
+        self.neighbours = NeighbourStage(self._scene)
         self.index: dict[str, int] = {}
         """Of the links, by name."""
         self.center = np.zeros(3)
@@ -72,9 +73,12 @@ class Stage:
             body.axes_length, body.axes_radius = 0.1, 0.003
             self._bodies.append(body)
         seen = {geom.link for geom in model.geoms if geom.is_visual}
+        shown: list[int] = []
         for number, geom in enumerate(model.geoms):
-            if number != ground:
-                self._add_geom(model, number, hides=not geom.is_visual and geom.link in seen)
+            hides = not geom.is_visual and geom.link in seen
+            if number != ground and self._add_geom(model, number, hides) and not hides:
+                shown.append(number)
+        self.neighbours.build(model, shown)
         self._measure(model, positions, ground)
         self.show(positions, quaternions)
 
@@ -92,7 +96,7 @@ class Stage:
                 size = np.array([*marker.size, 0.0, 0.0])[:3]
                 surface = shapes.primitive(marker.shape, size)
                 self._markers[marker.name] = self._scene.add_mesh_simple(
-                    f"/goals/{marker.name}", surface.vertices, surface.triangles, color=_color(marker.rgba),
+                    f"/goals/{marker.name}", surface.vertices, surface.triangles, color=shapes.color(marker.rgba),
                     opacity=_GLASS, cast_shadow=False, receive_shadow=False,
                 )  # fmt: skip
             handle = self._markers[marker.name]
@@ -131,21 +135,24 @@ class Stage:
         for handle in self._collision:
             handle.visible = on
 
-    def camera(self) -> tuple[Array, Array]:
-        """Where to look from, and at, to see all that moves: positions (3)."""
-        look_at = self.center
-        return look_at + self.radius * np.array([1.55, -1.75, 1.0]), look_at
+    def camera(self, worlds: int = 1) -> tuple[Array, Array]:
+        """Where to look from, and at, to see all that moves, or so many worlds beside each other: positions (3)."""
+        around = places(worlds)
+        look_at = self.center + around.mean(0)
+        radius = self.radius + 0.45 * float(np.linalg.norm(np.ptp(around, axis=0)))
+        return look_at + radius * np.array([1.55, -1.75, 1.0]), look_at
 
-    def _add_geom(self, model: Model, number: int, hides: bool) -> None:
-        """A geom on its link's body; `hides`: a shape that only collides, on a body that shows others."""
+    def _add_geom(self, model: Model, number: int, hides: bool) -> bool:
+        """A geom on its link's body, if there is anything to see of it; `hides`: a shape that only collides, on a body
+        that shows others."""
         geom, body = model.geoms[number], self._bodies[model.geoms[number].link]
         surface = shapes.surface(model, geom)
         if surface is None or not len(surface.triangles):
-            return
+            return False
         is_small = bool(np.ptp(surface.vertices, axis=0).max() <= _SMALL)
         handle = self._scene.add_mesh_simple(
             f"{body.name}/{number}", surface.vertices, surface.triangles,
-            color=_COLLISION if hides else _color(geom.rgba),
+            color=_COLLISION if hides else shapes.color(geom.rgba),
             opacity=0.35 if hides else (geom.rgba[3] if geom.rgba[3] < 1 else None),
             cast_shadow=not hides, receive_shadow=not (hides or is_small),
             side="double" if geom.shape == "height_field" else "front",
@@ -161,6 +168,7 @@ class Stage:
                 on_drag(link, event)
 
             handle.on_drag("left", modifier="cmd/ctrl")(dragged)
+        return True
 
     def _draw_ground(self, height: float) -> None:
         self._scene.add_grid(
@@ -193,8 +201,3 @@ def _ground(model: Model, positions: Array) -> tuple[float, int]:
         if is_still and is_level and geom.shape == "box" and min(geom.size[:2]) > _WIDE:
             return height + float(geom.size[2]), number
     return min(0.0, float(positions[:, 2].min(initial=0.0))), -1
-
-
-def _color(rgba: Any) -> tuple[int, int, int]:
-    r, g, b = (round(255 * min(float(c), _GLOSS_LIMIT)) for c in rgba[:3])
-    return r, g, b

@@ -265,6 +265,7 @@ class Viewer:
                 return
             self.stage.show(frame.positions, frame.quaternions)
             self.stage.show_markers(frame.markers)
+            self.stage.neighbours.show(frame.neighbours)
             self.overlays.show_contacts(frame.contacts)
             links = {link: frame.positions[self.stage.index[link]] for link in self.overlays.trails}
             self.overlays.extend_trails(links)

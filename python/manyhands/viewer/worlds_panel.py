@@ -10,6 +10,8 @@ from manyhands.viewer.player import Frame
 if TYPE_CHECKING:
     from manyhands.viewer.viewer import Viewer
 
+_SQUARES, _MOST = (1, 4, 9, 16, 25), 25  # of worlds side by side
+
 
 class WorldsPanel:
     """Chooses a world."""
@@ -25,14 +27,23 @@ class WorldsPanel:
             self._world.on_update(lambda _: self._choose(self._world.value))
             buttons = gui.add_button_group("Other", ("Previous", "Next"), disabled=self._last == 0)
             buttons.on_click(lambda event: self._go(1 if event.target.value == "Next" else -1))
+            counts = [
+                str(count) for count in sorted({*_SQUARES, self._last + 1}) if count <= min(self._last + 1, _MOST)
+            ]
+            self._count: Any = gui.add_dropdown("Side by side", counts, hint="This world and the next ones")
+            self._count.on_update(lambda _: self._spread())
             self._status = gui.add_markdown("")
 
     def _go(self, by: int) -> None:
         self._world.value = (self._source.chosen + by) % (self._last + 1)
 
+    def _spread(self) -> None:
+        self._choose(self._source.chosen)
+        self._viewer.look(*self._viewer.stage.camera(int(self._count.value)))
+
     def _choose(self, world: int) -> None:
         def choose() -> None:
-            self._source.chosen = world
+            self._source.choose(world, int(self._count.value))
             self._viewer.overlays.clear_trails()
 
         self._viewer.player.do(choose)
