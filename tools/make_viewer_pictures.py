@@ -7,6 +7,7 @@ tools/setup.sh browser && python tools/make_viewer_pictures.py [--out docs/image
 from __future__ import annotations
 
 import argparse
+import re
 import shutil
 import time
 from collections.abc import Callable
@@ -16,7 +17,7 @@ from typing import Any
 import numpy as np
 from playwright.sync_api import sync_playwright
 
-from manyhands.envs import Expert
+from manyhands.envs import Expert, PandaVectorEnv
 from manyhands.panda_gym import registration
 from manyhands.plots import plot
 from manyhands.recording import Recorder
@@ -36,8 +37,7 @@ def environment(name: str, seed: int) -> Any:
 def grasped(viewer: Viewer, steps: int) -> None:
     """Lets the expert act for some steps."""
     source: Any = viewer.source
-    expert = Expert("PandaPickAndPlace-v3")
-    source.policy = lambda outcome: expert(outcome.observation)
+    viewer.actor("scripted expert", Expert("PandaPickAndPlace-v3"))
 
     def act() -> None:
         source.reset(seed=36)
@@ -64,12 +64,25 @@ def robot(viewer: Viewer, page: Any) -> None:
     page.mouse.move(300, 60)  # away: what the control says of itself is no part of the picture
 
 
-def take(name: str, prepare: Callable[[Viewer, Any], None], browser: Any, out: Path) -> None:
-    with Viewer(environment("PandaPickAndPlace", 36), port=18700, title="PandaPickAndPlace-v3") as viewer:
+def worlds(viewer: Viewer, page: Any) -> None:
+    """Nine of a batch, under the expert."""
+    source: Any = viewer.source
+    expert = Expert("PandaPickAndPlace-v3")
+    viewer.speed = float("inf")
+    observation, _ = source.env.reset(seed=5)
+    for _ in range(300):
+        observation, *_ = source.env.step(expert(observation))
+        viewer.sync()
+    page.get_by_label("Side by side").click(force=True)
+    page.get_by_role("option", name="9", exact=True).click(force=True)
+
+
+def take(name: str, shown: Any, prepare: Callable[[Viewer, Any], None], browser: Any, out: Path) -> None:
+    with Viewer(shown, port=18700, title="PandaPickAndPlace-v3") as viewer:
         page = browser.new_page(viewport=SIZE)
         page.set_default_timeout(120000)
         page.goto(viewer.url)
-        page.get_by_role("button", name="Play", exact=True).wait_for()
+        page.get_by_role("button", name=re.compile("^(Play|Pause)$")).wait_for()
         # What browsers say of WebGL in software is no part of the page.
         page.add_style_tag(content=".mantine-Notifications-root { display: none }")
         prepare(viewer, page)
@@ -98,7 +111,8 @@ def main() -> None:
     with sync_playwright() as driver:
         browser = driver.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
         for name, prepare in (("viewer_drive", drive), ("viewer_robot", robot)):
-            take(name, prepare, browser, out)
+            take(name, environment("PandaPickAndPlace", 36), prepare, browser, out)
+        take("viewer_worlds", PandaVectorEnv(64, "PandaPickAndPlace"), worlds, browser, out)
         browser.close()
 
 

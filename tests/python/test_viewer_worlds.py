@@ -208,8 +208,9 @@ def test_worlds_beside_it_are_drawn_apart() -> None:
         panel, stage = viewer.panel.worlds, viewer.stage.neighbours
         assert panel is not None and panel._count.options == ("1", "4", "6")
         panel._count.value = "4"
-        until(lambda: "goals/target object1" in stage._batches)
+        until(lambda: "goals/target object2" in stage._batches)  # the last
         model = viewer.source.model
+        assert [label.text for label in stage._labels] == ["0", "1", "2", "3"]
         apart = places(4)
         assert np.ptp(apart, axis=0)[:2].min() > 1.0  # no arm reaches its neighbours' table
         for number in (name for name in stage._batches if name.isdigit()):
@@ -227,7 +228,7 @@ def test_worlds_beside_it_are_drawn_apart() -> None:
             int(body.name.split("/")[2].split()[0]) for body in viewer.stage._bodies if has_mesh(body, viewer)
         }
         panel._count.value = "1"
-        until(lambda: not stage._batches)
+        until(lambda: not stage._batches and not stage._labels)
     envs.close()
 
 

@@ -36,7 +36,7 @@ class Neighbours(NamedTuple):
 def places(count: int) -> Array:
     """Where worlds stand in a square (count, 3) [m]; the first stays where it is."""
     side = math.ceil(math.sqrt(count))
-    return np.array([[k // side, k % side, 0.0] for k in range(count)]) * _APART
+    return np.array([[k // side, k % side, 0.0] for k in range(count)]).reshape(-1, 3) * _APART
 
 
 class NeighbourStage:
