@@ -185,6 +185,17 @@ def test_experts_are_offered_where_they_can_act() -> None:
             assert ("scripted expert" in panel._actor.options) == offered
 
 
+def test_a_loop_of_the_programs_is_said_to_act(page: Viewer) -> None:
+    panel, source = page.panel.teleop, told(page)
+    assert panel is not None
+    page.speed = float("inf")
+    source.env.step(np.zeros(3))
+    page.sync()
+    panel.refresh(page.player._frame)  # pyright: ignore[reportArgumentType]
+    assert panel._status.content == "A loop of the program's acts."
+    page.speed = 1.0
+
+
 # ---- the command -------------------------------------------------------------------------------------------------
 
 

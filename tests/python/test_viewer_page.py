@@ -333,16 +333,19 @@ def test_the_recording_opens_alone(arm: Viewer, page: Any, browser: Any, tmp_pat
     download.value.save_as(path)
     page.goto("about:blank")
     alone = browser.new_context(offline=True, viewport=SIZE).new_page()
-    asked: list[str] = []
-    alone.on("request", lambda request: asked.append(request.url))
-    alone.goto(path.as_uri())
-    shown = tmp_path / "alone.png"
-    until(lambda: (pixels(alone, shown, 860).max(-1) < 70).sum() > 100)
-    assert not [address for address in asked if address.startswith(("http", "ws"))]
-    # It moves: the pictures of two moments differ.
-    first = pixels(alone, shown, 860).astype(int)
-    until(lambda: (np.abs(pixels(alone, shown, 860) - first).max(-1) > 30).sum() > 50)
-    alone.close()
+    alone.set_default_timeout(60000)
+    try:
+        asked: list[str] = []
+        alone.on("request", lambda request: asked.append(request.url))
+        alone.goto(path.as_uri())
+        shown = tmp_path / "alone.png"
+        until(lambda: (pixels(alone, shown, 860).max(-1) < 70).sum() > 100)
+        assert not [address for address in asked if address.startswith(("http", "ws"))]
+        # It moves: the pictures of two moments differ.
+        first = pixels(alone, shown, 860).astype(int)
+        until(lambda: (np.abs(pixels(alone, shown, 860) - first).max(-1) > 30).sum() > 50)
+    finally:  # a page that stays open would slow those after it
+        alone.close()
 
 
 def test_a_picture_is_saved(arm: Viewer, page: Any, tmp_path: Path) -> None:

@@ -184,7 +184,8 @@ class TeleopPanel:
 
     def refresh(self, _: Frame) -> None:
         """Says how the episode goes, and how those before it went."""
-        text = _story(self._source.outcome)
+        is_driven = self._viewer.player.is_driven
+        text = "A loop of the program's acts." if is_driven else _story(self._source.outcome)
         if self._writer.where is not None:
             text += f"\n\n{'Recording to' if self._writer.is_writing else 'Recorded:'} `{self._writer.where}`"
         if self._status.content != text:
