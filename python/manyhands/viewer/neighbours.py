@@ -1,7 +1,7 @@
 """The worlds beside the one that is shown."""
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import viser
@@ -46,7 +46,8 @@ class NeighbourStage:
         self._scene = scene
         self._model: Model | None = None
         self._geoms: list[int] = []
-        self._surfaces: dict[int, shapes.Surface] = {}
+        self._links: list[int] = []
+        self._offsets, self._turns = np.zeros((0, 3)), np.zeros((0, 4, 4))
         self._batches: dict[str, viser.BatchedMeshHandle] = {}
         self._labels: list[viser.LabelHandle] = []
         self._worlds: list[int] = []
@@ -54,7 +55,13 @@ class NeighbourStage:
     def build(self, model: Model, geoms: list[int]) -> None:
         """These geoms of a model's are drawn from now on, once there are neighbours."""
         self._clear()
-        self._model, self._geoms, self._surfaces = model, geoms, {}
+        self._model, self._geoms = model, geoms
+        shown = [model.geoms[number] for number in geoms]
+        self._links = [geom.link for geom in shown]
+        self._offsets = np.array([geom.position for geom in shown]).reshape(-1, 3)
+        # The product of quaternions is linear in the first.
+        turns = [[rotations.multiply(unit, geom.quaternion) for unit in np.eye(4)] for geom in shown]
+        self._turns = np.array(turns).reshape(-1, 4, 4)
 
     def show(self, shown: Neighbours | None) -> None:
         """Draws n - 1 of n worlds, or none."""
@@ -67,39 +74,39 @@ class NeighbourStage:
         if shown is None or self._model is None:
             return
         apart = places(len(worlds))[1:]
-        for number in self._geoms:
-            self._show_geom(self._model, number, shown, apart)
+        self._show_bodies(self._model, shown, apart)
         for marker, *_ in zip(*shown.markers[1:], strict=True):
             same = [each for markers in shown.markers[1:] for each in markers if each.name == marker.name]
-            surface = shapes.primitive(marker.shape, np.array([*marker.size, 0.0, 0.0])[:3])
-            positions = apart + [each.position for each in same]
-            self._draw(f"goals/{marker.name}", surface, positions, np.array([m.quaternion for m in same]), marker.rgba)
+            name = f"goals/{marker.name}"
+            if name not in self._batches:
+                surface = shapes.primitive(marker.shape, np.array([*marker.size, 0.0, 0.0])[:3])
+                self._add(name, surface, len(same), marker.rgba, _GLASS)
+            self._put(name, apart + [each.position for each in same], np.array([each.quaternion for each in same]))
 
-    def _show_geom(self, model: Model, number: int, shown: Neighbours, apart: Array) -> None:
-        geom = model.geoms[number]
-        if number not in self._surfaces:
-            surface = shapes.surface(model, geom)
-            assert surface is not None
-            self._surfaces[number] = surface
-        turned, at = shown.quaternions[1:, geom.link], shown.positions[1:, geom.link]
-        positions = apart + at + rotate(turned, geom.position)
-        # The product of quaternions is linear in the first.
-        quaternions = turned @ np.array([rotations.multiply(unit, geom.quaternion) for unit in np.eye(4)])
-        self._draw(str(number), self._surfaces[number], positions, quaternions, (*geom.rgba[:3], 1.0))
+    def _show_bodies(self, model: Model, shown: Neighbours, apart: Array) -> None:
+        turned, at = shown.quaternions[1:, self._links], shown.positions[1:, self._links]
+        positions = apart[:, None] + at + rotate(turned, self._offsets)
+        quaternions = np.einsum("ngi,gij->ngj", turned, self._turns)
+        for k, number in enumerate(self._geoms):
+            name = str(number)
+            if name not in self._batches:
+                geom = model.geoms[number]
+                surface = shapes.surface(model, geom)
+                assert surface is not None
+                self._add(name, surface, len(apart), geom.rgba, None)
+            self._put(name, positions[:, k], quaternions[:, k])
 
-    def _draw(
-        self, name: str, surface: shapes.Surface, positions: Array, quaternions: Array, rgba: tuple[float, ...]
-    ) -> None:
+    def _add(self, name: str, surface: shapes.Surface, count: int, rgba: Any, opacity: float | None) -> None:
+        self._batches[name] = self._scene.add_batched_meshes_simple(
+            f"/beside/{name}", surface.vertices, surface.triangles, np.tile([1.0, 0.0, 0.0, 0.0], (count, 1)),
+            np.zeros((count, 3)), batched_colors=shapes.color(rgba), opacity=opacity, cast_shadow=False,
+            receive_shadow=False,
+        )  # fmt: skip
+
+    def _put(self, name: str, positions: Array, quaternions: Array) -> None:
+        """Moves a batch to poses (n, 3), xyzw (n, 4); what stands still is not sent again."""
+        batch, places = self._batches[name], positions.astype(np.float32)
         wxyzs = np.roll(quaternions, 1, -1).astype(np.float32)
-        places = positions.astype(np.float32)
-        batch = self._batches.get(name)
-        if batch is None:
-            self._batches[name] = self._scene.add_batched_meshes_simple(
-                f"/beside/{name}", surface.vertices, surface.triangles, wxyzs, places,
-                batched_colors=shapes.color(rgba), opacity=None if rgba[3] == 1 else _GLASS, cast_shadow=False,
-                receive_shadow=False,
-            )  # fmt: skip
-            return
         if not np.array_equal(batch.batched_positions, places):
             batch.batched_positions = places
         if not np.array_equal(batch.batched_wxyzs, wxyzs):
