@@ -371,7 +371,9 @@ def test_native_bodies_are_where_they_are_observed() -> None:
 
 
 def test_episodes_are_written_as_they_happened(tmp_path: Path) -> None:
-    source = source_of_environment(PandaEnv("PandaReach"))
+    env = PandaEnv("PandaReach")
+    env.spec = gymnasium.spec("PandaReach-v3")
+    source = source_of_environment(env, title="reaching (slowly)")
     assert source is not None
     writer = EpisodeWriter(source, tmp_path)
     expert = mh.envs.Expert("PandaReach-v3")
@@ -382,7 +384,9 @@ def test_episodes_are_written_as_they_happened(tmp_path: Path) -> None:
         source.step()
     writer.stop()
     assert writer.where is not None
+    assert writer.where.name.startswith("PandaReach-v3-")
     episode = np.load(writer.where)
+    assert episode["env_id"] == "PandaReach-v3"
     assert episode["success"][-1] and not episode["success"][:-1].any()
     again = PandaEnv("PandaReach")
     observation, _ = again.reset(seed=5)

@@ -67,6 +67,11 @@ class EnvSource(Source):
         return inner.observe()
 
     @property
+    def env_id(self) -> str:
+        """As gymnasium knows it, else the page's title."""
+        return self.title if self.env.spec is None else self.env.spec.id
+
+    @property
     def action_size(self) -> int:
         """Length of an action."""
         shape = self.env.action_space.shape

@@ -57,7 +57,7 @@ class EpisodeWriter:
         arrays: dict[str, Any] = {key: np.array([each[key] for each in seen]) for key in seen[0]}
         self._folder.mkdir(parents=True, exist_ok=True)
         stamp = time.strftime("%Y%m%d-%H%M%S")
-        name = f"{self._source.title}-{stamp}".replace("/", "-")
+        name = f"{self._source.env_id}-{stamp}".replace("/", "-")
         path, number = self._folder / f"{name}.npz", 1
         while path.exists():
             number += 1
@@ -67,7 +67,7 @@ class EpisodeWriter:
                 temporary, **arrays, action=np.array([action for action, _ in self._rows]),
                 reward=np.array([outcome.reward for outcome in outcomes]),
                 success=np.array([outcome.success for outcome in outcomes]),
-                dt=self._source.dt, env_id=self._source.title,
+                dt=self._source.dt, env_id=self._source.env_id,
             )  # fmt: skip
         self.where = path
         self._rows = []

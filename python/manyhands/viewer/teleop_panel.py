@@ -95,8 +95,7 @@ class TeleopPanel:
             _STILL: lambda: lambda _: still,
             _RANDOM: lambda: lambda _: space.sample(),
         }
-        spec = self._source.env.spec
-        name = spec.id if spec is not None else self._source.title
+        name = self._source.env_id
         if self._source.control_type == "ee" and versioned(name) in expert_ids():
             actors[_EXPERT] = lambda: Expert(name)
         return actors
