@@ -48,6 +48,10 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_L
   # False alarms on "text" + std::string (GCC bug 105651).
   target_compile_options(manyhands_options INTERFACE -Wno-restrict)
 endif()
+if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+  # Masks of one lane are booleans, and kernels join them as those of many lanes: with & and |, which do not branch.
+  target_compile_options(manyhands_options INTERFACE -Wno-bitwise-instead-of-logical)
+endif()
 if(MANYHANDS_SANITIZE)
   set(sanitize -fsanitize=${MANYHANDS_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   target_compile_options(manyhands_options INTERFACE ${sanitize})

@@ -22,3 +22,11 @@ using NativeLanes = Lanes4;
 
 #define MANYHANDS_FOR_EACH_NUMBER(macro) \
   macro(double) macro(float) macro(manyhands::Lanes4) macro(manyhands::Lanes8) macro(manyhands::Lanes16)
+
+/// Calls macro(prefix, state's type, parameters' type) for each lane type: every world has parameters of its own, or
+/// all share one set.
+#define MANYHANDS_FOR_LANES(macro, prefix, Lanes) macro(prefix, Lanes, Lanes) macro(prefix, Lanes, float)
+#define MANYHANDS_FOR_ALL_LANES(macro, prefix) \
+  MANYHANDS_FOR_LANES(macro, prefix, Lanes4)   \
+  MANYHANDS_FOR_LANES(macro, prefix, Lanes8)   \
+  MANYHANDS_FOR_LANES(macro, prefix, Lanes16)

@@ -123,7 +123,7 @@ struct Transform {
   friend MANYHANDS_INLINE Transform operator*(const Transform& a, const Transform& b) {
     return {a.R * b.R, a.R * b.p + a.p};
   }
-  friend MANYHANDS_INLINE Vec3<T> operator*(const Transform& a, const Vec3<T>& p) { return a.R * p + a.p; }
+  friend MANYHANDS_INLINE Vec3<T> operator*(const Transform& a, const Vec3<T>& b) { return a.R * b + a.p; }
 
   static MANYHANDS_INLINE Transform identity() { return {Mat3<T>::identity(), Vec3<T>::zero()}; }
 };

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <thread>
 
@@ -41,9 +42,12 @@ TEST(Halves, WaitsForASlowHelperAndAfterALongPause) {
 TEST(Halves, UsesTheHelper) {
   Halves halves(2);
   std::array<std::thread::id, 2> ids;
+  std::atomic<bool> helped = false;
   halves.run([&](int half) {
     ids[static_cast<std::size_t>(half)] = std::this_thread::get_id();
-    std::this_thread::sleep_for(std::chrono::milliseconds(200));  // long enough for it to wake up
+    if (half == 1) helped = true;
+    // Long enough for the helper to wake up on a busy machine.
+    for (int i = 0; half == 0 && !helped && i < 10000; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   });
   EXPECT_EQ(ids[0], std::this_thread::get_id());
   EXPECT_NE(ids[1], ids[0]);

@@ -103,11 +103,6 @@ void drive_arm(const Arm& arm, const Tree<real_t<T>>& tree, const Params<P>& par
   prefix template void drive_arm<T, P>(const Arm&, const Tree<real_t<T>>&, const Params<P>&, const T*, State<T>&,    \
                                        Workspace<T>&);
 MANYHANDS_CONTROL(extern, float, float)
-MANYHANDS_CONTROL(extern, Lanes4, Lanes4)
-MANYHANDS_CONTROL(extern, Lanes4, float)
-MANYHANDS_CONTROL(extern, Lanes8, Lanes8)
-MANYHANDS_CONTROL(extern, Lanes8, float)
-MANYHANDS_CONTROL(extern, Lanes16, Lanes16)
-MANYHANDS_CONTROL(extern, Lanes16, float)
+MANYHANDS_FOR_ALL_LANES(MANYHANDS_CONTROL, extern)
 
 }  // namespace manyhands

@@ -2,7 +2,6 @@
 
 namespace manyhands {
 
-MANYHANDS_CONTROL(, Lanes16, Lanes16)
-MANYHANDS_CONTROL(, Lanes16, float)
+MANYHANDS_FOR_LANES(MANYHANDS_CONTROL, , Lanes16)
 
 }  // namespace manyhands

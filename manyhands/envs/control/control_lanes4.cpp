@@ -2,7 +2,6 @@
 
 namespace manyhands {
 
-MANYHANDS_CONTROL(, Lanes4, Lanes4)
-MANYHANDS_CONTROL(, Lanes4, float)
+MANYHANDS_FOR_LANES(MANYHANDS_CONTROL, , Lanes4)
 
 }  // namespace manyhands

@@ -2,7 +2,6 @@
 
 namespace manyhands {
 
-MANYHANDS_CONTROL(, Lanes8, Lanes8)
-MANYHANDS_CONTROL(, Lanes8, float)
+MANYHANDS_FOR_LANES(MANYHANDS_CONTROL, , Lanes8)
 
 }  // namespace manyhands

@@ -30,7 +30,7 @@ struct Stack {
   }
 
   static void resize(TaskStart<6, 2>& start, double size) {
-    for (const std::size_t z : {2, 5}) start.goal[z] *= size;
+    for (const std::size_t z : {2U, 5U}) start.goal[z] *= size;
   }
 
   template <Number T>

@@ -12,20 +12,13 @@ namespace manyhands {
 /// The radius of a sphere about the geom's origin that holds its shape [m]; infinite for a plane.
 template <Number T>
 MANYHANDS_INLINE T bounding_radius(const Collider<real_t<T>>& geom, const Vec3<T>& size) {
-  using R = real_t<T>;
   switch (geom.type) {
-    case ShapeType::kSphere:
-      return size.x;
-    case ShapeType::kCapsule:
-      return size.x + size.y;
-    case ShapeType::kCylinder:
-      return sqrt(fma(size.x, size.x, size.y * size.y));
-    case ShapeType::kBox:
-      return norm(size);
-    case ShapeType::kPlane:
-      return T(std::numeric_limits<R>::infinity());
-    default:
+    case ShapeType::kConvex:
+    case ShapeType::kMesh:
+    case ShapeType::kHeightField:
       return T(geom.radius);
+    default:
+      return bounding_radius(geom.type, size);
   }
 }
 

@@ -50,7 +50,8 @@ template <Number T>
 MANYHANDS_INLINE void slide(const ContactStiffness<T>& G, T h_1, T h_2, T rest, mask_t<T> slides, T& y_1, T& y_2,
                             T& radius) {
   using R = real_t<T>;
-  const T zero(R(0)), one(R(1)), tiny(std::numeric_limits<R>::min() * R(16)), wedge(static_cast<R>(internal::kLeastWedge));
+  const T zero(R(0)), one(R(1)), tiny(std::numeric_limits<R>::min() * R(16)),
+      wedge(static_cast<R>(internal::kLeastWedge));
   const T inverse_rest = one / max(rest, tiny);
   const auto squeeze = [&](T d_1, T d_2) { return max(fma(G.slope_1, d_1, fma(G.slope_2, d_2, one)), wedge); };
   const T pull = max(sqrt(fma(h_1, h_1, h_2 * h_2)), tiny), inverse_pull = one / pull;

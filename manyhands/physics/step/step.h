@@ -167,11 +167,6 @@ void step(const System<real_t<T>>& system, const Params<P>& params, real_t<T> h,
   prefix template void step<T, P>(const System<real_t<T>>&, const Params<P>&, real_t<T>, State<T>&, StepWorkspace<T>&);
 MANYHANDS_STEP(extern, double, double)
 MANYHANDS_STEP(extern, float, float)
-MANYHANDS_STEP(extern, Lanes4, Lanes4)
-MANYHANDS_STEP(extern, Lanes4, float)
-MANYHANDS_STEP(extern, Lanes8, Lanes8)
-MANYHANDS_STEP(extern, Lanes8, float)
-MANYHANDS_STEP(extern, Lanes16, Lanes16)
-MANYHANDS_STEP(extern, Lanes16, float)
+MANYHANDS_FOR_ALL_LANES(MANYHANDS_STEP, extern)
 
 }  // namespace manyhands

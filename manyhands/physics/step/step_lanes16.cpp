@@ -2,7 +2,6 @@
 
 namespace manyhands {
 
-MANYHANDS_STEP(, Lanes16, Lanes16)
-MANYHANDS_STEP(, Lanes16, float)
+MANYHANDS_FOR_LANES(MANYHANDS_STEP, , Lanes16)
 
 }  // namespace manyhands

@@ -2,7 +2,6 @@
 
 namespace manyhands {
 
-MANYHANDS_STEP(, Lanes4, Lanes4)
-MANYHANDS_STEP(, Lanes4, float)
+MANYHANDS_FOR_LANES(MANYHANDS_STEP, , Lanes4)
 
 }  // namespace manyhands

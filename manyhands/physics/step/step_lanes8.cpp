@@ -2,7 +2,6 @@
 
 namespace manyhands {
 
-MANYHANDS_STEP(, Lanes8, Lanes8)
-MANYHANDS_STEP(, Lanes8, float)
+MANYHANDS_FOR_LANES(MANYHANDS_STEP, , Lanes8)
 
 }  // namespace manyhands
