@@ -143,7 +143,14 @@ void bind_geom(nb::module_& m) {
           "Bits; two geoms may touch if each one's group is in the other's mask.")
       .def_prop_ro("mask", [](const Geom& geom) { return geom.filter.mask; })
       .def_ro("margin", &Geom::margin, "How far the surface is pushed outwards for contact [m].")
-      .def_ro("rgba", &Geom::rgba);
+      .def_ro("rgba", &Geom::rgba)
+      .def_prop_ro(
+          "texture",
+          [](const Geom& geom) -> std::string {
+            if (!geom.texture) return "";
+            return geom.texture->file.empty() ? "checks" : geom.texture->file;
+          },
+          "The image file that it shows by itself, 'checks', or nothing.");
 
   nb::class_<Mesh>(m, "Mesh", "Triangles, shared by the geoms that show or use them.")
       .def_ro("source", &Mesh::source, "The file it came from, or a description.")

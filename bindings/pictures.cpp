@@ -102,6 +102,12 @@ std::vector<Texture> textures_of(const Model& model, const NamedTextures& named)
   return textures;
 }
 
+/// Of the files that the model's geoms show: through the Python package, which reads images.
+std::shared_ptr<const Image> read_image(const std::string& file) {
+  const nb::object texture = nb::module_::import_("manyhands.textures").attr("texture_or_warning")(file);
+  return texture.is_none() ? nullptr : nb::cast<const Texture&>(texture).image;
+}
+
 /// `q_of(i)` is the configuration that picture i shows.
 template <class QOf>
 std::vector<Shot> shots_of(const Model& model, std::size_t n, const Cameras& cameras, const Looks& looks,
@@ -184,7 +190,8 @@ std::vector<Pattern> with_dice(const Model& model, const std::vector<std::string
 }
 
 constexpr const char* kWanted =
-    "marks are drawn over it. textures: by names of geoms or links. colour, depth, segmentation, normals: what is "
+    "marks are drawn over it. textures: by names of geoms or links, else those of the model's files. colour, depth, "
+    "segmentation, normals: what is "
     "wanted. Raises ValueError on numbers that do not fit, KeyError on a camera's frame, a geom or a link that is not "
     "there.";
 
@@ -209,7 +216,7 @@ void bind_renderer(nb::module_& m) {
       .def(
           "__init__",
           [](Renderer* self, const PythonModel& model, int num_threads) {
-            new (self) Renderer(model.model, num_threads);
+            new (self) Renderer(model.model, num_threads, read_image);
           },
           "model"_a, "num_threads"_a = 0,
           "num_threads: 0 takes the variable MANYHANDS_THREADS, or as many as the machine has cores.")
@@ -242,7 +249,7 @@ void bind_world_render(nb::module_& m) {
       "render",
       [](World& self, const Camera& camera, const Look& look, const Marks& marks, const NamedTextures& textures,
          const std::vector<std::string>& dice, bool colour, bool depth, bool segmentation, bool normals) {
-        const std::shared_ptr<Renderer> renderer = renderer_of(self.shared_model());
+        const std::shared_ptr<Renderer> renderer = renderer_of(self.shared_model(), read_image);
         auto shots = shots_of(self.model(), 1, camera, look, marks, textures, {},
                               [&](std::size_t) { return std::vector<double>(self.q().begin(), self.q().end()); });
         shots[0].guise.patterns = with_dice(self.model(), dice);
@@ -269,7 +276,7 @@ void bind_world_render(nb::module_& m) {
           if (row >= all) throw std::out_of_range("there is no world " + std::to_string(row));
           return std::vector<double>(q.data() + row * nq, q.data() + (row + 1) * nq);
         });
-        return bindings::take_pictures(*renderer_of(self.shared_model()), std::move(shots),
+        return bindings::take_pictures(*renderer_of(self.shared_model(), read_image), std::move(shots),
                                        {colour, depth, segmentation, normals}, false);
       },
       "camera"_a, nb::kw_only(), "worlds"_a = nb::none(), "look"_a = Look{}, "marks"_a = Marks{},

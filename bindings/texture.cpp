@@ -51,7 +51,7 @@ Texture texture_of(std::shared_ptr<const Image> image, const Repeat& repeat) {
     texture.repeat = std::get<std::array<float, 2>>(repeat);
   }
   for (const float times : texture.repeat) {
-    if (!(times > 0 && times <= 1e4f)) {
+    if (!(times > 0 && times <= kMostRepeats)) {
       throw std::invalid_argument("a texture is repeated " + std::to_string(times) +
                                   " times; expected more than 0, at most 10000");
     }

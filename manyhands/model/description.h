@@ -134,6 +134,15 @@ struct CollisionFilter {
   std::uint32_t mask = 0xffffffff;
 };
 
+inline constexpr float kMostRepeats = 1e4f;  ///< of textures, in each direction
+
+/// What a geom shows in place of one colour, multiplied by it: an image, or checks of 2 x 2 squares.
+struct GeomTexture {
+  std::string file{};                         ///< the image; empty: checks
+  std::array<std::array<float, 3>, 2> rgb{};  ///< of the checks
+  std::array<float, 2> repeat{1.0f, 1.0f};    ///< how often it lies there, of planes on every metre, along x and y
+};
+
 struct Geom {
   std::string name{};
   GeomRole role = GeomRole::kCollision;
@@ -141,6 +150,7 @@ struct Geom {
   Transform<double> X_LG = Transform<double>::identity();
   Shape shape{};
   std::array<float, 4> rgba{0.7f, 0.7f, 0.7f, 1.0f};
+  std::optional<GeomTexture> texture{};
   SurfaceMaterial surface{};
   CollisionFilter filter{};
   double margin = 0;  ///< how far the surface is pushed outwards for contact [m]

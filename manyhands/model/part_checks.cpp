@@ -63,6 +63,13 @@ void check_geom(const Geom& geom) {
       throw ModelError(what + ": frictions, restitution, stiffness, damping and margin must be finite, 0 or more");
     }
   }
+  if (!geom.texture) return;
+  for (const float repeat : geom.texture->repeat) {
+    if (!(repeat > 0 && repeat <= kMostRepeats)) {
+      throw ModelError(what + ": its texture is repeated " + std::to_string(repeat) +
+                       " times; expected more than 0, at most 10000");
+    }
+  }
 }
 
 void check_mesh(const Mesh& mesh) {

@@ -9,7 +9,8 @@ namespace manyhands {
 /// positive semi-definite.
 void check_inertial(const std::string& link, const Inertial& inertial);
 
-/// Throws ModelError on a size that is not above 0, a pose or surface that is not finite, or a negative friction.
+/// Throws ModelError on a size that is not above 0, a pose or surface that is not finite, a negative friction, or a
+/// texture that is not repeated more than 0 times.
 void check_geom(const Geom& geom);
 
 /// Throws ModelError on vertices that are not finite and triangles of vertices that do not exist.

@@ -77,7 +77,8 @@ Paint paint_of(const Colour& c) { return paint_of({c[0], c[1], c[2], 1}); }
 }  // namespace
 
 void set_frame(PictureFrame& frame, const Scene& scene, const Camera& camera, const Look& look,
-               std::span<const Transform<double>> X_WB, std::span<const Mark> marks, const Guise& guise) {
+               std::span<const Transform<double>> X_WB, std::span<const Mark> marks, const Guise& guise,
+               std::span<const Texture> textures) {
   frame.camera = camera;
   frame.look = look;
   frame.light = axes_of(look.light);
@@ -94,8 +95,11 @@ void set_frame(PictureFrame& frame, const Scene& scene, const Camera& camera, co
   frame.paint.clear();
   frame.textured.clear();
 
-  const auto has_texture = [&](std::size_t geom) {
-    return !guise.textures.empty() && guise.textures[geom].image != nullptr;
+  const auto texture_of = [&](std::size_t geom) -> const Texture* {
+    for (const std::span<const Texture> from : {std::span<const Texture>(guise.textures), textures}) {
+      if (!from.empty() && from[geom].image != nullptr) return &from[geom];
+    }
+    return nullptr;
   };
   const auto place = [&](const Item& item, const Transform<double>& X_WI, int first_seen, bool is_clear) {
     PlacedItem placed{};
@@ -110,7 +114,8 @@ void set_frame(PictureFrame& frame, const Scene& scene, const Camera& camera, co
   for (const Seen& seen : scene.seen()) {
     const std::size_t geom = seen.geom.index();
     frame.paint.push_back(paint_of(guise.rgba.empty() ? seen.rgba : guise.rgba[geom],
-                                   guise.patterns.empty() ? seen.pattern : guise.patterns[geom], has_texture(geom)));
+                                   guise.patterns.empty() ? seen.pattern : guise.patterns[geom],
+                                   texture_of(geom) != nullptr));
   }
   frame.own.clear();
   frame.own.reserve(scene.items().size() + marks.size());  // what is placed keeps its address
@@ -124,11 +129,11 @@ void set_frame(PictureFrame& frame, const Scene& scene, const Camera& camera, co
     place(*shown, X_WI, item.first_seen, item.is_clear);
     for (int number = item.first_seen; number < item.first_seen + item.num_seen; ++number) {
       const Seen& seen = scene.seen()[static_cast<std::size_t>(number)];
-      if (!has_texture(seen.geom.index())) continue;
+      const Texture* const texture = texture_of(seen.geom.index());
+      if (texture == nullptr) continue;
       const Vec low = item.triangles ? seen.low : shown->low, high = item.triangles ? seen.high : shown->high;
       const Vec rate{1 / (high.x - low.x), 1 / (high.y - low.y), 1 / (high.z - low.z)};
-      frame.textured.push_back(
-          {number, item.type, low, high, rate, broadcast<float>(X_WI), &guise.textures[seen.geom.index()]});
+      frame.textured.push_back({number, item.type, low, high, rate, broadcast<float>(X_WI), texture});
     }
   }
   for (const Mark& mark : marks) {

@@ -57,12 +57,13 @@ struct Guise {
   std::vector<std::array<float, 4>> rgba{};
   std::vector<Pattern> patterns{};
   std::vector<Vec3<double>> sizes{};  ///< of simple shapes, see Shape [m]; x = 0: the model's
-  std::vector<Texture> textures{};    ///< take the place of floors' checks and of dice
+  std::vector<Texture> textures{};    ///< take the place of the model's, of floors' checks and of dice
 };
 
-/// X_WB: poses of the model's bodies (bodies). All numbers must fit, which the renderer checks. Frames are used again
-/// and again, so that their memory is.
+/// X_WB: poses of the model's bodies (bodies). textures: the model's own, one for each geom, or none at all. All
+/// numbers must fit, which the renderer checks. Frames are used again and again, so that their memory is.
 void set_frame(PictureFrame& frame, const Scene& scene, const Camera& camera, const Look& look,
-               std::span<const Transform<double>> X_WB, std::span<const Mark> marks, const Guise& guise);
+               std::span<const Transform<double>> X_WB, std::span<const Mark> marks, const Guise& guise,
+               std::span<const Texture> textures);
 
 }  // namespace manyhands

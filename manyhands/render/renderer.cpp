@@ -135,8 +135,11 @@ void require_size(const char* what, std::size_t found, std::size_t expected) {
 
 }  // namespace
 
-Renderer::Renderer(std::shared_ptr<const Scene> scene, int num_threads)
-    : scene_(std::move(scene)), tree_(scene_->model()), pool_(choose_num_threads(num_threads)) {
+Renderer::Renderer(std::shared_ptr<const Scene> scene, int num_threads, const ImageReader& read)
+    : scene_(std::move(scene)),
+      textures_(own_textures(scene_->model().geoms(), read)),
+      tree_(scene_->model()),
+      pool_(choose_num_threads(num_threads)) {
   for (int i = 0; i < pool_.num_threads(); ++i) {
     workers_.push_back({Workspace<double>(tree_), std::vector<Transform<double>>(size(tree_.nb))});
   }
@@ -198,7 +201,7 @@ void Renderer::render(std::span<const Shot> shots, const Pictures& pictures) {
     Worker& own = workers_[size(worker)];
     const Shot& of = shots[size(shot)];
     place_bodies(of.q, own);
-    set_frame(frames_[size(shot)], *scene_, of.camera, of.look, own.X_WB, of.marks, of.guise);
+    set_frame(frames_[size(shot)], *scene_, of.camera, of.look, own.X_WB, of.marks, of.guise, textures_);
   });
 
   // Few pictures are cut into bands, so that every thread has work; many are not.
@@ -224,14 +227,21 @@ void Renderer::render(std::span<const Shot> shots, const Pictures& pictures) {
   });
 }
 
-std::shared_ptr<Renderer> renderer_of(const std::shared_ptr<const Model>& model) {
+std::shared_ptr<Renderer> renderer_of(const std::shared_ptr<const Model>& model, const ImageReader& read) {
   constexpr std::size_t kKept = 8;
   static std::mutex mutex;
   static std::vector<std::shared_ptr<Renderer>> kept;  // the last one used stands last
+  {
+    const std::scoped_lock lock(mutex);
+    const auto found = std::ranges::find(kept, model, [](const auto& one) { return one->scene().shared_model(); });
+    if (found != kept.end()) {
+      std::rotate(found, found + 1, kept.end());
+      return kept.back();
+    }
+  }
+  // Without the lock: what reads files may have to wait for who waits for it.
+  const auto renderer = std::make_shared<Renderer>(model, 0, read);
   const std::scoped_lock lock(mutex);
-  const auto found = std::ranges::find(kept, model, [](const auto& one) { return one->scene().shared_model(); });
-  std::shared_ptr<Renderer> renderer = found != kept.end() ? *found : std::make_shared<Renderer>(model);
-  if (found != kept.end()) kept.erase(found);
   kept.push_back(renderer);
   if (kept.size() > kKept) kept.erase(kept.begin());
   return renderer;

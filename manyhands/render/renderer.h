@@ -31,11 +31,12 @@ struct Pictures {
 /// take turns.
 class Renderer {
  public:
-  /// Threads: 0 takes the variable MANYHANDS_THREADS, else as many as the machine has cores.
-  explicit Renderer(std::shared_ptr<const Scene> scene, int num_threads = 0);
+  /// Threads: 0 takes the variable MANYHANDS_THREADS, else as many as the machine has cores. read: of the files that
+  /// geoms show; without it they show their colour.
+  explicit Renderer(std::shared_ptr<const Scene> scene, int num_threads = 0, const ImageReader& read = {});
   /// Throws std::runtime_error if Embree fails.
-  explicit Renderer(std::shared_ptr<const Model> model, int num_threads = 0)
-      : Renderer(std::make_shared<const Scene>(std::move(model)), num_threads) {}
+  explicit Renderer(std::shared_ptr<const Model> model, int num_threads = 0, const ImageReader& read = {})
+      : Renderer(std::make_shared<const Scene>(std::move(model)), num_threads, read) {}
 
   [[nodiscard]] const Scene& scene() const { return *scene_; }
 
@@ -58,6 +59,7 @@ class Renderer {
               std::span<std::uint8_t> to) const;
 
   std::shared_ptr<const Scene> scene_;
+  std::vector<Texture> textures_;  // the geoms' own
   Tree<double> tree_;
   ThreadPool pool_;
   std::vector<Worker> workers_;
@@ -67,6 +69,7 @@ class Renderer {
 };
 
 /// A renderer of the model, for whoever has none of his own: those of the last few models are kept.
-[[nodiscard]] std::shared_ptr<Renderer> renderer_of(const std::shared_ptr<const Model>& model);
+[[nodiscard]] std::shared_ptr<Renderer> renderer_of(const std::shared_ptr<const Model>& model,
+                                                    const ImageReader& read = {});
 
 }  // namespace manyhands

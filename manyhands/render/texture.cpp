@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <map>
 #include <stdexcept>
 #include <string>
 
@@ -157,6 +158,24 @@ Lanes4 Image::mean_at(float u, float v, float pixels) const {
   add(levels_[size(octave)], 1 - between);
   if (between > 0) add(levels_[size(octave + 1)], between);
   return sum;
+}
+
+std::vector<Texture> own_textures(std::span<const Geom> geoms, const ImageReader& read) {
+  std::vector<Texture> textures;
+  if (std::ranges::none_of(geoms, [](const Geom& geom) { return geom.texture.has_value(); })) return textures;
+  std::map<std::string, std::shared_ptr<const Image>> of_files;
+  const auto image_of_file = [&](const std::string& file) {
+    const auto [entry, is_new] = of_files.try_emplace(file);
+    if (is_new && read) entry->second = read(file);
+    return entry->second;
+  };
+  for (const Geom& geom : geoms) {
+    Texture& own = textures.emplace_back();
+    if (!geom.texture) continue;
+    const auto& [file, rgb, repeat] = *geom.texture;
+    own = {file.empty() ? checker_image(rgb[0], rgb[1]) : image_of_file(file), repeat};
+  }
+  return textures;
 }
 
 std::shared_ptr<const Image> checker_image(const Colour& a, const Colour& b) {

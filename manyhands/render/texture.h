@@ -2,11 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "manyhands/math/instantiate.h"
+#include "manyhands/model/description.h"
 #include "manyhands/render/look.h"
 
 namespace manyhands {
@@ -43,6 +46,13 @@ struct Texture {
 
   [[nodiscard]] bool operator==(const Texture&) const = default;
 };
+
+/// Gives the image of a file, or none where it cannot be shown: this library has no decoder.
+using ImageReader = std::function<std::shared_ptr<const Image>(const std::string& file)>;
+
+/// What the geoms show by themselves, one for each; nothing at all if none has a texture. Each file is read once;
+/// without `read`, none is shown.
+[[nodiscard]] std::vector<Texture> own_textures(std::span<const Geom> geoms, const ImageReader& read);
 
 // ---- images of 128 x 128 pixels by rule; each fits together with itself ------------------------------------------
 

@@ -1,5 +1,6 @@
 """Image files as textures."""
 
+import warnings
 from os import PathLike
 
 import numpy as np
@@ -24,3 +25,12 @@ def load_texture(path: str | PathLike[str], repeat: float | tuple[float, float] 
         raise ValueError(f"{path} is no image that can be read") from reason
     white = Image.new("RGBA", whole.size, "white")
     return Texture(np.asarray(Image.alpha_composite(white, whole).convert("RGB")), repeat)
+
+
+def texture_or_warning(path: str) -> Texture | None:
+    """The image that a model's file names for a geom; where it cannot be shown, a warning says why."""
+    try:
+        return load_texture(path)
+    except Exception as reason:  # decoders raise errors of many kinds; a model is more than its looks
+        warnings.warn(f"a texture is not shown: {reason}", stacklevel=2)
+        return None

@@ -14,7 +14,8 @@ constexpr std::string_view kScene = R"(<mujoco model="seed">
     <default class="c"><geom type="capsule" size="0.1 0.2"/><motor ctrlrange="-1 1"/></default></default>
   <asset><mesh name="m" vertex="0 0 0 1 0 0 0 1 0 0 0 1 1 1 1" scale="1 1 2"/><mesh file="none.stl"/>
     <mesh name="t" vertex="0 0 0 1 0 0 0 1 0 0 0 1" face="0 2 1 0 1 3 1 2 3 2 0 3" inertia="exact"/>
-    <hfield name="h" nrow="2" ncol="3" size="1 1 1 1" elevation="0 1 2 3 4 5"/><material name="g" rgba="0 1 0 1"/></asset>
+    <hfield name="h" nrow="2" ncol="3" size="1 1 1 1" elevation="0 1 2 3 4 5"/><texture name="x" builtin="checker"
+    type="2d" rgb1="1 0 0"/><texture file="none.png"/><material name="g" texture="x" texrepeat="2 3" rgba="0 1 0 1"/></asset>
   <worldbody>
     <geom name="floor" type="plane" size="0 0 1"/><geom type="hfield" hfield="h"/><light pos="0 0 1"/>
     <body name="a" pos="0 0 1" quat="1 0 0 0" childclass="c"><freejoint/><geom name="ga"/><geom type="mesh" mesh="m"/>

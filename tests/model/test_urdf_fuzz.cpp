@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::string_view kUrdf = R"(<?xml version="1.0"?>
 <robot name="seed">
-  <material name="grey"><color rgba="0.5 0.5 0.5 1"/></material>
+  <material name="grey"><color rgba="0.5 0.5 0.5 1"/><texture filename="none.png"/></material>
   <link name="base"/>
   <link name="arm">
     <inertial><origin xyz="0 0 0.1" rpy="0 0.1 0"/><mass value="1.5"/>

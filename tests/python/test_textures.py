@@ -183,3 +183,55 @@ def test_dice_stay_dice() -> None:
 def test_textures_that_cannot_vary_so(vary: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match=r"vary|chance"):
         PandaEnv(cameras={"front": {"vary": vary}})
+
+
+URDF = """<robot name="crate"><link name="crate">
+  <inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+  <visual><origin xyz="0 0 0.5"/><geometry><box size="0.2 0.2 0.2"/></geometry>
+    <material name="m"><texture filename="halves.png"/></material></visual></link></robot>"""
+
+MJCF = """<mujoco><asset><texture name="grid" type="2d" builtin="checker" rgb1="1 0 0" rgb2="0 0 1"/>
+  <material name="floor" texture="grid" texrepeat="2 2" texuniform="true"/></asset>
+  <worldbody><geom name="floor" type="plane" size="0 0 1" material="floor"/></worldbody></mujoco>"""
+
+
+def test_a_urdf_shows_its_images(tmp_path: Path) -> None:
+    image = pytest.importorskip("PIL.Image")
+    image.fromarray(halves()).save(tmp_path / "halves.png")
+    (tmp_path / "crate.urdf").write_text(URDF)
+    model, report = mh.load_urdf(tmp_path / "crate.urdf")
+    assert not report.notes
+    assert model.geoms[0].texture == str(tmp_path.resolve() / "halves.png")
+    expected = cube_world().render(front(), textures={"cube": mh.Texture(halves())}, look=mh.Look(shadows=False))
+    world = mh.World(model)
+    colour = world.render(front(), look=mh.Look(shadows=False)).colour
+    assert (dominant(colour[:14]) == 0).all() and (dominant(colour[18:]) == 2).all()
+    np.testing.assert_array_equal(dominant(colour), dominant(expected.colour))
+    np.testing.assert_array_equal(mh.Batch(model, 2).render(front(), look=mh.Look(shadows=False)).colour[1], colour)
+    renderer = mh.Renderer(model, 1)
+    np.testing.assert_array_equal(renderer.render(world.q, front(), look=mh.Look(shadows=False)).colour, colour)
+    other = world.render(front(), textures={"crate": mh.Texture.checker(BLUE, BLUE)}).colour
+    assert (dominant(other) == 2).all()
+
+
+def test_an_image_that_cannot_be_read_is_a_warning(tmp_path: Path) -> None:
+    (tmp_path / "crate.urdf").write_text(URDF)
+    model, report = mh.load_urdf(tmp_path / "crate.urdf")
+    assert "halves.png" in str(report) and model.geoms[0].texture == ""
+    plain = mh.World(model).render(front()).colour
+    (tmp_path / "halves.png").write_bytes(b"no image")
+    model, report = mh.load_urdf(tmp_path / "crate.urdf")
+    assert not report.notes
+    with pytest.warns(UserWarning, match=r"not shown: .*halves\.png is no image"):
+        colour = mh.World(model).render(front()).colour
+    np.testing.assert_array_equal(colour, plain)
+
+
+def test_a_checker_floor_of_mjcf() -> None:
+    model, _ = mh.load_mjcf_string(MJCF)
+    assert model.geoms[0].texture == "checks"
+    camera = mh.Camera.orthographic(40, 40, 2).look_at([0, 0, 1], [0, 0, 0], up=[0, 1, 0])
+    colour = dominant(mh.World(model).render(camera, look=mh.Look(shadows=False)).colour)
+    # The image of 2 x 2 squares twice on every 2 m: squares of 0.5 m, ten pixels wide.
+    squares = colour[5::10, 5::10]
+    np.testing.assert_array_equal(squares, 2 * (np.indices((4, 4)).sum(axis=0) % 2))

@@ -257,6 +257,64 @@ TEST(Texture, IsSeenOnWhatIsSeeThroughToo) {
   EXPECT_NE(clear.colour, solid.colour);
 }
 
+/// A box and a plane of which files say what they show.
+std::shared_ptr<const Model> textured_model() {
+  ModelBuilder builder("textured");
+  const Shape box{.type = ShapeType::kBox, .size = {1, 1, 1}};
+  builder.add_geom({.name = "box",
+                    .link = builder.world(),
+                    .shape = box,
+                    .rgba = {1, 1, 1, 1},
+                    .texture = GeomTexture{.file = "quarters"}});
+  builder.add_geom({.name = "floor",
+                    .link = builder.world(),
+                    .X_LG = {Mat3<double>::identity(), {0, 0, -1}},
+                    .shape = {.type = ShapeType::kPlane},
+                    .texture = GeomTexture{.rgb = {{{1, 0, 0}, {0, 0, 1}}}, .repeat = {0.5f, 2.0f}}});
+  return std::make_shared<const Model>(builder.build());
+}
+
+TEST(Texture, OfModelsIsReadOnceAndLaidOn) {
+  const std::shared_ptr<const Model> model = textured_model();
+  std::vector<Geom> geoms(model->geoms().begin(), model->geoms().end());
+  geoms.push_back(geoms[0]);
+  geoms.emplace_back();
+  int reads = 0;
+  const std::vector<Texture> own = own_textures(geoms, [&](const std::string& file) {
+    EXPECT_EQ(file, "quarters");
+    ++reads;
+    return quarters().image;
+  });
+  EXPECT_EQ(reads, 1);
+  ASSERT_EQ(own.size(), 4u);
+  EXPECT_EQ(own[0], own[2]);
+  EXPECT_EQ(own[3].image, nullptr);
+  EXPECT_EQ(own[1].repeat, (std::array{0.5f, 2.0f}));
+  EXPECT_TRUE(own_textures(std::span(&geoms[3], 1), {}).empty());
+}
+
+TEST(Texture, OfModelsIsShownUnlessAShotHasAnother) {
+  const std::shared_ptr<const Model> model = textured_model();
+  Shot shot{.camera = orthographic_camera(64, 64, 1.9), .q = {}};
+  shot.camera.X_FC = look_at(Point{0, -3, 0}, Point{0, 0, 0}, Point{0, 0, 1});
+  shot.look.shadows = false;
+  shot.look.sun = 0;
+  shot.look.ambient = 1;
+  Renderer renderer(model, 1, [](const std::string&) { return quarters().image; });
+  EXPECT_EQ(quarters_of(take(renderer, shot)), "rgbw");
+  shot.guise.textures.resize(2);
+  EXPECT_EQ(quarters_of(take(renderer, shot)), "rgbw");
+  shot.guise.textures[0] = plain_white();
+  EXPECT_EQ(quarters_of(take(renderer, shot)), "wwww");
+  shot.guise.textures.clear();
+  Renderer without(model, 1);  // files are not read, checks need none
+  EXPECT_EQ(quarters_of(take(without, shot)), "wwww");
+  shot.camera = orthographic_camera(64, 64, 0.8);  // the image is 2 m wide there and 0.5 m high
+  shot.camera.X_FC = look_at(Point{10.5, 0, 0}, Point{10.5, 0, -1}, Point{0, 1, 0});
+  const Picture floor = take(without, shot);
+  EXPECT_EQ(colour_at(floor, 32, 26) + colour_at(floor, 32, 38) + colour_at(floor, 32, 60), "brb");
+}
+
 TEST(Texture, OneForEachGeomIsAskedFor) {
   Thing box({.type = ShapeType::kBox, .size = {1, 1, 1}}, quarters());
   box.shot.guise.textures.resize(2);

@@ -40,6 +40,21 @@ std::string asset_name(const MjcfElement& element) {
   return std::filesystem::path(element.text("file")).stem().string();
 }
 
+std::array<float, 2> read_repeat(const MjcfElement& material) {
+  std::array<float, 2> repeat{1, 1};
+  if (!material.has("texrepeat")) return repeat;
+  const std::vector<double> given = material.numbers("texrepeat", 2, 2);
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (given[i] > 0 && given[i] <= kMostRepeats) {
+      repeat[i] = static_cast<float>(given[i]);
+    } else {
+      material.note(LoadAction::kRepaired, "'texrepeat' " + format_number(given[i]) + " is not above 0 and at most " +
+                                               format_number(kMostRepeats) + "; 1 taken");
+    }
+  }
+  return repeat;
+}
+
 template <class Entries>
 auto& find_asset(Entries& entries, const char* kind, const std::string& name, const MjcfElement& user) {
   const auto found = entries.find(name);
@@ -55,22 +70,41 @@ MjcfAssets::MjcfAssets(const MjcfElement& root, const MjcfSettings& settings, co
                        bool load_meshes)
     : settings_(settings), load_meshes_(load_meshes) {
   for (const MjcfElement& section : root.children("asset")) {
-    section.named("asset").expect({}, {"mesh", "hfield", "material"});
+    section.named("asset").expect({}, {"mesh", "hfield", "texture", "material"});
+    for (const MjcfElement& element : section.children("texture")) add_texture(element);
+  }
+  for (const MjcfElement& section : root.children("asset")) {
     for (const MjcfElement& element : section.children()) {
       if (element.tag() == "mesh") {
         add_mesh(element, classes);
       } else if (element.tag() == "hfield") {
         add_height_field(element);
       } else if (element.tag() == "material") {
-        const std::string name = element.named("material").text("name");
-        const MjcfElement material = element.named("material '" + name + "'").with_defaults(classes, "material");
-        material.expect({"name", "class", "rgba"}, {});
-        if (!materials_.emplace(name, read_rgba(material, {1, 1, 1, 1})).second) {
-          material.fail("the name is taken; expected another name");
-        }
+        add_material(element, classes);
       }
     }
   }
+}
+
+void MjcfAssets::add_texture(const MjcfElement& element) {
+  const std::string file = std::filesystem::path(element.text_or("file", "")).stem().string();
+  const std::string name = element.text_or("name", file);
+  const MjcfElement texture = element.named("texture '" + name + "'");
+  const bool is_new = textures_.emplace(name, read_texture(texture, settings_)).second;
+  if (!is_new && !name.empty()) texture.fail("the name is taken; expected another name");
+}
+
+void MjcfAssets::add_material(const MjcfElement& element, const MjcfClasses& classes) {
+  const std::string name = element.named("material").text("name");
+  const MjcfElement source = element.named("material '" + name + "'").with_defaults(classes, "material");
+  source.expect({"name", "class", "rgba", "texture", "texrepeat", "texuniform"}, {});
+  MjcfMaterial material{.rgba = read_rgba(source, {1, 1, 1, 1}), .is_uniform = source.boolean_or("texuniform", false)};
+  if (!source.text_or("texture", "").empty()) {
+    const MjcfTexture& texture = find_asset(textures_, "texture", source.text("texture"), source);
+    material.texture = texture.shown;
+    if (texture.shown && !texture.is_cube) material.texture->repeat = read_repeat(source);
+  }
+  if (!materials_.emplace(name, std::move(material)).second) source.fail("the name is taken; expected another name");
 }
 
 void MjcfAssets::add_mesh(const MjcfElement& element, const MjcfClasses& classes) {
@@ -90,10 +124,10 @@ void MjcfAssets::add_height_field(const MjcfElement& element) {
   }
 }
 
-std::string MjcfAssets::path_of(const std::string& file) const {
+std::string path_in(const std::string& folder, const std::string& file, const MjcfSettings& settings) {
   namespace fs = std::filesystem;
-  const fs::path path = settings_.strip_path ? fs::path(file).filename() : fs::path(file);
-  return (fs::path(settings_.mesh_folder) / path).string();
+  const fs::path path = settings.strip_path ? fs::path(file).filename() : fs::path(file);
+  return (fs::path(folder) / path).string();
 }
 
 namespace {
@@ -143,8 +177,10 @@ void place_vertices(const MjcfElement& source, Mesh& mesh) {
 std::optional<MjcfMesh> MjcfAssets::read_mesh(const MjcfElement& source, ModelBuilder& builder) const {
   try {
     if (!source.has("file") && !source.has("vertex")) throw MeshError("neither 'file' nor 'vertex'");
-    Mesh mesh = source.has("file") ? load_mesh(source.source().paths().resolve(path_of(source.text("file"))))
-                                   : inline_mesh(source);
+    Mesh mesh =
+        source.has("file")
+            ? load_mesh(source.source().paths().resolve(path_in(settings_.mesh_folder, source.text("file"), settings_)))
+            : inline_mesh(source);
     place_vertices(source, mesh);
     const std::string kind = source.word_or("inertia", {"convex", "exact", "legacy", "shell"}, "legacy");
     if (mesh.triangles.empty()) mesh = hull_of(mesh);
@@ -184,7 +220,9 @@ std::optional<HeightFieldId> MjcfAssets::height_field(const std::string& name, c
   try {
     const std::string file = source.text_or("file", "");
     if (file.ends_with(".png")) throw std::runtime_error("PNG files are not read");
-    const std::string bytes = file.empty() ? "" : read_text_file(source.source().paths().resolve(path_of(file)));
+    const std::string bytes =
+        file.empty() ? ""
+                     : read_text_file(source.source().paths().resolve(path_in(settings_.mesh_folder, file, settings_)));
     entry.id = builder.add_height_field(read_height_field(source, bytes));
   } catch (const PathEscape& error) {
     source.fail(error.what());
@@ -196,7 +234,7 @@ std::optional<HeightFieldId> MjcfAssets::height_field(const std::string& name, c
   return entry.id;
 }
 
-Rgba MjcfAssets::material(const std::string& name, const MjcfElement& user) const {
+const MjcfMaterial& MjcfAssets::material(const std::string& name, const MjcfElement& user) const {
   return find_asset(materials_, "material", name, user);
 }
 

@@ -23,6 +23,18 @@ struct MjcfMesh {
   Inertial per_density{};  ///< mass properties of the solid at density 1 kg/m^3; at density 1 kg/m^2 of its skin
 };
 
+/// What a <texture> shows, its `repeat` still unset.
+struct MjcfTexture {
+  std::optional<GeomTexture> shown{};  ///< nothing if it cannot be shown
+  bool is_cube = false;                ///< one image for each side, which no material repeats
+};
+
+struct MjcfMaterial {
+  Rgba rgba{};
+  std::optional<GeomTexture> texture{};
+  bool is_uniform = false;  ///< repeated along lengths in place of along a geom
+};
+
 class MjcfAssets {
  public:
   MjcfAssets(const MjcfElement& root, const MjcfSettings& settings, const MjcfClasses& classes, bool load_meshes);
@@ -32,7 +44,7 @@ class MjcfAssets {
   [[nodiscard]] const MjcfMesh* mesh(const std::string& name, const MjcfElement& user, ModelBuilder& builder);
   [[nodiscard]] std::optional<HeightFieldId> height_field(const std::string& name, const MjcfElement& user,
                                                           ModelBuilder& builder);
-  [[nodiscard]] Rgba material(const std::string& name, const MjcfElement& user) const;
+  [[nodiscard]] const MjcfMaterial& material(const std::string& name, const MjcfElement& user) const;
 
  private:
   struct MeshEntry {
@@ -46,17 +58,29 @@ class MjcfAssets {
     std::optional<HeightFieldId> id;
   };
 
+  void add_texture(const MjcfElement& element);
+  void add_material(const MjcfElement& element, const MjcfClasses& classes);
   void add_mesh(const MjcfElement& element, const MjcfClasses& classes);
   void add_height_field(const MjcfElement& element);
   [[nodiscard]] std::optional<MjcfMesh> read_mesh(const MjcfElement& source, ModelBuilder& builder) const;
-  [[nodiscard]] std::string path_of(const std::string& file) const;
 
   const MjcfSettings& settings_;
   bool load_meshes_;
   std::map<std::string, MeshEntry> meshes_;
   std::map<std::string, HeightFieldEntry> height_fields_;
-  std::map<std::string, Rgba> materials_;
+  std::map<std::string, MjcfTexture> textures_;
+  std::map<std::string, MjcfMaterial> materials_;
 };
+
+/// The path that a file's name means below the folder of its kind.
+[[nodiscard]] std::string path_in(const std::string& folder, const std::string& file, const MjcfSettings& settings);
+
+/// Reads a <texture>; what cannot be shown is noted.
+[[nodiscard]] MjcfTexture read_texture(const MjcfElement& texture, const MjcfSettings& settings);
+
+/// The material's texture as a geom of this shape shows it.
+[[nodiscard]] std::optional<GeomTexture> texture_on(ShapeType shape, const MjcfMaterial& material,
+                                                    const MjcfElement& geom);
 
 /// The surface of the convex hull of a mesh's vertices. Throws ModelError if they have no extent.
 [[nodiscard]] Mesh hull_of(const Mesh& mesh);

@@ -195,7 +195,11 @@ MjcfGeomMass add_geom(MjcfScene& scene, int body_index, const MjcfPlaced& placed
     geom.surface = surface_of(entry.friction, entry.condim);
     geom.margin = e.positive_or("margin", 0);
     geom.rgba = {0.5f, 0.5f, 0.5f, 1};
-    if (e.has("material")) geom.rgba = scene.assets.material(e.text("material"), e);
+    if (e.has("material")) {
+      const MjcfMaterial& material = scene.assets.material(e.text("material"), e);
+      geom.rgba = material.rgba;
+      geom.texture = texture_on(geom.shape.type, material, e);
+    }
     geom.rgba = read_rgba(e, geom.rgba);
     const double density = e.positive_or("density", 1000);
     double factor = density;

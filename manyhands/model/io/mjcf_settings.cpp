@@ -12,9 +12,9 @@ double MjcfSettings::radians(double angle) const { return degrees ? angle * std:
 namespace {
 
 void read_compiler(const MjcfElement& e, MjcfSettings& settings) {
-  e.expect({"angle", "coordinate", "eulerseq", "autolimits", "meshdir", "assetdir", "strippath", "inertiafromgeom",
-            "inertiagrouprange", "balanceinertia", "boundmass", "boundinertia", "settotalmass", "usethread",
-            "fusestatic", "discardvisual", "alignfree"});
+  e.expect({"angle", "coordinate", "eulerseq", "autolimits", "meshdir", "texturedir", "assetdir", "strippath",
+            "inertiafromgeom", "inertiagrouprange", "balanceinertia", "boundmass", "boundinertia", "settotalmass",
+            "usethread", "fusestatic", "discardvisual", "alignfree"});
   settings.degrees = e.word_or("angle", {"degree", "radian"}, settings.degrees ? "degree" : "radian") == "degree";
   if (e.word_or("coordinate", {"local", "global"}, "local") == "global") {
     e.fail("coordinate=\"global\" is not read, nor by MuJoCo since 2.3.4; expected local coordinates");
@@ -26,8 +26,8 @@ void read_compiler(const MjcfElement& e, MjcfSettings& settings) {
            "; expected three of x, y, z, X, Y and Z");
   }
   settings.autolimits = e.boolean_or("autolimits", settings.autolimits);
-  settings.mesh_folder = e.text_or("assetdir", settings.mesh_folder);
-  settings.mesh_folder = e.text_or("meshdir", settings.mesh_folder);
+  settings.mesh_folder = e.text_or("meshdir", e.text_or("assetdir", settings.mesh_folder));
+  settings.texture_folder = e.text_or("texturedir", e.text_or("assetdir", settings.texture_folder));
   settings.strip_path = e.boolean_or("strippath", settings.strip_path);
   if (e.has("inertiafromgeom")) {
     const std::string word = e.word_or("inertiafromgeom", {"false", "true", "auto"}, "auto");

@@ -13,7 +13,7 @@ struct MjcfSettings {
   bool degrees = true;
   std::string euler_sequence = "xyz";
   bool autolimits = true;
-  std::string mesh_folder;
+  std::string mesh_folder, texture_folder;
   bool strip_path = false;
   enum class FromGeoms { kNever, kAlways, kWhereMissing } inertia_from_geoms = FromGeoms::kWhereMissing;
   std::array<int, 2> inertia_groups{0, 5};

@@ -136,6 +136,7 @@ class Assembler {
       geom.shape.mesh = mesh_of(part);
       if (!geom.shape.mesh.is_valid()) return;
     }
+    if (!part.texture_file.empty()) geom.texture = texture_of(part);
     builder_.add_geom(std::move(geom));
   }
 
@@ -158,6 +159,17 @@ class Assembler {
                        "mesh " + io::in_quotes(part.mesh_file) + ": " + mesh.problem + "; the geom is left out");
     }
     return mesh.id;
+  }
+
+  /// Nothing, which is noted, if there is no such file that may be read.
+  std::optional<GeomTexture> texture_of(const io::UrdfGeom& part) const {
+    try {
+      return GeomTexture{.file = paths_.resolve(part.texture_file).string()};
+    } catch (const std::runtime_error& error) {
+      part.source.note(LoadAction::kIgnored, "texture " + io::in_quotes(part.texture_file) + ": " + error.what() +
+                                                 "; the colour alone is shown");
+      return std::nullopt;
+    }
   }
 
   void note_meshes_left_out() {

@@ -87,21 +87,20 @@ bool is_solid(const UrdfGeom& geom) {
   return false;
 }
 
-Rgba read_material(const UrdfElement& visual, const Materials& materials, const Rgba& fallback) {
-  const UrdfElement material = visual.child("material");
-  if (!material) return fallback;
-  material.expect({"name"}, {"color"});
-  if (const UrdfElement color = material.child("color")) {
-    color.expect({"rgba"});
-    const std::vector<double> v = color.numbers("rgba", 4, "0.8 0.8 0.8 1");
-    Rgba rgba{};
-    std::ranges::transform(v, rgba.begin(), [](double x) { return static_cast<float>(x); });
-    return rgba;
+/// The visual's own material, or the one that it names.
+void wear_material(const UrdfElement& visual, const Materials& materials, UrdfGeom& result) {
+  const UrdfElement element = visual.child("material");
+  if (!element) return;
+  element.expect({"name"}, {"color", "texture"});
+  std::optional<UrdfMaterial> material = read_material(element);
+  const std::string_view name = element.text_or_empty("name");
+  if (const auto found = materials.find(name); !material && found != materials.end()) material = found->second;
+  if (!material) {
+    element.note(LoadAction::kDefaulted, "no colour for the material " + in_quotes(name) + "; grey taken");
+    return;
   }
-  const std::string_view name = material.text_or_empty("name");
-  if (const auto found = materials.find(name); found != materials.end()) return found->second;
-  material.note(LoadAction::kDefaulted, "no colour for the material " + in_quotes(name) + "; grey taken");
-  return fallback;
+  result.geom.rgba = material->rgba;
+  result.texture_file = material->texture_file;
 }
 
 }  // namespace
@@ -120,7 +119,7 @@ std::optional<UrdfGeom> read_geom(const UrdfElement& element, GeomRole role, con
                    "<" + std::string(shapes[i].tag()) + "> in <geometry>; only the first shape counts");
   }
   if (!read_shape(shapes[0], result)) return std::nullopt;
-  if (role == GeomRole::kVisual) result.geom.rgba = read_material(element, materials, result.geom.rgba);
+  if (role == GeomRole::kVisual) wear_material(element, materials, result);
   if (!is_solid(result)) {
     shapes[0].note(LoadAction::kIgnored,
                    "the <" + std::string(shapes[0].tag()) + "> has no size; the geom is left out");

@@ -13,14 +13,20 @@ namespace manyhands::io {
 
 using Rgba = std::array<float, 4>;
 
-/// The colours of the materials by name: those of the whole robot first, then those given where they are used.
-using Materials = std::map<std::string, Rgba, std::less<>>;
+struct UrdfMaterial {
+  Rgba rgba{};
+  std::string texture_file{};  ///< empty without one
+};
+
+/// The materials by name: those of the whole robot first, then those given where they are used.
+using Materials = std::map<std::string, UrdfMaterial, std::less<>>;
 
 struct UrdfGeom {
   UrdfElement source;  ///< for messages: the <visual> or <collision>
   Geom geom;           ///< its link and mesh still unset
   std::string mesh_file;
   Vec3<double> mesh_scale{1, 1, 1};
+  std::string texture_file{};
 };
 
 struct UrdfLink {
@@ -46,6 +52,8 @@ struct UrdfRobot {
 /// Reads the root element. Fails on anything malformed; defaults, repairs and ignored elements are noted.
 [[nodiscard]] UrdfRobot read_robot(const UrdfElement& robot);
 
+/// The colour and texture that the element itself has, white where only the texture is given; nothing without either.
+[[nodiscard]] std::optional<UrdfMaterial> read_material(const UrdfElement& material);
 [[nodiscard]] Materials read_materials(const UrdfElement& robot);
 [[nodiscard]] UrdfLink read_link(const UrdfElement& link, const Materials& materials);
 [[nodiscard]] Inertial read_inertial(const UrdfElement& link);

@@ -74,28 +74,30 @@ UrdfRobot read_robot(const UrdfElement& robot) {
   return result;
 }
 
-namespace {
-
-std::optional<Rgba> read_color(const UrdfElement& material) {
-  const UrdfElement color = material.child("color");
-  if (!color) return std::nullopt;
-  color.expect({"rgba"});
-  const std::vector<double> v = color.numbers("rgba", 4, "0.8 0.8 0.8 1");
-  Rgba rgba{};
-  for (std::size_t i = 0; i < 4; ++i) rgba[i] = static_cast<float>(v[i]);
-  return rgba;
+std::optional<UrdfMaterial> read_material(const UrdfElement& material) {
+  UrdfMaterial result{.rgba = {1, 1, 1, 1}};
+  const UrdfElement color = material.child("color"), texture = material.child("texture");
+  if (color) {
+    color.expect({"rgba"});
+    const std::vector<double> v = color.numbers("rgba", 4, "0.8 0.8 0.8 1");
+    for (std::size_t i = 0; i < 4; ++i) result.rgba[i] = static_cast<float>(v[i]);
+  }
+  if (texture) {
+    texture.expect({"filename"});
+    result.texture_file = texture.text_or_empty("filename");  // exporters write an empty one for none
+  }
+  if (!color && result.texture_file.empty()) return std::nullopt;
+  return result;
 }
-
-}  // namespace
 
 Materials read_materials(const UrdfElement& robot) {
   Materials materials;
   for (const UrdfElement& element : robot.children("material")) {
     const std::string name = element.text("name");
     const UrdfElement material = element.named(named("material", name));
-    material.expect({"name"}, {"color"});
-    const std::optional<Rgba> rgba = read_color(material);
-    if (rgba && !materials.emplace(name, *rgba).second) {
+    material.expect({"name"}, {"color", "texture"});
+    const std::optional<UrdfMaterial> own = read_material(material);
+    if (own && !materials.emplace(name, *own).second) {
       material.note(LoadAction::kIgnored, "there is a material of that name already; the first counts");
     }
   }
@@ -103,8 +105,9 @@ Materials read_materials(const UrdfElement& robot) {
     for (const UrdfElement& visual : link.children("visual")) {
       for (const UrdfElement& material : visual.children("material")) {
         const std::string_view name = material.text_or_empty("name");
-        if (name.empty() || materials.contains(name) || material.children("color").empty()) continue;
-        materials.emplace(name, *read_color(material.named(named("material", name))));
+        if (name.empty() || materials.contains(name)) continue;
+        const std::optional<UrdfMaterial> own = read_material(material.named(named("material", name)));
+        if (own) materials.emplace(name, *own);
       }
     }
   }
