@@ -226,6 +226,38 @@ TEST_P(Control, StaysSaneUnderRandomActions) {
   }
 }
 
+/// Searches for the joints' stances that went round in circles, or off to infinity where friction wedged the fingers,
+/// threw arms at up to 700 m/s in these batches of seeds.
+TEST(Control, NoArmIsThrownAboutByTheTable) {
+  constexpr int n = 100;
+  const auto fastest_hand = [](const char* id, ArmControl control, unsigned batch) {
+    const auto env = make_env_batch(id, n, {.control = control});
+    std::vector<std::uint64_t> seeds(n);
+    std::iota(seeds.begin(), seeds.end(), n * batch);
+    env->reset({}, seeds);
+    std::mt19937 random(batch);
+    std::uniform_real_distribution<float> action(-1, 1);
+    std::vector<float> actions(static_cast<std::size_t>(n * env->spec().action_dim));
+    float fastest = 0;
+    for (int step = 0; step < 50; ++step) {
+      std::ranges::generate(actions, [&] { return action(random); });
+      env->step(actions);
+      for (std::size_t i = 0; i < n; ++i) {
+        const float* row = &env->observation()[i * static_cast<std::size_t>(env->spec().observation_dim)];
+        fastest = std::max(fastest, std::hypot(row[3], row[4], row[5]));
+      }
+    }
+    return fastest;
+  };
+  for (const unsigned batch : {1U, 6U, 24U}) {
+    EXPECT_LT(fastest_hand("PandaPush-v3", ArmControl::kEndEffector, batch), 4) << "m/s, of batch " << batch;
+  }
+  for (const unsigned batch : {8U, 17U, 22U, 23U, 24U}) {
+    EXPECT_LT(fastest_hand("PandaPush-v3", ArmControl::kEndEffectorPose, batch), 4) << "m/s, of batch " << batch;
+  }
+  EXPECT_LT(fastest_hand("PandaReach-v3", ArmControl::kEndEffector, 55), 4) << "m/s";
+}
+
 TEST(Control, HasTheSizesItSays) {
   const auto size = [](const char* robot, const char* id, ArmControl control) {
     return make_env_batch(id, 1, {.arm = arm_spec(robot), .control = control})->spec().action_dim;

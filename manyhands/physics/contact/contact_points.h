@@ -54,11 +54,21 @@ struct CombinedSurface {
   T softness, push;      ///< of a soft surface: see `soften`; 0 where it is hard
 };
 
+/// The least wrong stances that a search has seen, and the impulses that they came with.
+template <Number T>
+struct BestStances {
+  explicit BestStances(int nv) : stances(static_cast<std::size_t>(nv)) {}
+
+  T wrong{};                      ///< by how much [rad/s or m/s]
+  std::vector<T> stances;         ///< (nv)
+  std::vector<Vec3<T>> impulses;  ///< of contacts, torsions and loops
+};
+
 /// All contact points of a step.
 template <Number T>
 struct ContactSet {
   explicit ContactSet(const Colliders<real_t<T>>& colliders, int nv)
-      : store(nv), free_dv(static_cast<std::size_t>(nv)), kept_dv(free_dv), kept_rhs(free_dv) {
+      : store(nv), free_dv(static_cast<std::size_t>(nv)), kept_dv(free_dv), kept_rhs(free_dv), best(nv) {
     patches.reserve(colliders.num_manifolds);
     points.reserve(kManifoldPoints * colliders.num_manifolds);
   }
@@ -70,6 +80,7 @@ struct ContactSet {
   std::vector<T> free_dv;  ///< (nv) velocity change without contacts; only where something bounces
   std::vector<T> kept_dv;  ///< (nv) scratch, as the next
   std::vector<T> kept_rhs;
+  BestStances<T> best;
   std::conditional_t<std::same_as<T, double>, NewtonFinish, std::monostate> newton;
 };
 

@@ -2,7 +2,7 @@
 // the pivoting of the joints. See README.md in this folder.
 #pragma once
 
-#include "manyhands/physics/contact/loops.h"
+#include "manyhands/physics/contact/contact_pivots.h"
 
 namespace manyhands {
 
@@ -15,13 +15,6 @@ struct SolverSettings {
 };
 
 namespace internal {
-
-/// Sweeps between two looks at the joints' stances: few where a block waits for its slowest world.
-template <Number T>
-inline constexpr int kSweepsPerPivot = std::same_as<real_t<T>, float> ? 2 : 8;
-
-/// How often the joints' stances may change once contacts take part.
-inline constexpr int kMostContactPivots = 12;
 
 /// The stiffness by G = J A J^T, the tangents turned so that what resists sliding is diagonal.
 template <Number T>
@@ -146,20 +139,20 @@ MANYHANDS_INLINE void relax(mask_t<T> active, const ContactPatch<T>& patch, Cont
 
 /// Sweeps over all contacts, always in the same order (orders that go back and forth converge more slowly, see
 /// docs/contact_solver.md), until every world has settled or used up its `budget` of sweeps, which counts down. How
-/// many sweeps there were.
+/// many sweeps there were; `change` is by how much a world's last one changed a contact's velocity [m/s].
 template <Number T>
 MANYHANDS_INLINE int sweep(const Tree<real_t<T>>& tree, const Workspace<T>& ws, T tolerance, T& budget,
-                           ContactSet<T>& set, JointConstraints<T>& jc, mask_t<T>& settled) {
+                           ContactSet<T>& set, JointConstraints<T>& jc, T& change) {
   using R = real_t<T>;
   const T zero(R(0)), one(R(1));
   int sweeps = 0;
-  settled = set.points.empty();
+  change = set.points.empty() ? zero : T(std::numeric_limits<R>::infinity());
   for (ContactPatch<T>& patch : set.patches) patch.start = patch_motion(tree, patch, set.store, jc.dv.data());
   begin_change(set.store);
-  for (auto moving = budget > zero; any(moving); moving = (!settled) & (budget > zero)) {
+  for (auto moving = budget > zero; any(moving); moving = (change > tolerance) & (budget > zero)) {
     T largest = zero;
     for (const ContactPatch<T>& patch : set.patches) relax(moving, patch, set, largest);
-    settled = settled | (moving & (largest <= tolerance));
+    change = select(moving, largest, change);
     budget = select(moving, budget - one, budget);
     ++sweeps;
   }
@@ -209,33 +202,6 @@ MANYHANDS_INLINE void find_joint_impulses(const T* stances, JointConstraints<T>&
   }
 }
 
-/// How urgently a dof should leave its stance: the overload of a motor that holds, else a little.
-template <Number T>
-MANYHANDS_INLINE T urgency(const T* stances, std::size_t i, const JointConstraints<T>& jc) {
-  using R = real_t<T>;
-  const T zero(R(0)), tiny(R(1e-6)), little(R(2));
-  const T overload = abs(jc.impulse[i]) / max(jc.max_impulse[i], tiny);
-  return select(jc.better[i] == stances[i], zero, select(stances[i] == T(R(kHeld)), overload, little));
-}
-
-/// Moves the most urgent dof of each world, and those at least half as urgent. Against contacts that have not settled
-/// all motors seem overloaded: if they gave way together, the arm would be thrown about.
-template <Number T>
-MANYHANDS_INLINE void move_worst_stances(mask_t<T> moved, T* stances, const JointConstraints<T>& jc) {
-  T worst(real_t<T>(0));
-  for (std::size_t i = 0; i < jc.dv.size(); ++i) worst = max(worst, urgency(stances, i, jc));
-  const T least = T(real_t<T>(0.5)) * worst;
-  for (std::size_t i = 0; i < jc.dv.size(); ++i)
-    stances[i] = select(moved & (urgency(stances, i, jc) >= least), jc.better[i], stances[i]);
-}
-
-/// The last move: what is wrong is held. A motor may be too strong for one step, but none throws its joint about.
-template <Number T>
-MANYHANDS_INLINE void hold_wrong_stances(mask_t<T> moved, T* stances, const JointConstraints<T>& jc) {
-  for (std::size_t i = 0; i < jc.dv.size(); ++i)
-    stances[i] = select(moved & (jc.better[i] != stances[i]), T(real_t<T>(kHeld)), stances[i]);
-}
-
 }  // namespace internal
 
 /// dv of all dofs, and the impulses of contacts, loops, motors and limits, after `prepare_contacts`; the number of
@@ -247,10 +213,13 @@ MANYHANDS_INLINE int solve_constraints(const Tree<real_t<T>>& tree, const Solver
   using R = real_t<T>;
   solve_joint_constraints(tree, state, ws, jc);
   if (set.points.empty() && loops.blocks.empty()) return 0;
-  const T zero(R(0)), one(R(1)), batch(R(internal::kSweepsPerPivot<T>)), tolerance(static_cast<R>(settings.tolerance));
+  const T zero(R(0)), one(R(1)), tolerance(static_cast<R>(settings.tolerance));
+  const T few(R(internal::kSweepsPerPivot<T>)), many(R(internal::kSweepsPerLatePivot)),
+      most(R(internal::kMostContactPivots));
   T* stances = state.stance();
   mask_t<T> active(true), moved(true);
-  T left(static_cast<R>(settings.max_sweeps)), pivots = zero;
+  T left(static_cast<R>(settings.max_sweeps)), pivots = zero, batch = few;
+  internal::forget_best(set, loops);
   if constexpr (std::same_as<T, double>) set.newton.begin();
   for (int sweeps = 0;;) {
     if (any(moved)) {
@@ -262,8 +231,9 @@ MANYHANDS_INLINE int solve_constraints(const Tree<real_t<T>>& tree, const Solver
     }
     const T allowed = select(active, min(batch, left), zero);
     T budget = allowed;
-    mask_t<T> settled;
-    sweeps += internal::sweep(tree, ws, tolerance, budget, set, jc, settled);
+    T change;
+    sweeps += internal::sweep(tree, ws, tolerance, budget, set, jc, change);
+    mask_t<T> settled = change <= tolerance;
     if constexpr (std::same_as<T, double>) {
       if (!settled) settled = set.newton.finish(settings, {tree, ws, jc, loops, set}, sweeps);
     }
@@ -271,18 +241,23 @@ MANYHANDS_INLINE int solve_constraints(const Tree<real_t<T>>& tree, const Solver
     internal::follow_contacts(set, loops);
     internal::find_joint_impulses(stances, jc);
     const auto wrong = internal::find_better_stances(tree, stances, jc) > zero;
-    moved = active & wrong & (pivots < T(R(internal::kMostContactPivots)));
+    moved = active & wrong & (pivots < most);
     active = moved | (active & (!settled) & (left > zero));
     if (none(active)) {
       internal::remember_loops(loops, state.loops());
       return sweeps;
     }
     if (none(moved)) continue;
-    pivots = select(moved, pivots + one, pivots);
+    const T wrongness = max(change, internal::wrongness(tree, ws, stances, jc));
+    internal::keep_best(moved, wrongness, stances, set, loops);
+    const auto hopeless = wrongness > T(static_cast<R>(internal::kHopeless)) * set.best.wrong;
+    pivots = select(moved, select(hopeless, most, pivots + one), pivots);
+    batch = select(pivots > T(R(internal::kEarlyPivots)), many, few);
     left = select(moved, max(left, batch), left);
-    const auto last = moved & (pivots >= T(R(internal::kMostContactPivots - 1)));
+    const auto last = moved & (pivots == most);
     internal::move_worst_stances(moved & !last, stances, jc);
-    internal::hold_wrong_stances(last, stances, jc);
+    internal::take_best(last, stances, set, loops);
+    left = select(last, zero, left);
     set.kept_dv = jc.dv;
     set.kept_rhs = jc.rhs;  // by its size the next look at the stances tells what is rounding
     internal::gather_impulses(tree, set, loops, jc);

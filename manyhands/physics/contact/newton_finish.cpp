@@ -27,8 +27,8 @@ constexpr double kNewtonGain = 3;
 
 void sweep(const ContactProblem& problem, int count, int& sweeps) {
   double budget = count;
-  bool settled;
-  internal::sweep(problem.tree, problem.dynamics, 0.0, budget, problem.contacts, problem.joints, settled);
+  double change;
+  internal::sweep(problem.tree, problem.dynamics, 0.0, budget, problem.contacts, problem.joints, change);
   sweeps += count;
 }
 
