@@ -295,6 +295,42 @@ def test_a_world_that_explodes_stops_and_says_why(player: Player) -> None:
     assert world.time == 0
 
 
+@pytest.mark.parametrize("problem", [TypeError("of a policy"), PermissionError("no room for a file"), IndexError()])
+def test_whatever_is_raised_stops_and_the_page_stays_alive(player: Player, problem: Exception) -> None:
+    def fail() -> None:
+        raise problem
+
+    player.do(fail, wait=2.0)
+    until(lambda: player.problem == (str(problem) or "IndexError()"))
+    player.problem, player.playing = "", True
+    player.source.step = fail
+    until(lambda: player.problem != "")
+    assert not player.playing
+    del player.source.step
+    player.restart()
+    player.playing = True
+    until(lambda: player.source.time > 0)
+
+
+def test_a_frame_that_cannot_be_drawn_stops_nobody(capsys: pytest.CaptureFixture[str]) -> None:
+    drawn: list[Frame] = []
+
+    def draw(frame: Frame) -> None:
+        drawn.append(frame)
+        if len(drawn) < 3:
+            raise KeyError("a body that is gone")
+
+    player = Player(WorldSource(falling_ball()), draw)
+    player.start()
+    try:
+        player.playing = True
+        until(lambda: len(drawn) > 5)
+        assert player.source.time > 0
+    finally:
+        player.close()
+    assert capsys.readouterr().err.count("KeyError: 'a body that is gone'") == 1  # said, but not thirty times a second
+
+
 # ---- environments ------------------------------------------------------------------------------------------------
 
 

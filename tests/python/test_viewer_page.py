@@ -99,6 +99,17 @@ def pixels(page: Any, path: Path, width: int = 470) -> np.ndarray[Any, np.dtype[
     return np.asarray(Image.open(path).convert("RGB"))[:, :width]
 
 
+def choose(page: Any, label: str, name: str) -> None:
+    """Takes one of a list. A page that draws slowly is never at rest, as a click with the mouse wants it."""
+    page.get_by_label(label).dispatch_event("click")
+    page.get_by_role("option", name=name, exact=True).dispatch_event("click")
+    wait_for_choice(page, label, name)
+
+
+def wait_for_choice(page: Any, label: str, name: str) -> None:
+    until(lambda: page.get_by_label(label).input_value() == name)
+
+
 def number_box(page: Any, label: str) -> Any:
     """The box with the number of a slider."""
     row = page.locator(f"xpath=//label[normalize-space()='{label}']/ancestor::*[.//input][1]")
@@ -265,11 +276,13 @@ def test_a_learned_policy_is_chosen_and_acts(reach: Viewer, page: Any, reach_pol
     reach.actor("what was learned", PolicyFile(reach_policy).act)
     reach.speed = 5
     source: Any = reach.source
+    wait_for_choice(page, "Who acts", "what was learned")
     for name, expected in (("nobody", "Not reached."), ("what was learned", "Reached!")):
-        # A page that is slow to draw is never at rest, as a click without force wants it.
-        page.get_by_label("Who acts").click(force=True)
-        page.get_by_role("option", name=name).click(force=True)
-        until(lambda: source.limit == 50 and not source.outcome.episodes)
+        assert reach.player.do(lambda: None, wait=5.0)
+        before = source.policy
+        choose(page, "Who acts", name)
+        until(lambda before=before: source.policy is not before and not source.outcome.episodes)
+        assert source.limit == 50
         reach.play()
         page.get_by_text(expected).wait_for()
         until(lambda: source.outcome.episodes > 1)
@@ -297,11 +310,10 @@ def test_worlds_of_many_are_chosen_and_stand_side_by_side(page: Any, tmp_path: P
         try:
             opened(page, viewer)
             source: Any = viewer.source
-            page.get_by_role("button", name="Next", exact=True).click(force=True)
+            page.get_by_role("button", name="Next", exact=True).dispatch_event("click")
             until(lambda: source.chosen == 1)
             page.get_by_text("World 1: step").wait_for()
-            page.get_by_label("Side by side").click(force=True)
-            page.get_by_role("option", name="4", exact=True).click(force=True)
+            choose(page, "Side by side", "4")
             until(lambda: viewer.stage.neighbours._batches)
 
             def others(seen: bool) -> Any:

@@ -4,13 +4,14 @@ import math
 import queue
 import threading
 import time
+import traceback
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from manyhands._core import Contact, SimulationError
+from manyhands._core import Contact
 from manyhands.viewer.history import History
 from manyhands.viewer.neighbours import Neighbours
 from manyhands.viewer.sources import Marker, Source
@@ -68,6 +69,7 @@ class Player:
         self._last_capture = -math.inf
         self._owed = 0.0
         self._steps_wanted = 0
+        self._said: set[str] = set()  # of frames that could not be drawn
         self._offset, self._moment = 0.0, source.time  # of the clock that resets do not turn back
         self._rate_from = (time.perf_counter(), source.time)
         self._thread = threading.Thread(target=self._run, name="manyhands viewer", daemon=True)
@@ -204,11 +206,20 @@ class Player:
                     self._source_turn.release()
             frame, self._frame = self._frame, None
             if frame is not None:
-                self._draw(frame)
+                self._show(frame)
             self._measure_rate()
             left = 1 / self.fps - (time.perf_counter() - begin)
             if left > 0:
                 self._closed.wait(left)
+
+    def _show(self, frame: Frame) -> None:
+        """Draws a frame; what cannot be drawn is said once on the terminal, and does not stop who simulates."""
+        try:
+            self._draw(frame)
+        except Exception as reason:
+            if repr(reason) not in self._said:
+                self._said.add(repr(reason))
+                traceback.print_exc()
 
     def _work(self) -> None:
         """Does what was asked for."""
@@ -219,7 +230,7 @@ class Player:
                 return
             try:
                 job()
-            except (SimulationError, ValueError, KeyError, RuntimeError) as reason:
+            except Exception as reason:
                 self._fail(reason)
 
     def _advance(self) -> None:
@@ -231,7 +242,7 @@ class Player:
         while (self._steps_wanted > 0 or self._owed >= self.source.dt) and not self.problem:
             try:
                 self.source.step()
-            except (SimulationError, ValueError, RuntimeError) as reason:
+            except Exception as reason:  # policies and tasks are other people's
                 self._fail(reason)
                 return
             if self._steps_wanted > 0:
@@ -244,7 +255,7 @@ class Player:
         self._remember_sometimes()
 
     def _fail(self, reason: Exception) -> None:
-        self.playing, self.problem, self._steps_wanted = False, str(reason), 0
+        self.playing, self.problem, self._steps_wanted = False, str(reason) or repr(reason), 0
 
     def _remember_sometimes(self) -> None:
         if not len(self.history) or self.moment >= self.history.span[1] + 1 / self.fps:
