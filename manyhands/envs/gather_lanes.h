@@ -1,30 +1,45 @@
-// Which worlds share a block: those with as much work. A block takes as long as its slowest world.
+// Which worlds share a block: those that touch the same things. A block looks at the contacts of all its worlds, and
+// takes as long as the slowest of them.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <vector>
 
 namespace manyhands {
 
-/// How much work a world makes in a step.
-enum class Work : unsigned char {
-  kFree,      ///< its arm is far from everything
-  kNear,      ///< something is so near that contact must be looked for
-  kTouching,  ///< the arm presses on something
-};
+/// Orders lanes by keys, and moves as few as it must: who has the right key where it is stays.
+class LaneGatherer {
+ public:
+  /// For so many lanes, counted over all blocks.
+  explicit LaneGatherer(std::size_t lanes) : wanted_(lanes), passed_(lanes) {}
 
-/// Calls exchange(a, b) for pairs of lanes, counted over all blocks, until those with the most work are the first;
-/// `work(lane)` must follow. Lanes that are where they belong stay.
-template <class WorkOf, class Exchange>
-void gather_lanes(std::size_t lanes, WorkOf&& work, Exchange&& exchange) {
-  std::size_t first = 0;
-  for (const Work least : {Work::kTouching, Work::kNear}) {
-    for (std::size_t last = lanes;;) {
-      while (first < last && work(first) >= least) ++first;
-      while (first < last && work(last - 1) < least) --last;
-      if (first == last) break;
-      exchange(first, --last);
+  /// Calls exchange(a, b) for pairs of lanes until the largest keys come first. `key(lane)` must follow.
+  template <class Key, class Exchange>
+  void gather(Key&& key, Exchange&& exchange) {
+    for (std::size_t lane = 0; lane < wanted_.size(); ++lane) wanted_[lane] = key(lane);
+    std::sort(wanted_.begin(), wanted_.end(), std::greater<>());
+    std::fill(passed_.begin(), passed_.end(), std::size_t{0});
+    for (std::size_t lane = 0; lane < wanted_.size(); ++lane) {
+      while (key(lane) != wanted_[lane]) exchange(lane, place_of(key(lane), key));
     }
   }
-}
+
+ private:
+  /// The first lane that wants this key and has another.
+  template <class Key>
+  std::size_t place_of(std::uint64_t wanted, Key&& key) {
+    const auto found = std::lower_bound(wanted_.begin(), wanted_.end(), wanted, std::greater<>());
+    const auto first = static_cast<std::size_t>(found - wanted_.begin());
+    std::size_t& passed = passed_[first];
+    while (key(first + passed) == wanted) ++passed;
+    return first + passed;
+  }
+
+  std::vector<std::uint64_t> wanted_;  ///< (lanes) the keys in order
+  std::vector<std::size_t> passed_;    ///< by the first lane of a key: how many from there on have it
+};
 
 }  // namespace manyhands

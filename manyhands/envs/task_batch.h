@@ -15,8 +15,8 @@
 
 namespace manyhands {
 
-/// Worlds live in blocks of W = width_v<T> lanes. A block takes as long as its slowest world, so those whose arm
-/// touches something are gathered in blocks of their own, every few substeps.
+/// Worlds live in blocks of W = width_v<T> lanes. A block looks at all contacts that any of its worlds has, so worlds
+/// that touch the same things are gathered, every few substeps.
 template <Number T, TaskLike Task>
 class TaskBatch final : public EnvBatch {
  public:
@@ -57,7 +57,7 @@ class TaskBatch final : public EnvBatch {
     HandState<T> hand;                        ///< at the end of the last step
     std::array<T, Arm::kMostActions> action;  ///< of this step
     std::array<int, W> worlds;                ///< in its lanes; -1: none
-    std::array<Work, W> work;                 ///< of its lanes in the last step
+    std::array<std::uint64_t, W> touching;    ///< what its worlds did in the last step: a bit for each manifold
     std::optional<Params<T>> params{};        ///< its worlds' own, where physics are randomised
   };
   struct World {
@@ -113,7 +113,7 @@ class TaskBatch final : public EnvBatch {
   [[nodiscard]] mask_t<T> is_sound(const Block& block, const View& view) const;
   void put_back(Block& block, mask_t<T> sound);
   [[nodiscard]] View look(Block& block, StepWorkspace<T>& ws) const;
-  void note_work(const ContactSet<T>& contacts, Block& block) const;
+  static void note_touching(const ContactSet<T>& contacts, Block& block);
   void write_row(int world, int lane, const View& view, const Block& block);
   [[nodiscard]] std::size_t bytes_of_world() const;
 
@@ -127,7 +127,6 @@ class TaskBatch final : public EnvBatch {
   Model scene_;
   Arm arm_;
   std::vector<Object> objects_;
-  std::vector<bool> is_of_arm_;  ///< (manifolds) whether one side is the arm
   System<R> system_;
   Params<R> params_;  ///< the same for all worlds, unless they are randomised
   Randomizer randomizer_;
@@ -135,6 +134,7 @@ class TaskBatch final : public EnvBatch {
   State<T> start_;  ///< the arm as every episode begins
   std::vector<Block> blocks_;
   std::vector<World> worlds_;
+  LaneGatherer gatherer_;
   ThreadPool pool_;
   std::vector<StepWorkspace<T>> workspaces_;  ///< one for each worker
   std::vector<float> observation_, achieved_goal_, desired_goal_, reward_, randomized_;

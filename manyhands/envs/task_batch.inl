@@ -76,6 +76,7 @@ TaskBatch<T, Task>::TaskBatch(EnvSpec spec, const ArmSpec& arm, ArmControl contr
       randomizer_(options.randomize),
       parts_(scene_, arm_, task.objects()),
       start_(scene_, system_.contact_numbers()),
+      gatherer_(internal::rows((num_envs + W - 1) / W, W)),
       pool_(std::min(choose_num_threads(options.num_threads), (num_envs + W - 1) / W)) {
   spec_ = internal::complete<Task>(std::move(spec), arm_, options);
   spec_.randomized = randomizer_.names();
@@ -90,14 +91,6 @@ TaskBatch<T, Task>::TaskBatch(EnvSpec spec, const ArmSpec& arm, ArmControl contr
     const BodyId id = scene_.link(scene_.link_id(object.name)).body;
     const Body& body = scene_.body(id);
     objects_.push_back({id.index(), static_cast<std::size_t>(body.iq), static_cast<std::size_t>(body.iv)});
-  }
-  is_of_arm_.resize(system_.colliders.num_manifolds);
-  for (const ColliderPair& pair : system_.colliders.pairs) {
-    const int a = system_.tree.last_dof[system_.colliders.geoms[pair.a].body],
-              b = system_.tree.last_dof[system_.colliders.geoms[pair.b].body];
-    const int joints = static_cast<int>(arm_.neutral.size());
-    if ((a < 0 || a >= joints) && (b < 0 || b >= joints)) continue;
-    for (std::size_t k = 0; k < pair.manifolds; ++k) is_of_arm_[pair.manifold + k] = true;
   }
   for (int k = 0; k < W; ++k) reset_arm(arm_, start_, k);
   Block empty{start_, {}, {}, {}, {}, {}};
@@ -188,7 +181,7 @@ void TaskBatch<T, Task>::step(std::span<const float> action) {
   }
 }
 
-/// Gathers worlds with as much work in blocks. No world's numbers depend on where it lives.
+/// Gathers worlds that touch the same things in blocks. No world's numbers depend on where it lives.
 template <Number T, TaskLike Task>
 void TaskBatch<T, Task>::gather() {
   const auto place_of = [&](std::size_t lane) { return std::pair{&blocks_[lane / W], static_cast<int>(lane % W)}; };
@@ -204,7 +197,8 @@ void TaskBatch<T, Task>::gather() {
       settle(worlds_[static_cast<std::size_t>(world)]);
     }
   };
-  gather_lanes(blocks_.size() * W, [&](std::size_t lane) { return blocks_[lane / W].work[lane % W]; }, exchange);
+  const auto key = [&](std::size_t lane) { return blocks_[lane / W].touching[lane % W]; };
+  gatherer_.gather(key, exchange);
 }
 
 template <Number T, TaskLike Task>
@@ -231,21 +225,16 @@ void TaskBatch<T, Task>::swap_lanes(Block& a, int lane_a, Block& b, int lane_b) 
   swap_numbers(a.hand.open_width, b.hand.open_width);
   for (std::size_t i = 0; i < a.action.size(); ++i) swap_numbers(a.action[i], b.action[i]);
   std::swap(a.worlds[static_cast<std::size_t>(lane_a)], b.worlds[static_cast<std::size_t>(lane_b)]);
-  std::swap(a.work[static_cast<std::size_t>(lane_a)], b.work[static_cast<std::size_t>(lane_b)]);
+  std::swap(a.touching[static_cast<std::size_t>(lane_a)], b.touching[static_cast<std::size_t>(lane_b)]);
 }
 
-/// Notes how much work each world was in the last substep.
+/// Notes what each world touched in the last substep, or nearly did.
 template <Number T, TaskLike Task>
-void TaskBatch<T, Task>::note_work(const ContactSet<T>& contacts, Block& block) const {
-  mask_t<T> near(false), touching(false);
+void TaskBatch<T, Task>::note_touching(const ContactSet<T>& contacts, Block& block) {
+  block.touching.fill(0);
   for (const ContactPoint<T>& point : contacts.points) {
-    if (!is_of_arm_[point.manifold]) continue;
-    near = near | is_finite(point.phi);
-    touching = touching | (point.impulse.x > T(R(0)));
-  }
-  for (int k = 0; k < W; ++k) {
-    const Work work = lane(touching, k) ? Work::kTouching : lane(near, k) ? Work::kNear : Work::kFree;
-    block.work[static_cast<std::size_t>(k)] = work;
+    const auto bit = std::uint64_t{1} << (point.manifold % 64);
+    for_lanes<T>(is_finite(point.phi), [&](int k) { block.touching[static_cast<std::size_t>(k)] |= bit; });
   }
 }
 
@@ -270,7 +259,7 @@ void TaskBatch<T, Task>::simulate(Block& block, StepWorkspace<T>& ws, int subste
   } else {
     simulate(block, params_, ws, substeps);
   }
-  if constexpr (W > 1) note_work(ws.contacts, block);
+  if constexpr (W > 1) note_touching(ws.contacts, block);
 }
 
 template <Number T, TaskLike Task>

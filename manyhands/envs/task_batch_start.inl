@@ -8,7 +8,7 @@ namespace manyhands {
 template <Number T, TaskLike Task>
 void TaskBatch<T, Task>::start_episode(Block& block, int lane, NumpyRandom& random, double size) {
   copy_lane(start_, lane, block.state, lane);
-  block.work[static_cast<std::size_t>(lane)] = Work::kFree;
+  block.touching[static_cast<std::size_t>(lane)] = 0;
   const Start start = draw_start(random, size);
   for (std::size_t i = 0; i < Task::kGoalSize; ++i)
     set_lane(block.goal[i], lane, static_cast<R>(static_cast<float>(start.goal[i])));

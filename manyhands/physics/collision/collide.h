@@ -19,20 +19,24 @@ struct Touch {
 template <Number T>
 struct CollisionWorkspace {
   explicit CollisionWorkspace(const Colliders<real_t<T>>& colliders)
-      : X_WG(colliders.geoms.size(), Transform<T>::identity()), radius(X_WG.size()), ahead(X_WG.size()) {
+      : X_WG(colliders.geoms.size(), Transform<T>::identity()),
+        advance(X_WG.size(), Motion<T>::zero()),
+        radius(X_WG.size()),
+        ahead(X_WG.size()) {
     touches.reserve(colliders.num_manifolds);
   }
 
   std::vector<Transform<T>> X_WG;  ///< (colliders)
+  std::vector<Motion<T>> advance;  ///< in a step at present velocities, about the geom's origin [rad, m]
   std::vector<T> radius;           ///< of the bounding sphere about the geom's origin [m]
-  std::vector<T> ahead;            ///< how far ahead of its surface contacts are looked for [m]
+  std::vector<T> ahead;            ///< how far ahead of its surface others are looked for [m]
   std::vector<Touch<T>> touches;
   std::array<Manifold<T>, 4> found;  ///< scratch: of one pair
 };
 
 namespace internal {
 
-/// Contacts are looked for at least this far ahead of the surfaces [m].
+/// Points count that are this far from touching after a step at present velocities, which forces change [m].
 inline constexpr double kContactMargin = 0.002;
 
 /// The poses of body b's geoms, their bounds, and how far they move in a step of h.
@@ -47,8 +51,34 @@ MANYHANDS_INLINE void place_collider(const Collider<real_t<T>>& geom, const Para
   cw.ahead[g] = T(geom.margin + real_t<T>(kContactMargin / 2));
   if (geom.body == 0) return;
   const Motion<T>& V = ws.V[geom.body];
-  const Vec3<T> v = V.v + cross(V.w, X_WG.p - ws.p_WO[geom.body]);
-  cw.ahead[g] = fma(T(h), fma(norm(V.w), cw.radius[g], norm(v)), cw.ahead[g]);  // and its motion in the step
+  const T step(h);
+  const Vec3<T> turn = step * V.w, way = step * (V.v + cross(V.w, X_WG.p - ws.p_WO[geom.body]));
+  cw.advance[g] = {turn, way};
+  cw.ahead[g] += fma(norm(turn), cw.radius[g], norm(way));
+}
+
+/// By how much the pair's surfaces come nearer to each other at p along the normal in a step [m]; 0 where they part.
+/// The distance of convex shapes that do not turn is a convex function of time: it falls by no more than this.
+template <Number T>
+MANYHANDS_INLINE T approach(const ColliderPair& pair, const Vec3<T>& p, const Vec3<T>& normal,
+                            const CollisionWorkspace<T>& cw) {
+  const auto way = [&](std::size_t g) { return cw.advance[g].v + cross(cw.advance[g].w, p - cw.X_WG[g].p); };
+  return max(dot(normal, way(pair.a) - way(pair.b)), T(real_t<T>(0)));
+}
+
+/// Takes out the points that cannot touch within the step, and the geoms' margins from the distances of the others;
+/// where any is left.
+template <Number T>
+MANYHANDS_INLINE mask_t<T> keep_near_points(const ColliderPair& pair, real_t<T> skin, mask_t<T> near,
+                                            const CollisionWorkspace<T>& cw, Manifold<T>& found) {
+  const T reach(skin + real_t<T>(kContactMargin)), far(std::numeric_limits<real_t<T>>::infinity());
+  mask_t<T> any_left(false);
+  for (std::size_t k = 0; k < kManifoldPoints; ++k) {
+    const auto left = near & (found.phi[k] < reach + approach(pair, found.p[k], found.normal, cw));
+    found.phi[k] = select(left, found.phi[k] - T(skin), far);
+    any_left = any_left | left;
+  }
+  return any_left;
 }
 
 }  // namespace internal
@@ -68,7 +98,6 @@ MANYHANDS_INLINE void collide(const Colliders<real_t<T>>& colliders, std::span<c
                               const Params<P>& params, CollisionWorkspace<T>& cw) {
   using R = real_t<T>;
   cw.touches.clear();
-  const T far(std::numeric_limits<R>::infinity());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const ColliderPair& pair = pairs[i];
     const T margin = cw.ahead[pair.a] + cw.ahead[pair.b];
@@ -77,13 +106,8 @@ MANYHANDS_INLINE void collide(const Colliders<real_t<T>>& colliders, std::span<c
     const R skin = colliders.geoms[pair.a].margin + colliders.geoms[pair.b].margin;
     const std::size_t count = collide_pair(colliders, pair, params, near, margin, cw.X_WG, cw.found);
     for (std::size_t k = 0; k < count; ++k) {
-      mask_t<T> touching(false);
-      for (T& phi : cw.found[k].phi) {
-        const auto touches = near & (phi < margin);
-        phi = select(touches, phi - T(skin), far);
-        touching = touching | touches;
-      }
-      if (any(touching)) cw.touches.push_back({i, pair.manifold + k, cw.found[k]});
+      if (any(internal::keep_near_points(pair, skin, near, cw, cw.found[k])))
+        cw.touches.push_back({i, pair.manifold + k, cw.found[k]});
     }
   }
 }
