@@ -1,5 +1,5 @@
-// Which worlds share a block: those that touch the same things. A block looks at the contacts of all its worlds, and
-// takes as long as the slowest of them.
+// Which worlds share a block: those that touch the same things and take as long. A block looks at the contacts of all
+// its worlds, and waits for the slowest of them.
 #pragma once
 
 #include <algorithm>

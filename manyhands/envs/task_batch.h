@@ -16,7 +16,7 @@
 namespace manyhands {
 
 /// Worlds live in blocks of W = width_v<T> lanes. A block looks at all contacts that any of its worlds has, so worlds
-/// that touch the same things are gathered, every few substeps.
+/// that touch the same things, and take as long, are gathered every few substeps.
 template <Number T, TaskLike Task>
 class TaskBatch final : public EnvBatch {
  public:
@@ -57,7 +57,7 @@ class TaskBatch final : public EnvBatch {
     HandState<T> hand;                        ///< at the end of the last step
     std::array<T, Arm::kMostActions> action;  ///< of this step
     std::array<int, W> worlds;                ///< in its lanes; -1: none
-    std::array<std::uint64_t, W> touching;    ///< what its worlds did in the last step: a bit for each manifold
+    std::array<std::uint64_t, W> touching;    ///< what its worlds did in the last step: see `note_touching`
     std::optional<Params<T>> params{};        ///< its worlds' own, where physics are randomised
   };
   struct World {

@@ -228,12 +228,14 @@ void TaskBatch<T, Task>::swap_lanes(Block& a, int lane_a, Block& b, int lane_b) 
   std::swap(a.touching[static_cast<std::size_t>(lane_a)], b.touching[static_cast<std::size_t>(lane_b)]);
 }
 
-/// Notes what each world touched in the last substep, or nearly did.
+/// Notes what each world touched in the last substep, or nearly did: a bit for each manifold, and the lowest one if that
+/// was not soon settled.
 template <Number T, TaskLike Task>
 void TaskBatch<T, Task>::note_touching(const ContactSet<T>& contacts, Block& block) {
-  block.touching.fill(0);
+  constexpr R kSoon = 2;
+  for (int k = 0; k < W; ++k) block.touching[static_cast<std::size_t>(k)] = lane(contacts.sweeps, k) > kSoon;
   for (const ContactPoint<T>& point : contacts.points) {
-    const auto bit = std::uint64_t{1} << (point.manifold % 64);
+    const auto bit = std::uint64_t{2} << (point.manifold % 63);
     for_lanes<T>(is_finite(point.phi), [&](int k) { block.touching[static_cast<std::size_t>(k)] |= bit; });
   }
 }

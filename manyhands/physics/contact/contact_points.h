@@ -81,6 +81,7 @@ struct ContactSet {
   std::vector<T> kept_dv;  ///< (nv) scratch, as the next
   std::vector<T> kept_rhs;
   BestStances<T> best;
+  T sweeps{};  ///< that each world took
   std::conditional_t<std::same_as<T, double>, NewtonFinish, std::monostate> newton;
 };
 

@@ -39,6 +39,8 @@ MANYHANDS_INLINE ContactStiffness<T> diagonalise(const Mat3<T>& G, T softness) {
   const T least = T(R(8) * std::numeric_limits<R>::epsilon()) * (G.y.y + G.z.z);
   k.sigma_1 = max(mean + spread, least);
   k.sigma_2 = max(mean - spread, least);
+  k.inverse_1 = one / max(k.sigma_1, tiny);
+  k.inverse_2 = one / max(k.sigma_2, tiny);
   k.slope_1 = fma(k.c, slope_1, k.s * slope_2);
   k.slope_2 = fma(k.c, slope_2, -(k.s * slope_1));
   return k;
@@ -212,8 +214,10 @@ MANYHANDS_INLINE int solve_constraints(const Tree<real_t<T>>& tree, const Solver
                                        ContactSet<T>& set) {
   using R = real_t<T>;
   solve_joint_constraints(tree, state, ws, jc);
+  const T zero(R(0)), one(R(1));
+  set.sweeps = zero;
   if (set.points.empty() && loops.blocks.empty()) return 0;
-  const T zero(R(0)), one(R(1)), tolerance(static_cast<R>(settings.tolerance));
+  const T tolerance(static_cast<R>(settings.tolerance));
   const T few(R(internal::kSweepsPerPivot<T>)), many(R(internal::kSweepsPerLatePivot)),
       most(R(internal::kMostContactPivots));
   T* stances = state.stance();
@@ -238,6 +242,7 @@ MANYHANDS_INLINE int solve_constraints(const Tree<real_t<T>>& tree, const Solver
       if (!settled) settled = set.newton.finish(settings, {tree, ws, jc, loops, set}, sweeps);
     }
     left -= allowed - budget;
+    set.sweeps += allowed - budget;
     internal::follow_contacts(set, loops);
     internal::find_joint_impulses(stances, jc);
     const auto wrong = internal::find_better_stances(tree, stances, jc) > zero;

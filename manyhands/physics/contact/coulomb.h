@@ -15,11 +15,12 @@ namespace manyhands {
 /// How one contact point gives way to its own impulse.
 template <Number T>
 struct ContactStiffness {
-  T normal;            ///< G_nn [1/kg]
-  T normal_inverse;    ///< 1 / G_nn
-  T slope_1, slope_2;  ///< g / G_nn, where g couples the normal with the tangents
-  T sigma_1, sigma_2;  ///< G_tt - g g^T / G_nn, diagonal [1/kg]
-  T c, s;              ///< of the angle by which the tangents are turned for that
+  T normal;                ///< G_nn [1/kg]
+  T normal_inverse;        ///< 1 / G_nn
+  T slope_1, slope_2;      ///< g / G_nn, where g couples the normal with the tangents
+  T sigma_1, sigma_2;      ///< G_tt - g g^T / G_nn, diagonal [1/kg]
+  T inverse_1, inverse_2;  ///< 1 / sigma
+  T c, s;                  ///< of the angle by which the tangents are turned for that
 
   /// From the contact's tangents to those in which the above is given, and back.
   MANYHANDS_INLINE Vec3<T> turned(const Vec3<T>& a) const {
@@ -45,33 +46,36 @@ inline constexpr double kLeastWedge = 0.05;
 
 /// A tangential impulse y on the rim of its cone: (sigma_i + kappa) y_i = h_i, |y| = rest - slope . y. Newton's method
 /// on 1 / |y|, which is nearly linear in kappa (Moré and Sorensen 1983), one number whatever the anisotropy. It begins
-/// where an isotropic contact ends. Lanes outside `slides` keep their y.
+/// where an isotropic contact ends. Written in x = 1 / (kappa + least sigma) and w_i = (sigma_i + kappa) x >= 1, so
+/// that a step divides but twice. Lanes outside `slides` keep their y.
 template <Number T>
 MANYHANDS_INLINE void slide(const ContactStiffness<T>& G, T h_1, T h_2, T rest, mask_t<T> slides, T& y_1, T& y_2,
                             T& radius) {
   using R = real_t<T>;
-  const T zero(R(0)), one(R(1)), tiny(std::numeric_limits<R>::min() * R(16)),
-      wedge(static_cast<R>(internal::kLeastWedge));
-  const T inverse_rest = one / max(rest, tiny);
+  const T one(R(1)), tiny(std::numeric_limits<R>::min() * R(16)), wedge(static_cast<R>(internal::kLeastWedge)),
+      tolerance(internal::kSlideTolerance<T>);
   const auto squeeze = [&](T d_1, T d_2) { return max(fma(G.slope_1, d_1, fma(G.slope_2, d_2, one)), wedge); };
+  const T least = min(G.sigma_1, G.sigma_2), more_1 = G.sigma_1 - least, more_2 = G.sigma_2 - least;
   const T pull = max(sqrt(fma(h_1, h_1, h_2 * h_2)), tiny), inverse_pull = one / pull;
-  const T along_1 = h_1 * inverse_pull, along_2 = h_2 * inverse_pull;
-  const T sigma = fma(along_1 * along_1, G.sigma_1, (along_2 * along_2) * G.sigma_2);
-  T kappa = max(zero, fma(pull, squeeze(along_1, along_2) * inverse_rest, -sigma));
+  T d_1 = h_1 * inverse_pull, d_2 = h_2 * inverse_pull, squeezed = squeeze(d_1, d_2);
+  const T more = fma(d_1 * d_1, more_1, (d_2 * d_2) * more_2);
+  T x = rest / max(max(fma(pull, squeezed, -(more * rest)), least * rest), tiny);
   iterate(slides, internal::kMostSlideSteps, [&](mask_t<T> active) {
-    const T inverse_1 = one / max(G.sigma_1 + kappa, tiny), inverse_2 = one / max(G.sigma_2 + kappa, tiny);
-    const T a_1 = h_1 * inverse_1, a_2 = h_2 * inverse_2;
+    const T w_1 = fma(more_1, x, one), w_2 = fma(more_2, x, one);
+    const T a_1 = h_1 * w_2, a_2 = h_2 * w_1;  // along y
     const T length = max(sqrt(fma(a_1, a_1, a_2 * a_2)), tiny), inverse_length = one / length;
-    const T d_1 = a_1 * inverse_length, d_2 = a_2 * inverse_length;
-    const T squeezed = squeeze(d_1, d_2), rim = rest / squeezed;
-    const T fall = fma(d_1 * d_1, inverse_1, (d_2 * d_2) * inverse_2);
-    const T excess = fma(length, squeezed * inverse_rest, -one);
-    radius = select(active, rim, radius);
-    y_1 = select(active, rim * d_1, y_1);
-    y_2 = select(active, rim * d_2, y_2);
-    kappa = select(active, max(zero, kappa + excess / max(fall, tiny)), kappa);
-    return abs(excess) > T(internal::kSlideTolerance<T>);
+    d_1 = select(active, a_1 * inverse_length, d_1);
+    d_2 = select(active, a_2 * inverse_length, d_2);
+    squeezed = select(active, squeeze(d_1, d_2), squeezed);
+    const T rim = (w_1 * w_2) * rest, excess = fma(length * x, squeezed, -rim);  // of |y|, both times w_1 w_2
+    const T fall = fma(d_1 * d_1, w_2, (d_2 * d_2) * w_1) * rest;
+    x = select(active, (x * fall) / max(fall + excess, fall * (x * least)), x);  // kappa stays at 0 or above
+    return abs(excess) > tolerance * rim;
   });
+  const T rim = rest / squeezed;
+  radius = select(slides, rim, radius);
+  y_1 = select(slides, rim * d_1, y_1);
+  y_2 = select(slides, rim * d_2, y_2);
 }
 
 /// The contact's impulse (n, y_1, y_2) that obeys its law, where the present one gives the velocity u; along the turned
@@ -79,13 +83,13 @@ MANYHANDS_INLINE void slide(const ContactStiffness<T>& G, T h_1, T h_2, T rest, 
 template <Number T>
 MANYHANDS_INLINE Vec3<T> solve_coulomb(const ContactStiffness<T>& G, const Vec3<T>& u, const Vec3<T>& impulse) {
   using R = real_t<T>;
-  const T zero(R(0)), tiny(std::numeric_limits<R>::min() * R(16));
+  const T zero(R(0));
   // n if y were 0; at or below it the surfaces part.
   const T rest = impulse.x - fma(u.x, G.normal_inverse, -fma(G.slope_1, impulse.y, G.slope_2 * impulse.z));
   // sigma y of the y at which sliding would stop.
   const T h_1 = fma(G.sigma_1, impulse.y, -fma(-G.slope_1, u.x, u.y));
   const T h_2 = fma(G.sigma_2, impulse.z, -fma(-G.slope_2, u.x, u.z));
-  T y_1 = h_1 / max(G.sigma_1, tiny), y_2 = h_2 / max(G.sigma_2, tiny);
+  T y_1 = h_1 * G.inverse_1, y_2 = h_2 * G.inverse_2;
   T n = rest - fma(G.slope_1, y_1, G.slope_2 * y_2);
   const auto closed = (rest > zero) & (G.normal_inverse > zero);
   const auto outside = !(fma(y_1, y_1, y_2 * y_2) <= n * abs(n));
@@ -97,11 +101,9 @@ MANYHANDS_INLINE Vec3<T> solve_coulomb(const ContactStiffness<T>& G, const Vec3<
 /// rolling friction.
 template <Number T>
 MANYHANDS_INLINE void solve_disc(const ContactStiffness<T>& G, T u_1, T u_2, T radius, T& y_1, T& y_2) {
-  using R = real_t<T>;
-  const T tiny(std::numeric_limits<R>::min() * R(16));
   const T h_1 = fma(G.sigma_1, y_1, -u_1), h_2 = fma(G.sigma_2, y_2, -u_2);
-  y_1 = h_1 / max(G.sigma_1, tiny);
-  y_2 = h_2 / max(G.sigma_2, tiny);
+  y_1 = h_1 * G.inverse_1;
+  y_2 = h_2 * G.inverse_2;
   const auto outside = fma(y_1, y_1, y_2 * y_2) > radius * radius;
   T rim = radius;
   when(outside, [&] { slide(G, h_1, h_2, radius, outside, y_1, y_2, rim); });
