@@ -101,7 +101,8 @@ def test_vector_render_is_tiled() -> None:
     frames = apart.render()
     assert isinstance(frames, tuple) and len(frames) == 3
     np.testing.assert_array_equal(frames[2], one.render())
-    assert PandaVectorEnv(2).render() is None
+    with pytest.warns(UserWarning, match="without a render mode"):
+        assert PandaVectorEnv(2).render() is None
 
 
 def test_cameras_are_observed() -> None:

@@ -231,7 +231,8 @@ def test_unknown_render_modes_are_refused_plainly() -> None:
         PandaEnv(render_mode="ansi")
     with pytest.raises(ValueError, match="'human', 'rgb_array', 'depth_array'"):
         make("PandaReach-v3", render_mode="foo")
-    assert PandaEnv().render() is None
+    with pytest.warns(UserWarning, match="without a render mode"):
+        assert PandaEnv().render() is None
 
 
 @pytest.mark.parametrize("seed", [-1, 2**64])

@@ -105,9 +105,12 @@ class PandaEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     def render(self) -> NDArray[Any] | None:  # pyright: ignore[reportIncompatibleMethodOverride]
         """What the render mode says: "rgb_array" (height, width, 3) uint8, "depth_array" (height, width) [m]; "human"
-        waits for real time, and while the page is paused."""
+        waits for real time, and while the page is paused; without a mode None, and a warning."""
         if self.render_mode == "human":
             self._page.show(self)
+            return None
+        if self.render_mode is None:
+            spaces.warn_modeless("make")
             return None
         with self._turn:
             return self._cameras.render()

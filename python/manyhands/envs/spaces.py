@@ -5,6 +5,7 @@ from collections import OrderedDict
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal, TypeAlias, TypedDict
 
+import gymnasium
 import numpy as np
 from gymnasium import spaces
 from numpy.typing import ArrayLike, NDArray
@@ -171,6 +172,14 @@ def as_seeds(seeds: Sequence[int]) -> NDArray[np.uint64]:
     for seed in seeds:
         whole_number("seed", seed, 0, 2**64 - 1)
     return np.array(seeds, np.uint64)
+
+
+def warn_modeless(maker: str) -> None:
+    """What Gymnasium's environments say to `render` without a render mode; `maker`: "make" or "make_vec"."""
+    gymnasium.logger.warn(
+        "render was called without a render mode; give one when the environment is made, "
+        f'e.g. gymnasium.{maker}(..., render_mode="rgb_array")'
+    )
 
 
 def warn_unstable() -> None:

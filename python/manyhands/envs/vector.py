@@ -169,8 +169,11 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         if self.render_mode == "human":
             self._page.show(self)
             return None
+        if self.render_mode is None:
+            spaces.warn_modeless("make_vec")
+            return None
         with self._turn:
-            if self._tiles or self.render_mode is None:
+            if self._tiles:
                 return self._cameras.render()
             frames = self._cameras.frames(range(self.num_envs))
             return None if frames is None else tuple(frames)
