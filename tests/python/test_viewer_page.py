@@ -338,7 +338,7 @@ def test_the_recording_opens_alone(arm: Viewer, page: Any, browser: Any, tmp_pat
     arm.play()
     until(lambda: arm.source.time > start + 1.0)
     arm.pause()
-    page.get_by_role("tab", name="Record").click()
+    page.get_by_role("tab", name="Share").click()
     with page.expect_download() as download:
         page.get_by_role("button", name="Save as a page").click()
     path = tmp_path / "recording.html"

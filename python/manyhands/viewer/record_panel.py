@@ -1,4 +1,4 @@
-"""The tab that keeps what was seen: a page that opens alone, and the episodes of an environment."""
+"""The tab that keeps what was seen as a page that opens alone."""
 
 from collections import deque
 from typing import TYPE_CHECKING, Any
@@ -23,7 +23,7 @@ class RecordPanel:
         self._viewer = viewer
         self._frames: deque[Frame] = deque(maxlen=round(_SECONDS * viewer.player.fps))
         gui = viewer.server.gui
-        with tabs.add_tab("Record"):
+        with tabs.add_tab("Share"):
             gui.add_markdown("The last seconds as one page that opens alone, in any browser, without this program.")
             self._length = gui.add_number("Seconds", 20.0, min=1.0, max=_SECONDS, step=1.0)
             save = gui.add_button("Save as a page", icon=viser.Icon.FILE_DOWNLOAD)

@@ -1,6 +1,7 @@
 """The tab with joints: sliders, the hand's gizmo and the gripper."""
 
 import time
+from itertools import takewhile
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,6 +16,15 @@ if TYPE_CHECKING:
     from manyhands.viewer.viewer import Viewer
 
 _TOUCHED_FOR = 1.0  # [s] for which a slider belongs to the one who moved it
+
+
+def labels(joints: list[str]) -> list[str]:
+    """Names of joints as words, without the robot's name, which all have before their own."""
+    own = [name.rpartition("/")[2] for name in joints]
+    alike = takewhile(lambda letters: len({*letters}) == 1, zip(*own, strict=False))
+    shared = "".join(letters[0] for letters in alike).partition("joint")[0]
+    length = shared.rfind("_") + 1 if len(own) > 1 else 0
+    return [name[length:].replace("_", " ") for name in own]
 
 
 class RobotPanel:
@@ -70,9 +80,9 @@ class RobotPanel:
 
     def _make_sliders(self) -> None:
         gui, self._sliders = self._viewer.server.gui, {}
-        for knob in self._drive.knobs:
+        knobs = self._drive.knobs
+        for knob, label in zip(knobs, labels([knob.name for knob in knobs]), strict=True):
             value = float(np.clip(self._drive.value(knob), knob.lower, knob.upper))
-            label = knob.name.rpartition("/")[2].removeprefix("panda_").replace("_", " ")
             slider = gui.add_slider(label, round(knob.lower, 4), round(knob.upper, 4), 0.001, round(value, 3))
             slider.on_update(lambda event, name=knob.name: self._on_slider(event, name))
             self._sliders[knob.name] = slider
