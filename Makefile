@@ -21,7 +21,7 @@ help:  ## This list
 	@echo
 	@echo "  Variables: TASK=PandaReach SEED=0 PYTHON=python3 JOBS=$(JOBS)"
 
-train: $(VENV)/.train $(VENV)/.installed  ## Learn a task from nothing: make train TASK=PandaReach SEED=0
+train: $(VENV)/.installed  ## Learn a task from nothing: make train TASK=PandaReach SEED=0
 	@echo "$(VENV)/bin/manyhands train $(TASK) --seed $(SEED)"
 	@PATH='$(USER_PATH)' $(VENV)/bin/manyhands train $(TASK) --seed $(SEED)
 
@@ -67,15 +67,11 @@ $(VENV)/.cpp: $(VENV)/.build
 	@touch $@
 
 $(VENV)/.core: $(VENV)/.build pyproject.toml
-	@tools/setup.sh python build core
+	@tools/setup.sh python build core all
 	@touch $@
 
-$(VENV)/.train: $(VENV)/.core pyproject.toml
-	@tools/setup.sh python core train
-	@touch $@
-
-$(VENV)/.test: $(VENV)/.train pyproject.toml
-	@tools/setup.sh python core test dev
+$(VENV)/.test: $(VENV)/.core pyproject.toml
+	@tools/setup.sh python test dev
 	@tools/setup.sh browser
 	@touch $@
 

@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import os
 import shlex
 import shutil
 import sys
@@ -14,6 +15,8 @@ from manyhands import video
 from manyhands._core.envs import env_ids, make_env_batch
 from manyhands._core.learn import CheckpointError
 from manyhands.arguments import whole_number
+from manyhands.extras import install_extra
+from manyhands.interrupts import INTERRUPTED
 from manyhands.viewer import command
 
 if TYPE_CHECKING:
@@ -43,8 +46,8 @@ start here:
   manyhands view PandaPush        see it in the browser, and drive it
   manyhands view PandaReach --policy runs/...    see what was learned
 """
-_INTERRUPTED = 130  # the shell's code for Ctrl-C
 _MOST_THREADS = 1024
+_UNHEARD = 141  # the shell's code for a broken pipe
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -169,7 +172,7 @@ def _train(arguments: argparse.Namespace) -> int:
     outcome = run.train(console)
     _summarise(outcome, folder, settings.seed, console.print)
     if outcome.evaluation is None:
-        return _INTERRUPTED
+        return INTERRUPTED
     required = arguments.require_success
     if required is not None and outcome.evaluation.success_rate < required:
         print(f"manyhands: success {outcome.evaluation.success_rate:.1%} is below {required:.1%}", file=sys.stderr)
@@ -243,30 +246,39 @@ def _envs() -> int:
     return 0
 
 
+def _run(arguments: argparse.Namespace) -> int:
+    if arguments.command == "train":
+        return _train(arguments)
+    if arguments.command == "evaluate":
+        return _evaluate(arguments)
+    if arguments.command == "view":
+        return command.run(arguments)
+    if arguments.command == "record":
+        return video.run(arguments)
+    return _envs()
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code: 2 for a request that makes no sense, 130 after Ctrl-C."""
     parser = _parser()
     arguments = parser.parse_args(argv)
     try:
-        if arguments.command == "train":
-            return _train(arguments)
-        if arguments.command == "evaluate":
-            return _evaluate(arguments)
-        if arguments.command == "view":
-            return command.run(arguments)
-        if arguments.command == "record":
-            return video.run(arguments)
-        return _envs()
+        code = _run(arguments)
+        sys.stdout.flush()
+        return code
+    except BrokenPipeError:  # `manyhands envs | head` has read enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # nothing is left to be said at exit
+        return _UNHEARD
     except (ValueError, OSError, CheckpointError) as error:
         print(f"manyhands {arguments.command}: {error}", file=sys.stderr)
         return 2
     except ModuleNotFoundError as error:
         extras = {"view": "viewer", "record": "video"}
         extra = "train" if error.name == "onnxruntime" else extras.get(arguments.command, "train")
-        print(f"manyhands {arguments.command} needs {error.name}: pip install 'manyhands[{extra}]'", file=sys.stderr)
+        print(f"manyhands {arguments.command} needs {error.name}: {install_extra(extra)}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
-        return _INTERRUPTED
+        return INTERRUPTED
 
 
 if __name__ == "__main__":

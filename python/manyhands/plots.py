@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from manyhands.extras import needs
 from manyhands.files import replacing
 from manyhands.recording import Recording
 
@@ -41,7 +42,7 @@ def plot(run: Recording | str | Path, out: str | Path) -> Path:
         raise ValueError(f"{out} ends with {out.suffix!r}; expected .png or .html")
     recording = run if isinstance(run, Recording) else Recording.load(run)
     drawn = panels(recording)
-    with replacing(out) as temporary:
+    with needs("plots", "a plot"), replacing(out) as temporary:
         draw(recording, drawn, temporary)
     return out
 

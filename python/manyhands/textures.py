@@ -6,6 +6,7 @@ from os import PathLike
 import numpy as np
 
 from manyhands._core.render import Texture
+from manyhands.extras import pip_install
 
 
 def load_texture(path: str | PathLike[str], repeat: float | tuple[float, float] = 1) -> Texture:
@@ -17,7 +18,7 @@ def load_texture(path: str | PathLike[str], repeat: float | tuple[float, float] 
     try:
         from PIL import Image, UnidentifiedImageError
     except ModuleNotFoundError as reason:
-        raise ModuleNotFoundError("images are read by Pillow: pip install pillow") from reason
+        raise ModuleNotFoundError(f"images are read by Pillow: {pip_install('pillow')}", name=reason.name) from reason
     try:
         with Image.open(path) as image:
             whole = image.convert("RGBA")

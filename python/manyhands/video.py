@@ -1,4 +1,4 @@
-"""Episodes as MP4 and GIF files, and the command `manyhands record`; needs `pip install 'manyhands[video]'`."""
+"""Episodes as MP4 and GIF files, and the command `manyhands record`; needs the extra `video`."""
 
 import argparse
 from collections.abc import Callable, Iterable, Iterator
@@ -12,7 +12,9 @@ from manyhands.envs.named import NamedEnv, given_options
 from manyhands.envs.named import add_arguments as add_env_arguments
 from manyhands.envs.single import PandaEnv
 from manyhands.envs.spaces import RENDER_FPS
+from manyhands.extras import needs
 from manyhands.files import replacing
+from manyhands.interrupts import INTERRUPTED, Interrupts
 
 EXAMPLES = """\
 examples:
@@ -20,6 +22,8 @@ examples:
   manyhands record PandaPush --out push.gif --episodes 1
   manyhands record PandaReach --policy runs/PandaReach-v3-...  of what was learned
   manyhands record PandaPush --robot arm6 --option render_yaw=90
+
+Ctrl-C ends the video after the episode that is being filmed.
 """
 _AFTER_SUCCESS = 8  # steps for which a reached goal is looked at
 
@@ -36,7 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Writes the video."""
+    """Writes the video; with the first interrupt it ends after the episode that is being filmed."""
     from rich.console import Console
     from rich.progress import track
 
@@ -49,12 +53,30 @@ def run(arguments: argparse.Namespace) -> int:
     width, height = arguments.size
     filmed = env.make(render_mode="rgb_array", render_width=width, render_height=height)
     act = _policy(arguments.policy, env)
-    seeds = range(arguments.seed, arguments.seed + arguments.episodes)
+    wanted = arguments.episodes
+    seeds = range(arguments.seed, arguments.seed + wanted)
     console = Console(stderr=True)
-    shown = track(seeds, f"Filming {env.title}", console=console, transient=True, disable=not console.is_terminal)
-    write_video(episodes(filmed, act, shown, env.max_steps), out)
-    print(f"manyhands: {arguments.episodes} episodes of {env.title} are in {out}")
-    return 0
+    begun: list[int] = []
+    with Interrupts() as interrupts:
+        shown = track(
+            _until(interrupts, seeds, begun), f"Filming {env.title}", total=wanted, console=console, transient=True,
+            disable=not console.is_terminal,
+        )  # fmt: skip
+        write_video(episodes(filmed, act, shown, env.max_steps), out)
+    n = len(begun)
+    is_whole = n == wanted
+    count = f"{n} {'episode' if n == 1 else 'episodes'}" if is_whole else f"stopped; {n} of {wanted} episodes"
+    print(f"manyhands: {count} of {env.title} {'is' if n == 1 else 'are'} in {out}")
+    return 0 if is_whole else INTERRUPTED
+
+
+def _until(interrupts: Interrupts, seeds: Iterable[int], begun: list[int]) -> Iterator[int]:
+    """At least one seed, and no other after an interrupt; `begun` tells which."""
+    for seed in seeds:
+        begun.append(seed)
+        yield seed
+        if interrupts.requested:
+            return
 
 
 def episodes(
@@ -75,12 +97,10 @@ def write_video(pictures: Iterable[NDArray[np.uint8]], path: str | Path, fps: in
     """Writes pictures (h, w, 3) as MP4 or GIF, as the name of the file ends. Raises ValueError on another ending,
     FileNotFoundError without the file's folder, ModuleNotFoundError without the extra `video`."""
     path = Path(path)
-    if not path.parent.is_dir():
-        raise FileNotFoundError(f"there is no folder {path.parent} to write {path.name} to")
     write = {".gif": _write_gif, ".mp4": _write_mp4}.get(path.suffix)
     if write is None:
         raise ValueError(f"{path} ends with {path.suffix!r}; expected .mp4 or .gif")
-    with replacing(path) as temporary:
+    with needs("video", "a video"), replacing(path) as temporary:
         write(pictures, temporary, fps)
     return path
 

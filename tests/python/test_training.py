@@ -2,6 +2,7 @@
 
 import csv
 import json
+import os
 import re
 import shlex
 import shutil
@@ -266,6 +267,32 @@ def test_bad_requests_are_explained_and_leave_nothing(
     assert cli.main(["train", *arguments, "--runs", str(tmp_path)]) == 2
     assert message in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
+
+
+def test_runs_where_no_folder_can_be_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["train", "PandaReach", "--runs", "/proc/x"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("manyhands train: no run can be kept in /proc/x (") and line.endswith("with --runs")
+
+
+def test_a_folder_of_runs_is_no_run_but_names_one(reach: RunFolder, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["evaluate", str(reach.path.parent)]) == 2
+    assert f"holds runs, name one of them: {reach.path.parent}/" in capsys.readouterr().err
+
+
+def test_names_without_likeness_do_not_list_everything(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["train", "xyz"]) == 2
+    assert capsys.readouterr().err == "manyhands train: there is no environment 'xyz'; manyhands envs lists them\n"
+
+
+def test_who_has_read_enough_hears_nothing_more() -> None:
+    """`manyhands envs | head`."""
+    read, write = os.pipe()
+    os.close(read)
+    program = "import sys; from manyhands.cli import main; sys.exit(main(['envs']))"
+    with os.fdopen(write, "w") as unread:
+        process = subprocess.run([sys.executable, "-c", program], stdout=unread, stderr=subprocess.PIPE, text=True)
+    assert process.stderr == "" and process.returncode == 141
 
 
 @pytest.mark.parametrize("threads", ["0", "-1", "1025", "99999"])

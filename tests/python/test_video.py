@@ -1,5 +1,11 @@
 """Videos of episodes."""
 
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -40,9 +46,10 @@ def test_an_experts_episode_as_mp4(tmp_path: Path, capsys: pytest.CaptureFixture
     assert first.std() > 10  # not one colour
 
 
-def test_an_experts_episode_as_gif(tmp_path: Path) -> None:
+def test_an_experts_episode_as_gif(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "reach.gif"
     assert cli.main(["record", "PandaReach-v3", "--episodes", "1", "--out", str(out), "--size", "80", "60"]) == 0
+    assert "manyhands: 1 episode of " in capsys.readouterr().out
     with Image.open(out) as gif:
         assert gif.size == (80, 60) and getattr(gif, "n_frames", 1) > 5
 
@@ -95,6 +102,44 @@ def test_what_is_interrupted_leaves_the_file_as_it_was(name: str, tmp_path: Path
         write_video(interrupted(), out)
     assert out.read_text() == "of yesterday"
     assert list(tmp_path.iterdir()) == [out]
+
+
+@pytest.mark.parametrize("name", ["x.mp4", "x.gif"])
+def test_a_place_that_takes_no_files_is_named(name: str, capfd: pytest.CaptureFixture[str]) -> None:
+    """Before anything is filmed, in one line, by the name that was given."""
+    out = Path("/proc") / name  # which even root cannot write to
+    assert cli.main(["record", "PandaReach", "--out", str(out)]) == 2
+    (line,) = capfd.readouterr().err.splitlines()
+    assert line.startswith(f"manyhands record: {out} cannot be written (")
+
+
+def test_a_folder_is_no_video(tmp_path: Path) -> None:
+    (tmp_path / "x.gif").mkdir()
+    with pytest.raises(IsADirectoryError, match="is a folder; name a file"):
+        write_video([], tmp_path / "x.gif")
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_what_is_stopped_keeps_the_episodes_that_were_filmed(number: signal.Signals, tmp_path: Path) -> None:
+    out = tmp_path / "long.mp4"
+    asked = ["PandaReach", "--episodes", "100000", "--out", str(out), "--size", "80", "60"]
+    program = "import sys; from manyhands.cli import main; sys.exit(main(sys.argv[1:]))"
+    process = subprocess.Popen(
+        [sys.executable, "-c", program, "record", *asked], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        start_new_session=True,
+    )  # fmt: skip
+    deadline = time.monotonic() + 60
+    while not any(path.stat().st_size for path in tmp_path.iterdir()):
+        assert time.monotonic() < deadline and process.poll() is None, process.communicate()
+        time.sleep(0.05)
+    os.killpg(process.pid, number)  # as a terminal does, to all that the command started
+    said, err = process.communicate(timeout=60)
+    assert process.returncode == 130 and not err
+    assert list(tmp_path.iterdir()) == [out]
+    found = re.fullmatch(r"manyhands: stopped; (\d+) of 100000 episodes of PandaReach.* in (.*)\n", said)
+    assert found and found[2] == str(out)
+    episodes = int(found[1])
+    assert 9 * episodes < length(out)[0] < 51 * episodes
 
 
 def test_nonsense_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

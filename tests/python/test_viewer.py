@@ -1,6 +1,8 @@
 """The viewer without a browser: its clock, its joints, its shapes and its door."""
 
 import http.client
+import re
+import shlex
 import subprocess
 import sys
 import threading
@@ -16,12 +18,15 @@ import pytest
 import manyhands as mh
 from manyhands.envs.single import PandaEnv
 from manyhands.measures import chain, contact_forces, hand_of, joint_forces, rotate
+from manyhands.plots import plot
+from manyhands.recording import Recorder
 from manyhands.viewer import Viewer, shapes
 from manyhands.viewer.environments import DropInSource, NativeSource, source_of_environment
 from manyhands.viewer.episodes import EpisodeWriter
 from manyhands.viewer.history import History
 from manyhands.viewer.joints import JointDrive
 from manyhands.viewer.player import Frame, Player
+from manyhands.viewer.robot_panel import labels
 from manyhands.viewer.sources import Push, WorldSource
 
 _REGISTRY = dict(gymnasium.registry)
@@ -140,6 +145,18 @@ def test_the_hand_reaches_a_pose_that_is_dragged() -> None:
     assert drive.reach("panda_grasptarget", wanted, quaternion, place=True)
     assert np.allclose(world.body_pose("panda_grasptarget")[0], wanted, atol=1e-4)
     assert not drive.reach("panda_grasptarget", np.array([3.0, 0, 0]), quaternion)
+
+
+def test_sliders_leave_out_the_name_that_all_joints_share() -> None:
+    for names, words in (
+        (["panda_joint1", "panda_finger_joint1"], ["joint1", "finger joint1"]),
+        (["arm6_joint1", "arm6_joint2"], ["joint1", "joint2"]),
+        (["joint_1", "joint_2"], ["joint 1", "joint 2"]),
+        (["left/shoulder_pan", "left/elbow"], ["shoulder pan", "elbow"]),
+        (["door_hinge"], ["door hinge"]),
+        ([], []),
+    ):
+        assert labels(names) == words
 
 
 def test_position_actuators_are_told_by_ctrl() -> None:
@@ -547,6 +564,40 @@ def test_what_cannot_be_shown_is_refused() -> None:
         Viewer(object(), announce=False)
     with pytest.raises(ValueError, match="fps"):
         Viewer(falling_ball(), fps=0, announce=False)
+    for port in ("x", -1, 2**16):
+        with pytest.raises(ValueError, match="port is"):
+            Viewer(falling_ball(), port=port, announce=False)  # pyright: ignore[reportArgumentType]
+
+
+def test_a_port_that_is_taken_is_told(here: Viewer, capsys: pytest.CaptureFixture[str]) -> None:
+    taken = here.server.get_port()
+    with Viewer(falling_ball(), port=taken) as other:
+        assert other.server.get_port() != taken
+        assert f"{other.url} (port {taken} is taken)" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("package", ["viser", "matplotlib"])
+def test_a_missing_package_is_installed_by_what_is_said(
+    package: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """For the Python that runs, and with the packages by their own names: nothing needs to be found by this one's."""
+    recording = Recorder(panda())
+    recording.add()
+    run = recording.recording()
+    for name in [*sys.modules]:
+        if name.split(".")[0] == package or name.startswith("manyhands.viewer."):
+            monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(ModuleNotFoundError) as raised:
+        if package == "viser":
+            mh.view(falling_ball(), announce=False)
+        else:
+            plot(run, tmp_path / "run.png")
+    what, _, command = str(raised.value).partition(": ")
+    assert what.endswith(f"needs {package}")
+    python, *words, first, second = shlex.split(command)
+    assert (python, *words) == (sys.executable, "-m", "pip", "install")
+    assert re.match(f"{package}[=>]=", first) and re.match(r"(pillow|plotly)>=", second)
 
 
 def test_a_recording_is_one_file_with_all_that_moved(here: Viewer, tmp_path: Path) -> None:
@@ -622,6 +673,8 @@ def test_the_command_says_what_it_does_not_know(capsys: pytest.CaptureFixture[st
     assert "PandaReach" in capsys.readouterr().err
     assert cli.main(["view", "nowhere.urdf"]) == 2
     assert "nowhere.urdf" in capsys.readouterr().err
+    assert cli.main(["view", __file__]) == 2
+    assert f"{__file__} is no URDF or MJCF" in capsys.readouterr().err
 
 
 def test_the_page_leaves_gymnasiums_environments_as_they_are() -> None:

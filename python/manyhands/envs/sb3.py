@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from manyhands.envs.registration import make_vector_env
 from manyhands.envs.spaces import Observation
+from manyhands.extras import pip_install
 
 try:
     from stable_baselines3.common.vec_env import (  # pyright: ignore[reportMissingImports]
@@ -19,7 +20,8 @@ try:
         VecMonitor,
     )
 except ImportError as error:
-    raise ImportError("manyhands.envs.sb3 needs Stable-Baselines3: pip install stable-baselines3") from error
+    hint = pip_install("stable-baselines3")
+    raise ImportError(f"manyhands.envs.sb3 needs Stable-Baselines3: {hint}") from error
 
 Indices: TypeAlias = int | Iterable[int] | None
 _OF_ONE_WORLD = {"observation_space": "single_observation_space", "action_space": "single_action_space"}

@@ -30,9 +30,11 @@ class PolicyFile:
 
     def __init__(self, path: Path) -> None:
         """path: a file, or the folder of a training run. Raises ValueError if it is no policy of ours."""
-        path = RunFolder(path).policy if path.is_dir() else path
+        folder, path = path, RunFolder(path).policy if path.is_dir() else path
         if not path.is_file():
-            raise ValueError(f"there is no file {path}")
+            runs = sorted(folder.glob(f"*/{path.name}"), key=lambda found: found.stat().st_mtime)
+            held = f"; {folder} holds runs, name one of them: {runs[-1].parent}" if runs else ""
+            raise ValueError(f"there is no file {path}{held}")
         options = onnxruntime.SessionOptions()
         options.intra_op_num_threads = 1  # the networks are small, and the worlds have the cores
         try:

@@ -10,9 +10,9 @@ from rich.console import Console
 from manyhands._core.envs import make_env_batch
 from manyhands._core.learn import Trainer, TrainMetrics
 from manyhands.files import write_text
+from manyhands.interrupts import Interrupts
 from manyhands.training.curve import draw_curve
 from manyhands.training.evaluation import Evaluation
-from manyhands.training.interrupts import Interrupts
 from manyhands.training.policy_file import save_policy
 from manyhands.training.progress import TrainingProgress
 from manyhands.training.recorder import Recorder

@@ -35,7 +35,7 @@ class RunFolder:
 
     @classmethod
     def create(cls, parent: Path, settings: TrainSettings) -> "RunFolder":
-        """A new folder <environment>-<date>-<seed> in `parent`."""
+        """A new folder <environment>-<date>-<seed> in `parent`. Raises OSError if there can be none."""
         name = f"{settings.env_id}-{datetime.now():%Y%m%d-%H%M%S}-{settings.seed}"
         path = parent / name
         for again in range(2, 1000):
@@ -44,6 +44,9 @@ class RunFolder:
                 break
             except FileExistsError:
                 path = parent / f"{name}-{again}"
+            except OSError as reason:
+                text = f"no run can be kept in {parent} ({reason.strerror}); name another folder with --runs"
+                raise type(reason)(text) from reason
         folder = cls(path)
         folder.write_config(settings)
         return folder

@@ -22,8 +22,9 @@ def resolve_env_id(name: str) -> str:
     for candidate in (name, f"{name}-v3"):
         if candidate in ids:
             return candidate
-    near = difflib.get_close_matches(name, ids, cutoff=0.4) or ids
-    raise ValueError(f"there is no environment {name!r}; did you mean {', '.join(near)}?")
+    near = difflib.get_close_matches(name, ids, cutoff=0.4)
+    hint = f"did you mean {', '.join(near)}?" if near else "manyhands envs lists them"
+    raise ValueError(f"there is no environment {name!r}; {hint}")
 
 
 def parse_overrides(assignments: Sequence[str]) -> dict[str, Any]:

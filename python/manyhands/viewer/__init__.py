@@ -1,6 +1,8 @@
-"""A page in the browser that shows a simulation, to play with; needs `pip install 'manyhands[viewer]'`."""
+"""A page in the browser that shows a simulation, to play with; needs the extra `viewer`."""
 
 from typing import TYPE_CHECKING, Any
+
+from manyhands.extras import needs
 
 if TYPE_CHECKING:
     from manyhands.viewer.viewer import Viewer
@@ -17,13 +19,8 @@ def view(shown: Any, **options: Any) -> "Viewer":
 
 
 def _viewer_class() -> "type[Viewer]":
-    try:
+    with needs("viewer", "the viewer"):
         from manyhands.viewer.viewer import Viewer
-    except ModuleNotFoundError as reason:
-        if reason.name is not None and reason.name.startswith("manyhands"):
-            raise
-        text = f"the viewer needs {reason.name}: pip install 'manyhands[viewer]'"
-        raise ModuleNotFoundError(text, name=reason.name) from reason
     return Viewer
 
 

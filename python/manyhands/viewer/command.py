@@ -71,12 +71,14 @@ def shown(arguments: argparse.Namespace) -> "Viewer":
 
 
 def _robot(target: str) -> Path | None:
-    """The file that is meant; None if it is not a file."""
+    """The file that is meant; None if it is not a file. Raises ValueError on a file of another kind."""
     if Path(target).suffix.lower() in _SCENES:
         return Path(target)
     try:
         return asset_path(f"{target}/{target}.urdf")
     except RuntimeError:
+        if Path(target).is_file():
+            raise ValueError(f"{target} is no URDF or MJCF: expected a file {', '.join(_SCENES)}") from None
         return None
 
 

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import World
 from manyhands._core.render import Camera
+from manyhands.arguments import whole_number
 from manyhands.files import write_text
 from manyhands.measures import rotate
 from manyhands.viewer.batches import source_of_worlds
@@ -67,8 +68,7 @@ class Viewer:
         """
         if not 1 <= fps <= 120:
             raise ValueError(f"fps is {fps}; expected 1 to 120")
-        if not 0 <= port < 2**16:
-            raise ValueError(f"port is {port}; expected 0 to 65535")
+        whole_number("port", port, 0, 2**16 - 1)
         self.source = _source(shown, title)
         if token is None and not is_loopback(host):
             token = secrets.token_urlsafe(16)
@@ -93,7 +93,8 @@ class Viewer:
         self.player.start()
         _open.add(self)
         if announce:
-            print(f"manyhands: {self.source.title} is on {self.url}", flush=True)
+            moved = f" (port {port} is taken)" if port not in (0, self.server.get_port()) else ""
+            print(f"manyhands: {self.source.title} is on {self.url}{moved}", flush=True)
         if open_browser:
             webbrowser.open(self.url)
 

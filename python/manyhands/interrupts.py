@@ -4,6 +4,8 @@ import signal
 import threading
 from types import FrameType, TracebackType
 
+INTERRUPTED = 130  # the shell's code for Ctrl-C
+
 
 class Interrupts:
     """While active, a first SIGINT or SIGTERM only sets `requested`; a second SIGINT raises KeyboardInterrupt."""
