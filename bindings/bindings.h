@@ -20,6 +20,7 @@ void bind_env_pictures(nanobind::module_& m);  // after bind_envs and bind_rende
 void bind_experts(nanobind::module_& m);       // after bind_envs
 void bind_panda_gym(nanobind::module_& m);     // after bind_world
 void bind_learn(nanobind::module_& m);
+void explain_refusals(nanobind::module_& m);  // after all others
 
 /// Advances worlds by n steps in pieces, keeping the interpreter's lock, and looks for Ctrl-C between two of them.
 template <class Worlds>

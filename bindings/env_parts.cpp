@@ -1,6 +1,5 @@
 // manyhands._core.envs, continued: what an environment may be made with, arms and obstacles.
 #include <nanobind/nanobind.h>
-#include <nanobind/stl/array.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/variant.h>

@@ -1,6 +1,5 @@
 // manyhands._core: models, how they are loaded, and where assets lie.
 #include <nanobind/nanobind.h>
-#include <nanobind/stl/array.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>

@@ -1,6 +1,5 @@
 // manyhands._core: the parts of a model, as Python reads them.
 #include <nanobind/nanobind.h>
-#include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>

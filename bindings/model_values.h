@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "bindings/arrays.h"
+#include "bindings/vectors.h"
 #include "manyhands/math/quaternion.h"
 #include "manyhands/model/model_builder.h"
 

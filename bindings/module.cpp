@@ -17,4 +17,5 @@ NB_MODULE(_core, m) {
   manyhands::bind_experts(m);
   manyhands::bind_panda_gym(m);
   manyhands::bind_learn(m);
+  manyhands::explain_refusals(m);
 }

@@ -1,6 +1,5 @@
 // manyhands._core.render.Texture: images on surfaces.
 #include <nanobind/nanobind.h>
-#include <nanobind/stl/array.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/variant.h>
 
@@ -9,6 +8,7 @@
 #include "bindings/arrays.h"
 #include "bindings/bindings.h"
 #include "bindings/render.h"
+#include "bindings/vectors.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;

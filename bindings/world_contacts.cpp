@@ -1,5 +1,4 @@
 // manyhands._core.World: where bodies are, what pushes them, and what the last step found.
-#include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>

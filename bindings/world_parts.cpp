@@ -1,7 +1,6 @@
 // manyhands._core.World: parts that come and go, and the parameters of one world.
 #include "bindings/world_parts.h"
 
-#include <nanobind/stl/array.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
