@@ -8,6 +8,7 @@
 #include "bindings/bindings.h"
 #include "bindings/model_values.h"
 #include "manyhands/envs/make.h"
+#include "manyhands/model/part_checks.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -18,6 +19,11 @@ namespace {
 
 using bindings::Numbers3;
 using bindings::Numbers4;
+
+constexpr std::array<std::pair<const char*, ShapeType>, 4> kObstacleShapes{{{"box", ShapeType::kBox},
+                                                                            {"sphere", ShapeType::kSphere},
+                                                                            {"cylinder", ShapeType::kCylinder},
+                                                                            {"capsule", ShapeType::kCapsule}}};
 
 std::vector<std::string> control_types() {
   std::vector<std::string> names;
@@ -50,13 +56,19 @@ void bind_env_parts(nb::module_& m) {
           "__init__",
           [](Obstacle* self, const std::string& shape, const bindings::NumberOrNumbers& size, const Numbers3& position,
              const Numbers4& quaternion, double friction) {
-            const ShapeType type = bindings::named("shape", shape, bindings::kShapes);
-            new (self) Obstacle{.shape = {.type = type, .size = bindings::size_of(shape, type, size)},
-                                .X_WO = bindings::transform("an obstacle", position, quaternion),
-                                .friction = friction};
+            const ShapeType type = bindings::named("shape", shape, kObstacleShapes);
+            const Obstacle obstacle{.shape = {.type = type, .size = bindings::size_of(shape, type, size)},
+                                    .X_WO = bindings::transform("an obstacle", position, quaternion),
+                                    .friction = friction};
+            check_geom({.name = "obstacle",
+                        .X_LG = obstacle.X_WO,
+                        .shape = obstacle.shape,
+                        .surface = {.lateral_friction = friction}});
+            new (self) Obstacle(obstacle);
           },
           nb::kw_only(), "shape"_a, "size"_a, "position"_a, "quaternion"_a, "friction"_a,
-          "Raises ValueError on an unknown shape or a size that does not fit it.");
+          "Raises ValueError on an unknown shape, a size that does not fit it or is not above 0, or a negative "
+          "friction.");
   m.def("control_types", &control_types, "What an action may mean; see manyhands.envs.ControlType.");
 }
 

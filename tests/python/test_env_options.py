@@ -1,6 +1,7 @@
 """Other robots, other controls and obstacles: through gymnasium.make and make_vec."""
 
 import copy
+import math
 import pickle
 import warnings
 from typing import Any
@@ -114,9 +115,6 @@ def test_a_stiffer_hand_lags_less() -> None:
         ({"robot": ArmSpec(**{**vars(ARM6), "neutral": [0] * 7})}, "has 7 numbers in neutral"),
         ({"robot": ArmSpec(**{**vars(ARM6), "quaternion": [0, 0, 0, 2]})}, "length 1"),
         ({"control_type": "magic"}, "control_type is 'magic', expected one of"),
-        ({"obstacles": [Obstacle("cone", 0.1)]}, "no shape 'cone'"),
-        ({"obstacles": [Obstacle("box", 0.1)]}, "size of 3 numbers, not 1"),
-        ({"obstacles": [Obstacle("sphere", -0.1, position=[0.5, 0.3, 0])]}, "obstacle 0"),
         ({"obstacles": [WALL, Obstacle("sphere", 0.1, position=[0, 0, 0.3])]}, "obstacle 1 touches the arm's link"),
         ({"control_type": "impedance", "damping": (-1, 0)}, "impedance holds -1"),
     ],
@@ -147,16 +145,36 @@ def test_what_cannot_be_is_refused(options: dict[str, Any], message: str) -> Non
         ({"robot": 3}, "robot is 3, expected 'panda', 'arm6' or an ArmSpec"),
         ({"robot": mh.asset_path("arm6/arm6.urdf")}, r"ArmSpec\(urdf="),
         ({"robot": str(mh.asset_path("arm6/arm6.urdf"))}, r"ArmSpec\(urdf="),
-        ({"robot": ArmSpec(**{**vars(ARM6), "hand": 3})}, r"does not fit ArmSpec\(.*hand: str"),
+        ({"robot": ArmSpec(**{**vars(ARM6), "hand": 3})}, "ArmSpec: hand is 3; expected str"),
         ({"obstacles": [{"shape": "box"}]}, r"obstacles\[0\] is {'shape': 'box'}, expected a manyhands.envs.Obstacle"),
         ({"obstacles": WALL}, "expected a list of manyhands.envs.Obstacle"),
-        ({"obstacles": [WALL, Obstacle("box", "big")]}, r"obstacles\[1\] .*does not fit Obstacle\("),
     ],
 )
 def test_options_of_another_type_are_refused_by_name(options: dict[str, Any], message: str) -> None:
     for make in (gymnasium.make, gymnasium.make_vec):
         with pytest.raises(TypeError, match=message):
             make("PandaPush-v3", **options)
+
+
+@pytest.mark.parametrize(
+    ("what", "error", "message"),
+    [
+        (("cone", 0.1), ValueError, "no shape 'cone'; there are 'box' 'sphere' 'cylinder' 'capsule'"),
+        (("plane", []), ValueError, "no shape 'plane'; there are 'box'"),
+        (("box", [1]), ValueError, "size of 3 numbers, not 1"),
+        (("box", [-1, 1, 1]), ValueError, "a size is -1.0* m; expected a finite number above 0"),
+        (("sphere", 0.1, [math.nan, 0, 0]), ValueError, "pose must be finite"),
+        (("sphere", 0.1, [0, 0]), ValueError, "Obstacle: position has 2 numbers; expected 3"),
+        (("sphere", 0.1, [0, 0, 1], [0, 0, 0, 2]), ValueError, "length 1"),
+        (("sphere", 0.1, [0, 0, 1], [0, 0, 0, 1], -1), ValueError, "frictions"),
+        (("box", "big"), TypeError, "Obstacle: size is 'big'; expected float"),
+    ],
+)
+def test_an_obstacle_that_cannot_be_is_refused_at_once(
+    what: tuple[Any, ...], error: type[Exception], message: str
+) -> None:
+    with pytest.raises(error, match=message):
+        Obstacle(*what)
 
 
 def test_none_is_the_panda_and_no_obstacle() -> None:

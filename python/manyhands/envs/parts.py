@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from inspect import signature
 from pathlib import Path
 from typing import Any
 
@@ -33,9 +32,9 @@ class ArmSpec:
 class Obstacle:
     """A shape that never moves, for `gymnasium.make("PandaReach-v3", obstacles=[Obstacle("sphere", 0.05)])`.
 
-    Goals and objects are drawn as without it, and drawn again where they would lie in it. Raises ValueError, when the
-    environment is made, if it cannot be, touches the arm in its neutral pose or leaves hardly any place for objects or
-    goals.
+    Goals and objects are drawn as without it, and drawn again where they would lie in it. Raises TypeError or
+    ValueError if it cannot be, and ValueError, when the environment is made, if it touches the arm in its neutral pose
+    or leaves hardly any place for objects or goals.
     """
 
     shape: str  # "box", "sphere", "cylinder" or "capsule"
@@ -43,6 +42,9 @@ class Obstacle:
     position: Sequence[float] = (0.0, 0.0, 0.0)  # of the centre [m]
     quaternion: Sequence[float] = (0.0, 0.0, 0.0, 1.0)  # xyzw
     friction: float = 0.5
+
+    def __post_init__(self) -> None:
+        core.Obstacle(**asdict(self))
 
 
 def as_core(
@@ -62,10 +64,7 @@ def _as_arm(robot: Any) -> str | core.ArmSpec:
             f"robot is {robot!r}, expected 'panda', 'arm6' or an ArmSpec: a file alone does not say which joints are "
             "the arm's and where its hand is, manyhands.envs.ArmSpec(urdf=..., joints=..., hand=..., ...) does"
         )
-    try:
-        return core.ArmSpec(**asdict(robot))
-    except TypeError as reason:
-        raise TypeError(f"robot is {robot!r}, which does not fit ArmSpec{signature(ArmSpec)}") from reason
+    return core.ArmSpec(**asdict(robot))
 
 
 def _as_obstacles(obstacles: Any) -> list[core.Obstacle]:
@@ -79,10 +78,5 @@ def _as_obstacles(obstacles: Any) -> list[core.Obstacle]:
             raise TypeError(
                 f"obstacles[{number}] is {one!r}, expected a manyhands.envs.Obstacle, as Obstacle('sphere', 0.05)"
             )
-        try:
-            found.append(core.Obstacle(**asdict(one)))
-        except TypeError as reason:
-            raise TypeError(f"obstacles[{number}] is {one!r}, which does not fit Obstacle{signature(Obstacle)}") from (
-                reason
-            )
+        found.append(core.Obstacle(**asdict(one)))
     return found
