@@ -32,6 +32,8 @@ void bind_errors(nb::module_& m) {
       std::rethrow_exception(error);
     } catch (const std::out_of_range& e) {
       PyErr_SetString(PyExc_KeyError, e.what());
+    } catch (const AssetNotFound& e) {
+      PyErr_SetString(PyExc_FileNotFoundError, e.what());
     } catch (const FileNotFound& e) {
       PyErr_SetString(PyExc_FileNotFoundError, e.what());
     }
@@ -193,7 +195,8 @@ void bind_loading(nb::module_& m) {
       "need a mesh file. Raises FileNotFoundError, and UrdfError (a ValueError) for malformed files.");
   m.def("set_asset_root", &set_asset_root, "root"_a, "Where the robots that ship with the library lie.");
   m.def("asset_path", &asset_path, "relative"_a,
-        "The path of an asset, for example 'panda/panda.urdf'. Raises RuntimeError if it is not there.");
+        "The path of an asset, for example 'panda/panda.urdf'. Raises FileNotFoundError, which lists the robots there "
+        "are, and RuntimeError if the folder itself is not there.");
 }
 
 }  // namespace

@@ -1,7 +1,8 @@
 #include "manyhands/base/assets.h"
 
 #include <cstdlib>
-#include <stdexcept>
+#include <set>
+#include <string>
 
 namespace manyhands {
 
@@ -10,6 +11,18 @@ namespace {
 std::filesystem::path& chosen_root() {
   static std::filesystem::path root;
   return root;
+}
+
+/// The robots and scenes in the folder, sorted.
+std::string list_of_models(const std::filesystem::path& root) {
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(root)) {
+    const std::filesystem::path& path = entry.path();
+    if (path.extension() == ".urdf" || path.extension() == ".xml") names.insert(path.lexically_relative(root).string());
+  }
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "'" : ", '") + name + "'";
+  return text.empty() ? "no robots" : text;
 }
 
 }  // namespace
@@ -23,12 +36,16 @@ std::filesystem::path asset_root() {
 void set_asset_root(std::filesystem::path root) { chosen_root() = std::move(root); }
 
 std::filesystem::path asset_path(const std::filesystem::path& relative) {
-  const std::filesystem::path path = asset_root() / relative;
-  if (!std::filesystem::exists(path)) {
-    throw std::runtime_error("asset '" + relative.string() + "' is not in '" + asset_root().string() +
+  const std::filesystem::path root = asset_root();
+  if (!std::filesystem::is_directory(root)) {
+    throw std::runtime_error("asset '" + relative.string() + "' is not found, as there is no folder '" + root.string() +
                              "'; set MANYHANDS_ASSETS to the folder 'assets' of the project");
   }
-  return path;
+  if (!std::filesystem::exists(root / relative)) {
+    throw AssetNotFound("asset '" + relative.string() + "' is not in '" + root.string() + "'; there are " +
+                        list_of_models(root));
+  }
+  return root / relative;
 }
 
 }  // namespace manyhands

@@ -2,6 +2,7 @@
 
 #include <cstdlib>
 #include <string>
+#include <vector>
 
 #include "manyhands/base/assets.h"
 
@@ -10,17 +11,30 @@ namespace {
 
 TEST(Assets, FindsWhatShips) { EXPECT_TRUE(std::filesystem::exists(asset_path("panda/panda.urdf"))); }
 
-TEST(Assets, SaysWhatIsMissingAndWhatToDo) {
+void expect_parts(const std::string& message, const std::vector<std::string>& parts) {
+  for (const std::string& part : parts) EXPECT_NE(message.find(part), std::string::npos) << message;
+}
+
+TEST(Assets, ANameThatIsNotThereIsAnsweredByThoseThatAre) {
   try {
     (void)asset_path("no/such.urdf");
     FAIL();
-  } catch (const std::runtime_error& error) {
-    const std::string message = error.what();
-    for (const std::string& part :
-         {std::string("no/such.urdf"), asset_root().string(), std::string("MANYHANDS_ASSETS")}) {
-      EXPECT_NE(message.find(part), std::string::npos) << message;
-    }
+  } catch (const AssetNotFound& error) {
+    expect_parts(error.what(), {"no/such.urdf", asset_root().string(), "'arm6/arm6.urdf', 'panda/panda.urdf'"});
   }
+}
+
+TEST(Assets, AMissingFolderSaysWhatToDo) {
+  set_asset_root("/no/such/folder");
+  try {
+    (void)asset_path("panda/panda.urdf");
+    ADD_FAILURE();
+  } catch (const AssetNotFound& error) {
+    ADD_FAILURE() << error.what();
+  } catch (const std::runtime_error& error) {
+    expect_parts(error.what(), {"panda/panda.urdf", "/no/such/folder", "MANYHANDS_ASSETS"});
+  }
+  set_asset_root({});
 }
 
 TEST(Assets, TheChosenFolderComesBeforeTheVariableAndThatBeforeTheSourceTree) {

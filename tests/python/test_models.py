@@ -149,3 +149,8 @@ def test_scenes_that_cannot_be_loaded(tmp_path: Path) -> None:
     assert issubclass(mh.MjcfError, ValueError)
     with pytest.raises(FileNotFoundError):
         mh.load_mjcf(tmp_path / "none.xml")
+
+
+def test_an_asset_that_is_not_there_is_answered_by_those_that_are() -> None:
+    with pytest.raises(FileNotFoundError, match="'foo/bar.urdf' is not in .* there are 'arm6/arm6.urdf', 'panda/"):
+        mh.asset_path("foo/bar.urdf")
