@@ -295,6 +295,30 @@ def test_who_has_read_enough_hears_nothing_more() -> None:
     assert process.stderr == "" and process.returncode == 141
 
 
+@pytest.mark.parametrize(
+    ("package", "error"),
+    [
+        ("gymnasium", "KeyboardInterrupt"),
+        ("onnxruntime", "KeyboardInterrupt"),
+        ("onnxruntime", "ImportError('initialization failed') from KeyboardInterrupt()"),  # as pybind11 has it
+    ],
+)
+def test_ctrl_c_during_imports_ends_silently(package: str, error: str, tmp_path: Path) -> None:
+    program = f"""
+import sys
+class Struck:
+    def find_spec(self, name, path=None, target=None):
+        if name == "{package}":
+            raise {error}
+sys.meta_path.insert(0, Struck())
+from manyhands_command import main
+sys.exit(main())
+"""
+    command = [sys.executable, "-c", program, "train", "PandaReach", "--runs", str(tmp_path)]
+    process = subprocess.run(command, capture_output=True, text=True)
+    assert (process.returncode, process.stdout, process.stderr) == (130, "", "")
+
+
 @pytest.mark.parametrize("threads", ["0", "-1", "1025", "99999"])
 def test_numbers_of_threads_that_make_no_sense_are_refused(
     threads: str, reach: RunFolder, capsys: pytest.CaptureFixture[str]
