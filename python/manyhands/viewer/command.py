@@ -76,7 +76,7 @@ def _robot(target: str) -> Path | None:
         return Path(target)
     try:
         return asset_path(f"{target}/{target}.urdf")
-    except RuntimeError:
+    except (FileNotFoundError, RuntimeError):  # no such robot; no robots at all
         if Path(target).is_file():
             raise ValueError(f"{target} is no URDF or MJCF: expected a file {', '.join(_SCENES)}") from None
         return None
