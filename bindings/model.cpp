@@ -8,6 +8,7 @@
 #include <nanobind/stl/vector.h>
 
 #include "bindings/bindings.h"
+#include "bindings/load_warning.h"
 #include "bindings/model_values.h"
 #include "bindings/python_model.h"
 #include "manyhands/base/assets.h"
@@ -54,7 +55,9 @@ void bind_report(nb::module_& m) {
       .def_ro("file", &LoadNote::file)
       .def_ro("line", &LoadNote::line, "1-based; 0 if unknown.")
       .def_ro("element", &LoadNote::element, "What it is about, for example \"link 'panda_hand'\".")
-      .def_ro("message", &LoadNote::message, "What was done, with the value taken.");
+      .def_ro("message", &LoadNote::message, "What was done, with the value taken.")
+      .def_ro("serious", &LoadNote::serious,
+              "Whether a part is missing, or moves or touches otherwise than the file asks for: loading warns of it.");
   nb::class_<LoadReport>(m, "LoadReport", "What a loader did with a file beyond reading it. str() gives a line a note.")
       .def_ro("notes", &LoadReport::notes, "In the order of the file.")
       .def("__len__", [](const LoadReport& report) { return report.notes.size(); })
@@ -143,6 +146,7 @@ PythonLoaded loaded_by(Load load) {
     const nb::gil_scoped_release release;
     return load();
   }();
+  bindings::warn_of(loaded.report.notes, "the report, which comes with the model,");
   return {std::make_unique<PythonModel>(std::move(loaded.model)), std::move(loaded.report)};
 }
 

@@ -13,6 +13,7 @@
 
 #include "bindings/arrays.h"
 #include "bindings/bindings.h"
+#include "bindings/load_warning.h"
 #include "bindings/python_model.h"
 #include "bindings/world_parts.h"
 
@@ -189,10 +190,14 @@ void bind_making(nb::class_<World>& world) {
       .def_static(
           "from_file",
           [](const std::filesystem::path& path, std::optional<double> time_step, const std::string& integrator) {
-            return std::make_unique<World>(World::from_file(path, time_step, integrator_named(integrator)));
+            auto loaded = std::make_unique<World>(World::from_file(path, time_step, integrator_named(integrator)));
+            bindings::warn_of(loaded->report().notes, "the world's `report`");
+            return loaded;
           },
           "path"_a, "time_step"_a = nb::none(), "integrator"_a = "semi_implicit", nb::sig(from_file.c_str()),
-          "A world of a URDF file, its base fixed, or of an MJCF file; what the loader changed is in `report`. "
+          "A world of a URDF file, its base fixed, or of an MJCF file; what the loader changed is in `report`, and it "
+          "warns "
+          "of parts that it had to leave out. "
           "time_step [s]: None for the file's own, or 0.002. Raises FileNotFoundError, UrdfError, MjcfError.")
       .def(
           "copy", [](const World& self) { return std::make_unique<World>(self); }, "Another world in the same state.")

@@ -8,6 +8,7 @@
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
+#include "bindings/load_warning.h"
 #include "bindings/model_values.h"
 #include "bindings/python_model.h"
 #include "manyhands/model/io/mesh_file.h"
@@ -163,7 +164,9 @@ void bind_editing(nb::class_<World>& world) {
             } else if (const auto* builder = std::get_if<const ModelBuilder*>(&what)) {
               self.add((*builder)->build(), X_WM, name);
             } else {
+              const std::size_t before = self.report().notes.size();
               self.add_file(std::get<std::filesystem::path>(what), X_WM, name);
+              bindings::warn_of(std::span(self.report().notes).subspan(before), "the world's `report`");
             }
           },
           "model"_a, "position"_a = Numbers3{}, "quaternion"_a = Numbers4{0, 0, 0, 1}, "name"_a = "",

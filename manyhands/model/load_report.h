@@ -14,10 +14,11 @@ enum class LoadAction {
 
 struct LoadNote {
   LoadAction action{};
-  std::string file;     ///< empty for models built in code
-  int line{};           ///< 1-based; 0 if unknown
-  std::string element;  ///< what it is about, for example "link 'panda_hand'"
-  std::string message;  ///< what was done, with the value taken
+  std::string file;      ///< empty for models built in code
+  int line{};            ///< 1-based; 0 if unknown
+  std::string element;   ///< what it is about, for example "link 'panda_hand'"
+  std::string message;   ///< what was done, with the value taken
+  bool serious = false;  ///< a part is missing, or moves or touches otherwise than the file asks for
 };
 
 /// The notes of one load, in the order of the file.

@@ -1,5 +1,6 @@
 """Models built and loaded in Python: every kind of part, and errors that name it."""
 
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -154,3 +155,57 @@ def test_scenes_that_cannot_be_loaded(tmp_path: Path) -> None:
 def test_an_asset_that_is_not_there_is_answered_by_those_that_are() -> None:
     with pytest.raises(FileNotFoundError, match="'foo/bar.urdf' is not in .* there are 'arm6/arm6.urdf', 'panda/"):
         mh.asset_path("foo/bar.urdf")
+
+
+BROKEN = """
+<robot name="broken">
+  <link name="base"/>
+  <joint name="hinge" type="continuous"><parent link="base"/><child link="arm"/></joint>
+  <link name="arm">
+    <inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+    <visual><geometry><mesh filename="no_such.stl"/></geometry></visual>
+    <collision><geometry><mesh filename="no_such.stl"/></geometry></collision>
+  </link>
+</robot>
+"""
+
+
+def test_a_part_that_a_file_loses_is_warned_of_once(tmp_path: Path) -> None:
+    file = tmp_path / "broken.urdf"
+    file.write_text(BROKEN)
+    world = mh.World()
+    for load, where in (
+        (lambda: mh.World.from_file(file), "the world's `report`"),
+        (lambda: world.add(file), "the world's `report`"),
+        (lambda: mh.load_urdf(file), "the report, which comes with the model"),
+    ):
+        with pytest.warns(UserWarning, match=f"broken.urdf: .*no_such.stl.* first of 2 .*print {where}") as warned:
+            load()
+        assert len(warned) == 1
+        assert warned[0].filename == __file__
+    assert [note.serious for note in world.report.notes].count(True) == 2
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(UserWarning):
+            mh.load_urdf(file)
+        mh.load_urdf(file, load_meshes=False)
+        world.add(mh.ModelBuilder("nothing").build())
+
+
+@pytest.mark.parametrize("mass", ["-1", "1"])
+def test_a_negative_mass_is_warned_of_and_a_missing_axis_is_not(mass: str, tmp_path: Path) -> None:
+    file = tmp_path / "arm.urdf"
+    file.write_text(BROKEN.replace('mass value="1"', f'mass value="{mass}"').replace("no_such.stl", "box.obj"))
+    (tmp_path / "box.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n")
+    with warnings.catch_warnings(record=True) as warned:
+        warnings.simplefilter("always")
+        _, report = mh.load_urdf(file)
+    assert len(report) > 0
+    assert [("negative" in str(each.message)) for each in warned] == ([True] if mass == "-1" else [])
+
+
+@pytest.mark.parametrize("robot", ["panda/panda.urdf", "arm6/arm6.urdf"])
+def test_robots_that_ship_load_without_a_warning(robot: str) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        mh.World.from_file(mh.asset_path(robot))

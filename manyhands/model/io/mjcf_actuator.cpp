@@ -50,7 +50,8 @@ std::optional<Law> general_law(const MjcfElement& e) {
   const auto has_other = [&](const char* attribute, std::initializer_list<std::string_view> known) {
     const std::string value = e.text_or(attribute, std::string(*known.begin()));
     if (std::ranges::find(known, value) != known.end()) return false;
-    e.note(LoadAction::kIgnored, std::string(attribute) + " " + in_quotes(value) + " is not read; it is left out");
+    e.note_serious(LoadAction::kIgnored,
+                   std::string(attribute) + " " + in_quotes(value) + " is not read; it is left out");
     return true;
   };
   if (has_other("dyntype", {"none"}) || has_other("gaintype", {"fixed"}) || has_other("biastype", {"none", "affine"})) {
@@ -132,17 +133,18 @@ void read_ranges(const MjcfScene& scene, const MjcfElement& e, double gear, Actu
 int add_actuator(MjcfScene& scene, const MjcfElement& e, const std::string& name) {
   const std::string tag(e.tag());
   if (tag != "motor" && tag != "position" && tag != "velocity" && tag != "general") {
-    e.note(LoadAction::kIgnored, "an actuator of kind <" + tag + "> is not read; it is left out");
+    e.note_serious(LoadAction::kIgnored, "an actuator of kind <" + tag + "> is not read; it is left out");
     return -1;
   }
   const char* const on = e.has("joint") ? "joint" : "jointinparent";
   if (!e.has(on)) {
-    e.note(LoadAction::kIgnored, "it does not act on a joint; it is left out");
+    e.note_serious(LoadAction::kIgnored, "it does not act on a joint; it is left out");
     return -1;
   }
   const MjcfJoint& joint = scene.joint(e, on);
   if (velocity_size(scene.builder.joints()[joint.id.index()].type) != 1) {
-    e.note(LoadAction::kIgnored, "joint " + in_quotes(joint.name) + " is no hinge or slide; the actuator is left out");
+    e.note_serious(LoadAction::kIgnored,
+                   "joint " + in_quotes(joint.name) + " is no hinge or slide; the actuator is left out");
     return -1;
   }
   e.expect(
@@ -155,7 +157,7 @@ int add_actuator(MjcfScene& scene, const MjcfElement& e, const std::string& name
   const std::optional<Law> law = law_of(scene, e, joint, gear);
   if (!law) return -1;
   if (!apply(*law, actuator)) {
-    e.note(LoadAction::kIgnored, "its gain and bias are neither a motor's nor a servo's; it is left out");
+    e.note_serious(LoadAction::kIgnored, "its gain and bias are neither a motor's nor a servo's; it is left out");
     return -1;
   }
   read_ranges(scene, e, gear, actuator);

@@ -193,7 +193,7 @@ std::optional<MjcfMesh> MjcfAssets::read_mesh(const MjcfElement& source, ModelBu
   } catch (const MjcfError&) {
     throw;
   } catch (const std::exception& error) {
-    source.note(LoadAction::kIgnored, std::string(error.what()) + "; its geoms are left out");
+    source.note_serious(LoadAction::kIgnored, std::string(error.what()) + "; its geoms are left out");
   }
   return std::nullopt;
 }
@@ -229,7 +229,7 @@ std::optional<HeightFieldId> MjcfAssets::height_field(const std::string& name, c
   } catch (const MjcfError&) {
     throw;
   } catch (const std::runtime_error& error) {
-    source.note(LoadAction::kIgnored, std::string(error.what()) + "; its geoms are left out");
+    source.note_serious(LoadAction::kIgnored, std::string(error.what()) + "; its geoms are left out");
   }
   return entry.id;
 }

@@ -209,6 +209,10 @@ void MjcfElement::note(LoadAction action, std::string message) const {
   source_->note({action, file_->name, line(), what_, std::move(message)});
 }
 
+void MjcfElement::note_serious(LoadAction action, std::string message) const {
+  source_->note({action, file_->name, line(), what_, std::move(message), true});
+}
+
 void MjcfElement::note_once(const std::string& key, LoadAction action, std::string message) const {
   source_->note_once(key, {action, file_->name, line(), what_, std::move(message)});
 }

@@ -77,6 +77,8 @@ class MjcfElement {
 
   [[noreturn]] void fail(const std::string& message) const;
   void note(LoadAction action, std::string message) const;
+  /// A note that Python warns of.
+  void note_serious(LoadAction action, std::string message) const;
   /// A note of which only the first by this key is kept, and the others counted.
   void note_once(const std::string& key, LoadAction action, std::string message) const;
 

@@ -57,7 +57,7 @@ bool read_joints(const MjcfScene& scene, const MjcfElement& e, LoopConstraint& l
   loop.type = LoopType::kJoint;
   const MjcfJoint& driven = scene.joint(e, "joint1");
   if (!e.has("joint2")) {
-    e.note(LoadAction::kIgnored, "a joint held at one place is not read; give it a range instead");
+    e.note_serious(LoadAction::kIgnored, "a joint held at one place is not read; give it a range instead");
     return false;
   }
   const MjcfJoint& driver = scene.joint(e, "joint2");

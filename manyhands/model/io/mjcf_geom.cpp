@@ -131,7 +131,7 @@ bool read_shape(MjcfScene& scene, const MjcfBody& body, Part& part, const MjcfPl
     return true;
   }
   if (part.type == "sdf" || e.has("mesh")) {
-    e.note(LoadAction::kIgnored, "a " + part.type + " fitted to a mesh is not read; the geom is left out");
+    e.note_serious(LoadAction::kIgnored, "a " + part.type + " fitted to a mesh is not read; the geom is left out");
     return false;
   }
   read_primitive(scene, part, placed);

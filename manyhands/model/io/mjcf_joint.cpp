@@ -65,7 +65,8 @@ double linear_part(const MjcfElement& e, const char* attribute) {
     e.note(LoadAction::kIgnored, std::string("the nonlinear part of '") + attribute + "' is not used");
   }
   if (values[0] >= 0) return values[0];
-  e.note(LoadAction::kRepaired, std::string(attribute) + " " + format_number(values[0]) + " is negative; 0 taken");
+  e.note_serious(LoadAction::kRepaired,
+                 std::string(attribute) + " " + format_number(values[0]) + " is negative; 0 taken");
   return 0;
 }
 

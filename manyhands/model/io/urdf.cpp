@@ -155,8 +155,8 @@ class Assembler {
       }
     }
     if (!mesh.id.is_valid()) {
-      part.source.note(LoadAction::kIgnored,
-                       "mesh " + io::in_quotes(part.mesh_file) + ": " + mesh.problem + "; the geom is left out");
+      part.source.note_serious(LoadAction::kIgnored, "mesh " + io::in_quotes(part.mesh_file) + ": " + mesh.problem +
+                                                         "; the geom is left out");
     }
     return mesh.id;
   }

@@ -169,4 +169,9 @@ void UrdfElement::note(LoadAction action, std::string message) const {
   source_->report.notes.push_back({action, source_->file, line(), what_, std::move(message)});
 }
 
+void UrdfElement::note_serious(LoadAction action, std::string message) const {
+  note(action, std::move(message));
+  source_->report.notes.back().serious = true;
+}
+
 }  // namespace manyhands::io

@@ -68,6 +68,8 @@ class UrdfElement {
 
   [[noreturn]] void fail(const std::string& message) const;
   void note(LoadAction action, std::string message) const;
+  /// A note that Python warns of.
+  void note_serious(LoadAction action, std::string message) const;
 
  private:
   [[nodiscard]] std::string attribute_name(const char* attribute) const;

@@ -58,7 +58,8 @@ bool read_shape(const UrdfElement& element, UrdfGeom& result) {
     result.mesh_file = element.text("filename");
     result.mesh_scale = read_scale(element);
   } else {
-    element.note(LoadAction::kIgnored, "the shape <" + std::string(tag) + "> is not known; the geom is left out");
+    element.note_serious(LoadAction::kIgnored,
+                         "the shape <" + std::string(tag) + "> is not known; the geom is left out");
     return false;
   }
   return true;
@@ -121,8 +122,8 @@ std::optional<UrdfGeom> read_geom(const UrdfElement& element, GeomRole role, con
   if (!read_shape(shapes[0], result)) return std::nullopt;
   if (role == GeomRole::kVisual) wear_material(element, materials, result);
   if (!is_solid(result)) {
-    shapes[0].note(LoadAction::kIgnored,
-                   "the <" + std::string(shapes[0].tag()) + "> has no size; the geom is left out");
+    shapes[0].note_serious(LoadAction::kIgnored,
+                           "the <" + std::string(shapes[0].tag()) + "> has no size; the geom is left out");
     return std::nullopt;
   }
   return result;

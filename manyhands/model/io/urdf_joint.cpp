@@ -117,7 +117,8 @@ void read_dynamics(const UrdfElement& element, Joint& joint) {
   const auto read = [&](const char* attribute) {
     const double value = dynamics.optional_number(attribute).value_or(0.0);
     if (value >= 0) return value;
-    dynamics.note(LoadAction::kRepaired, std::string(attribute) + " " + format_number(value) + " is negative; 0 taken");
+    dynamics.note_serious(LoadAction::kRepaired,
+                          std::string(attribute) + " " + format_number(value) + " is negative; 0 taken");
     return 0.0;
   };
   joint.damping = read("damping");
@@ -131,7 +132,7 @@ std::optional<Mimic> read_mimic(const UrdfElement& joint, JointType type) {
   Mimic result{mimic.text("joint"), mimic.optional_number("multiplier").value_or(1.0),
                mimic.optional_number("offset").value_or(0.0)};
   if (velocity_size(type) == 1) return result;
-  mimic.note(LoadAction::kIgnored, "a " + std::string(to_string(type)) + " joint cannot mimic another");
+  mimic.note_serious(LoadAction::kIgnored, "a " + std::string(to_string(type)) + " joint cannot mimic another");
   return std::nullopt;
 }
 

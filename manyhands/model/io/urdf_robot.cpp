@@ -165,7 +165,14 @@ Inertial read_inertial(const UrdfElement& link) {
   mass.expect({"value"});
   const Transform<double> X_LC = inertial.origin();
   Inertial result{mass.number("value"), X_LC.p, rotated(X_LC.R, read_inertia(inertial))};
-  if (const auto repair = repair_inertial(result)) inertial.note(LoadAction::kRepaired, *repair);
+  const bool is_negative = result.mass < 0;
+  if (const auto repair = repair_inertial(result)) {
+    if (is_negative) {
+      inertial.note_serious(LoadAction::kRepaired, *repair);
+    } else {
+      inertial.note(LoadAction::kRepaired, *repair);
+    }
+  }
   return result;
 }
 
@@ -181,7 +188,8 @@ SurfaceMaterial read_contact(const UrdfElement& link) {
     element.expect({"value"});
     const double value = element.number("value");
     if (value >= 0) return value;
-    element.note(LoadAction::kRepaired, "<" + std::string(tag) + "> " + format_number(value) + " is negative; 0 taken");
+    element.note_serious(LoadAction::kRepaired,
+                         "<" + std::string(tag) + "> " + format_number(value) + " is negative; 0 taken");
     return 0.0;
   };
   surface.lateral_friction = read("lateral_friction").value_or(surface.lateral_friction);
