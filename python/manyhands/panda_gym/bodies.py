@@ -77,7 +77,7 @@ def find_urdf(file_name: str) -> Path:
         return path
     try:
         return asset_path(_ASSETS.get(path.as_posix(), path))
-    except RuntimeError as reason:
+    except (FileNotFoundError, RuntimeError) as reason:
         raise FileNotFoundError(f"there is no robot {file_name!r}, neither here nor in the package") from reason
 
 
