@@ -569,6 +569,20 @@ def test_what_cannot_be_shown_is_refused() -> None:
             Viewer(falling_ball(), port=port, announce=False)  # pyright: ignore[reportArgumentType]
 
 
+def test_a_stretched_robot_is_seen_to_its_end() -> None:
+    """Its last link is long, and only its shape tells."""
+    box = '<geom type="box" size="0.25 0.03 0.03" pos="0.25 0 0"/>'
+    link = f'<body pos="0.5 0 0"><joint axis="0 1 0"/>{box}</body>'
+    scene = f'<mujoco><worldbody><body pos="0 0 0.3"><joint/>{box}{link}</body></worldbody></mujoco>'
+    world = mh.World(mh.load_mjcf_string(scene)[0])
+    with Viewer(world, port=18450, announce=False) as viewer:
+        eye, look_at = viewer.stage.camera()
+        forward = (look_at - eye) / np.linalg.norm(look_at - eye)
+        for end in ([0.0, 0.0, 0.3], [1.0, 0.0, 0.3]):
+            to = np.array(end) - eye
+            assert np.degrees(np.arccos(to @ forward / np.linalg.norm(to))) < 38 / 2
+
+
 def test_a_port_that_is_taken_is_told(here: Viewer, capsys: pytest.CaptureFixture[str]) -> None:
     taken = here.server.get_port()
     with Viewer(falling_ball(), port=taken) as other:

@@ -1,6 +1,7 @@
 """Bodies, ground and light in the browser."""
 
 from collections.abc import Callable, Iterator
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -8,6 +9,7 @@ import viser
 from numpy.typing import NDArray
 
 from manyhands._core import Model
+from manyhands.measures import rotate
 from manyhands.viewer import shapes
 from manyhands.viewer.neighbours import NeighbourStage, places
 from manyhands.viewer.player import Frame
@@ -35,6 +37,7 @@ class Stage:
         self._server, self._scene, self._on_drag = server, server.scene, on_drag
         self._bodies: list[viser.FrameHandle] = []
         self._collision: list[viser.MeshHandle] = []
+        self._corners: list[tuple[int, Array]] = []
         self._markers: dict[str, viser.MeshHandle] = {}
         self._shows_collision = False
         self.neighbours = NeighbourStage(self._scene)
@@ -64,7 +67,7 @@ class Stage:
         """Replaces all bodies by those of a model, at the poses of its links (n, 3), (n, 4)."""
         for handle in self._bodies:
             handle.remove()
-        self._bodies, self._collision = [], []
+        self._bodies, self._collision, self._corners = [], [], []
         self.index = {link.name: index for index, link in enumerate(model.links)}
         height, ground = _ground(model, positions)
         self._draw_ground(height)
@@ -79,7 +82,7 @@ class Stage:
             if number != ground and self._add_geom(model, number, hides) and not hides:
                 shown.append(number)
         self.neighbours.build(model, shown)
-        self._measure(model, positions, ground)
+        self._measure(model, positions, quaternions, ground)
         self.show(positions, quaternions)
 
     def show(self, positions: Array, quaternions: Array) -> None:
@@ -149,6 +152,10 @@ class Stage:
         surface = shapes.surface(model, geom)
         if surface is None or not len(surface.triangles):
             return False
+        if model.links[geom.link].body > 0:
+            low, high = surface.vertices.min(0), surface.vertices.max(0)
+            corners = np.array(list(product(*zip(low, high, strict=True))), np.float64)
+            self._corners.append((geom.link, geom.position + rotate(geom.quaternion, corners)))
         is_small = bool(np.ptp(surface.vertices, axis=0).max() <= _SMALL)
         handle = self._scene.add_mesh_simple(
             f"{body.name}/{number}", surface.vertices, surface.triangles,
@@ -177,13 +184,15 @@ class Stage:
             plane_color=_GROUND, plane_opacity=1.0, position=(0.0, 0.0, height - 5e-4),
         )  # fmt: skip
 
-    def _measure(self, model: Model, positions: Array, ground: int) -> None:
-        """A ball about all that is not ground."""
+    def _measure(self, model: Model, positions: Array, quaternions: Array, ground: int) -> None:
+        """A ball about all that is not ground: about the shapes of what moves, and the places of what stands."""
         points = [
             positions[geom.link]
             for number, geom in enumerate(model.geoms)
             if number != ground and geom.shape not in ("plane", "height_field")
         ]
+        for link, corners in self._corners:
+            points += list(positions[link] + rotate(quaternions[link], corners))
         if points:
             low, high = np.min(points, 0), np.max(points, 0)
             self.center = (low + high) / 2
