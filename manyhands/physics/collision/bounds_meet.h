@@ -52,27 +52,42 @@ MANYHANDS_INLINE mask_t<T> sphere_meets_box_of(const Vec3<T>& p, T r, const Coll
 
 }  // namespace internal
 
-/// Whether the pair's shapes may be nearer to each other than `margin`.
+/// A box of the world, which may be a table: its sphere says little.
+template <Real R>
+[[nodiscard]] inline bool is_wide(const Collider<R>& geom) {
+  return geom.body == 0 && geom.type == ShapeType::kBox;
+}
+
+/// Whether the pair's shapes may be nearer to each other than `margin`, by spheres about them. Of what moves it asks no
+/// more than where it is, so that most pairs are done with before it is known how their geoms are turned.
 template <Number T, Number P>
-MANYHANDS_INLINE mask_t<T> bounds_meet(const Colliders<real_t<T>>& colliders, const ColliderPair& pair,
-                                       const Params<P>& params, T margin, const std::vector<Transform<T>>& X_WG,
-                                       const std::vector<T>& radius) {
+MANYHANDS_INLINE mask_t<T> spheres_meet(const Colliders<real_t<T>>& colliders, const ColliderPair& pair,
+                                        const Params<P>& params, T margin, const std::vector<Transform<T>>& X_WG,
+                                        const std::vector<T>& radius) {
   const Collider<real_t<T>>&a = colliders.geoms[pair.a], &b = colliders.geoms[pair.b];
   const Transform<T>&X_A = X_WG[pair.a], &X_B = X_WG[pair.b];
-  const T reach_A = radius[pair.a] + margin, reach_B = radius[pair.b] + margin;
+  const T reach_A = radius[pair.a] + margin;
   if (b.type == ShapeType::kPlane) return dot(X_B.R.z, X_A.p - X_B.p) < reach_A;
   const auto size = [&](const Collider<real_t<T>>& geom) { return broadcast<T>(params.geom_size[geom.geom]); };
-  const auto in_box_of_A = [&] { return internal::sphere_meets_box_of(X_B.p, reach_B, a, size(a), X_A); };
-  const auto in_box_of_B = [&] { return internal::sphere_meets_box_of(X_A.p, reach_A, b, size(b), X_B); };
-  // Spheres are the cheapest question, but say nothing of boxes of the world, which may be tables.
-  const auto wide = [](const Collider<real_t<T>>& geom) { return geom.body == 0 && geom.type == ShapeType::kBox; };
-  if (!wide(a) && !wide(b)) {
-    const T reach = reach_A + radius[pair.b];
-    const auto meets = squared_norm(X_B.p - X_A.p) < reach * reach;
-    return any(meets) ? meets & in_box_of_A() & in_box_of_B() : meets;
-  }
-  const auto meets = wide(b) ? in_box_of_B() : in_box_of_A();
-  return any(meets) ? meets & (wide(b) ? in_box_of_A() : in_box_of_B()) : meets;
+  if (is_wide(b)) return internal::sphere_meets_box_of(X_A.p, reach_A, b, size(b), X_B);
+  if (is_wide(a)) return internal::sphere_meets_box_of(X_B.p, radius[pair.b] + margin, a, size(a), X_A);
+  const T reach = reach_A + radius[pair.b];
+  return squared_norm(X_B.p - X_A.p) < reach * reach;
+}
+
+/// The same by a box about one and a sphere about the other: worth asking where spheres meet.
+template <Number T, Number P>
+MANYHANDS_INLINE mask_t<T> boxes_meet(const Colliders<real_t<T>>& colliders, const ColliderPair& pair,
+                                      const Params<P>& params, T margin, const std::vector<Transform<T>>& X_WG,
+                                      const std::vector<T>& radius) {
+  const Collider<real_t<T>>&a = colliders.geoms[pair.a], &b = colliders.geoms[pair.b];
+  if (b.type == ShapeType::kPlane) return true;
+  const Transform<T>&X_A = X_WG[pair.a], &X_B = X_WG[pair.b];
+  const auto size = [&](const Collider<real_t<T>>& geom) { return broadcast<T>(params.geom_size[geom.geom]); };
+  mask_t<T> meets(true);
+  if (!is_wide(a)) meets = internal::sphere_meets_box_of(X_B.p, radius[pair.b] + margin, a, size(a), X_A);
+  if (!is_wide(b)) meets = meets & internal::sphere_meets_box_of(X_A.p, radius[pair.a] + margin, b, size(b), X_B);
+  return meets;
 }
 
 }  // namespace manyhands

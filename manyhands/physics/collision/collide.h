@@ -22,14 +22,16 @@ struct CollisionWorkspace {
       : X_WG(colliders.geoms.size(), Transform<T>::identity()),
         advance(X_WG.size(), Motion<T>::zero()),
         radius(X_WG.size()),
-        ahead(X_WG.size()) {
+        ahead(X_WG.size()),
+        is_oriented(X_WG.size()) {
     touches.reserve(colliders.num_manifolds);
   }
 
-  std::vector<Transform<T>> X_WG;  ///< (colliders)
-  std::vector<Motion<T>> advance;  ///< in a step at present velocities, about the geom's origin [rad, m]
+  std::vector<Transform<T>> X_WG;  ///< (colliders) p; R where it is oriented
+  std::vector<Motion<T>> advance;  ///< in a step at present velocities, about the geom's origin [rad, m]; the same
   std::vector<T> radius;           ///< of the bounding sphere about the geom's origin [m]
   std::vector<T> ahead;            ///< how far ahead of its surface others are looked for [m]
+  std::vector<char> is_oriented;   ///< whether it was asked how the geom is turned
   std::vector<Touch<T>> touches;
   std::array<Manifold<T>, 4> found;  ///< scratch: of one pair
 };
@@ -39,22 +41,42 @@ namespace internal {
 /// Points count that are this far from touching after a step at present velocities, which forces change [m].
 inline constexpr double kContactMargin = 0.002;
 
-/// The poses of body b's geoms, their bounds, and how far they move in a step of h.
+/// The most by which a body turns and its origin moves in a step at present velocities [rad, m].
+template <Number T>
+struct Advance {
+  T turn, way;
+};
+
+template <Number T>
+MANYHANDS_INLINE Advance<T> most_advance(const Workspace<T>& ws, std::size_t body, real_t<T> h) {
+  const Motion<T>& V = ws.V[body];
+  if (body == 0) return {T(real_t<T>(0)), T(real_t<T>(0))};
+  return {T(h) * norm(V.w), T(h) * norm(V.v + cross(V.w, ws.p_OB[body]))};
+}
+
+/// Where the geom is, what bounds it, and how far others are looked for.
 template <Number T, Number P>
-MANYHANDS_INLINE void place_collider(const Collider<real_t<T>>& geom, const Params<P>& params, real_t<T> h,
-                                     const Workspace<T>& ws, std::size_t g, CollisionWorkspace<T>& cw) {
-  const Transform<T> X_WB{ws.R_WB[geom.body], ws.p_OB[geom.body] + ws.p_WO[geom.body]};
-  Transform<T>& X_WG = cw.X_WG[g];
-  X_WG.R = geom.turned ? X_WB.R * broadcast<T>(geom.X_BG.R) : X_WB.R;
-  X_WG.p = X_WB.R * broadcast<T>(geom.X_BG.p) + X_WB.p;
-  cw.radius[g] = bounding_radius(geom, broadcast<T>(params.geom_size[geom.geom]));
-  cw.ahead[g] = T(geom.margin + real_t<T>(kContactMargin / 2));
+MANYHANDS_INLINE void place_collider(const Collider<real_t<T>>& geom, const Params<P>& params, const Workspace<T>& ws,
+                                     const Advance<T>& most, std::size_t g, CollisionWorkspace<T>& cw) {
+  const Vec3<T> p_WB = ws.p_OB[geom.body] + ws.p_WO[geom.body];
+  cw.X_WG[g].p = ws.R_WB[geom.body] * broadcast<T>(geom.X_BG.p) + p_WB;
+  cw.radius[g] = broadcast<T>(bounding_radius(geom, params.geom_size[geom.geom]));
+  const T least(geom.margin + real_t<T>(kContactMargin / 2));
+  cw.ahead[g] = fma(most.turn, cw.radius[g] + T(geom.offset), most.way + least);
+}
+
+/// How the geom is turned and moves, unless that is known already.
+template <Number T>
+MANYHANDS_INLINE void orient_collider(const Collider<real_t<T>>& geom, const Workspace<T>& ws, real_t<T> h,
+                                      std::size_t g, CollisionWorkspace<T>& cw) {
+  if (cw.is_oriented[g]) return;
+  cw.is_oriented[g] = true;
+  const Mat3<T>& R_WB = ws.R_WB[geom.body];
+  cw.X_WG[g].R = geom.turned ? R_WB * broadcast<T>(geom.X_BG.R) : R_WB;
   if (geom.body == 0) return;
   const Motion<T>& V = ws.V[geom.body];
   const T step(h);
-  const Vec3<T> turn = step * V.w, way = step * (V.v + cross(V.w, X_WG.p - ws.p_WO[geom.body]));
-  cw.advance[g] = {turn, way};
-  cw.ahead[g] += fma(norm(turn), cw.radius[g], norm(way));
+  cw.advance[g] = {step * V.w, step * (V.v + cross(V.w, cw.X_WG[g].p - ws.p_WO[geom.body]))};
 }
 
 /// By how much the pair's surfaces come nearer to each other at p along the normal in a step [m]; 0 where they part.
@@ -83,25 +105,41 @@ MANYHANDS_INLINE mask_t<T> keep_near_points(const ColliderPair& pair, real_t<T> 
 
 }  // namespace internal
 
-/// The geoms of `cw` for the bodies as placed and moving in `ws`.
+/// The geoms of `cw` for the bodies as placed and moving in `ws`; those of the world are oriented.
 template <Number T, Number P>
 MANYHANDS_INLINE void place_colliders(const Colliders<real_t<T>>& colliders, const Params<P>& params, real_t<T> h,
                                       const Workspace<T>& ws, CollisionWorkspace<T>& cw) {
+  std::size_t body = 0;
+  internal::Advance<T> most = internal::most_advance(ws, body, h);
   for (std::size_t g = 0; g < colliders.geoms.size(); ++g) {
-    internal::place_collider(colliders.geoms[g], params, h, ws, g, cw);
+    const Collider<real_t<T>>& geom = colliders.geoms[g];
+    if (geom.body != body) most = internal::most_advance(ws, body = geom.body, h);
+    internal::place_collider(geom, params, ws, most, g, cw);
+    cw.is_oriented[g] = false;
+    if (geom.body == 0) internal::orient_collider(geom, ws, h, g, cw);
   }
+}
+
+/// Orients all geoms.
+template <Number T>
+MANYHANDS_INLINE void orient_colliders(const Colliders<real_t<T>>& colliders, real_t<T> h, const Workspace<T>& ws,
+                                       CollisionWorkspace<T>& cw) {
+  for (std::size_t g = 0; g < colliders.geoms.size(); ++g) internal::orient_collider(colliders.geoms[g], ws, h, g, cw);
 }
 
 /// The touches of `cw`, whose geoms are placed, among the pairs.
 template <Number T, Number P>
 MANYHANDS_INLINE void collide(const Colliders<real_t<T>>& colliders, std::span<const ColliderPair> pairs,
-                              const Params<P>& params, CollisionWorkspace<T>& cw) {
+                              const Params<P>& params, real_t<T> h, const Workspace<T>& ws, CollisionWorkspace<T>& cw) {
   using R = real_t<T>;
   cw.touches.clear();
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const ColliderPair& pair = pairs[i];
     const T margin = cw.ahead[pair.a] + cw.ahead[pair.b];
-    const auto near = bounds_meet(colliders, pair, params, margin, cw.X_WG, cw.radius);
+    auto near = spheres_meet(colliders, pair, params, margin, cw.X_WG, cw.radius);
+    if (none(near)) continue;
+    for (const std::size_t g : {pair.a, pair.b}) internal::orient_collider(colliders.geoms[g], ws, h, g, cw);
+    near = near & boxes_meet(colliders, pair, params, margin, cw.X_WG, cw.radius);
     if (none(near)) continue;
     const R skin = colliders.geoms[pair.a].margin + colliders.geoms[pair.b].margin;
     const std::size_t count = collide_pair(colliders, pair, params, near, margin, cw.X_WG, cw.found);

@@ -126,6 +126,7 @@ Colliders<R>::Colliders(const Model& model, PairSearch pair_search)
     collider.filter = geom.filter;
     collider.turned = geom.shape.type != ShapeType::kSphere && (m.x.x < 1 || m.y.y < 1 || m.z.z < 1);
     collider.X_BG = broadcast<R>(X_BG);
+    collider.offset = static_cast<R>(norm(X_BG.p));
     collider.surface = geom.surface;
     collider.margin = static_cast<R>(geom.margin);
     add_place(model, collider);

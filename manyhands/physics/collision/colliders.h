@@ -24,6 +24,7 @@ struct Collider {
   CollisionFilter filter{};
   bool turned{};  ///< whether the shape's axes differ from the body's
   Transform<R> X_BG = Transform<R>::identity();
+  R offset{};  ///< of its origin from the body's [m]
   SurfaceMaterial surface{};
   R margin{};
   std::shared_ptr<const ConvexPolyhedron> hull{};     ///< of a convex shape

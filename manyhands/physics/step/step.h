@@ -133,9 +133,12 @@ MANYHANDS_INLINE std::span<const ColliderPair> find_touches(const Colliders<real
   if (pairs.empty() && !ws.finder) return pairs;
   place_colliders(colliders, params, h, ws.dynamics, ws.collision);
   if constexpr (Real<T>) {
-    if (ws.finder) pairs = ws.finder->find(colliders, params, ws.collision);
+    if (ws.finder) {
+      orient_colliders(colliders, h, ws.dynamics, ws.collision);
+      pairs = ws.finder->find(colliders, params, ws.collision);
+    }
   }
-  collide(colliders, pairs, params, ws.collision);
+  collide(colliders, pairs, params, h, ws.dynamics, ws.collision);
   if constexpr (Real<T>) {
     if (ws.finder) carry_memory(ws.collision.touches, state, ws.old_memory);
   }

@@ -73,7 +73,8 @@ TEST(BoundsMeet, OfAllThatIsNearAndOfFewElse) {
         };
         for (int trial = 0; trial < 400; ++trial) {
           const std::vector<Transform<double>> X{source.pose(1), source.pose(1)};
-          const bool meets = bounds_meet(pair.colliders, which, pair.params, kMargin, X, radii);
+          const bool meets = spheres_meet(pair.colliders, which, pair.params, kMargin, X, radii) &&
+                             boxes_meet(pair.colliders, which, pair.params, kMargin, X, radii);
           const double phi = signed_distance<double>(view(which.a), X[which.a], view(which.b), X[which.b]).phi;
           if (phi < kMargin) {
             ++near;

@@ -36,7 +36,7 @@ struct Pair {
       ws.V[k + 1] = V[k];
     }
     place_colliders(colliders, params, kStep, ws, cw);
-    collide(colliders, colliders.pairs, params, cw);
+    collide(colliders, colliders.pairs, params, kStep, ws, cw);
     return !cw.touches.empty();
   }
 
