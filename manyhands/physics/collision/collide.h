@@ -50,7 +50,6 @@ struct Advance {
 template <Number T>
 MANYHANDS_INLINE Advance<T> most_advance(const Workspace<T>& ws, std::size_t body, real_t<T> h) {
   const Motion<T>& V = ws.V[body];
-  if (body == 0) return {T(real_t<T>(0)), T(real_t<T>(0))};
   return {T(h) * norm(V.w), T(h) * norm(V.v + cross(V.w, ws.p_OB[body]))};
 }
 
@@ -61,8 +60,9 @@ MANYHANDS_INLINE void place_collider(const Collider<real_t<T>>& geom, const Para
   const Vec3<T> p_WB = ws.p_OB[geom.body] + ws.p_WO[geom.body];
   cw.X_WG[g].p = ws.R_WB[geom.body] * broadcast<T>(geom.X_BG.p) + p_WB;
   cw.radius[g] = broadcast<T>(bounding_radius(geom, params.geom_size[geom.geom]));
-  const T least(geom.margin + real_t<T>(kContactMargin / 2));
-  cw.ahead[g] = fma(most.turn, cw.radius[g] + T(geom.offset), most.way + least);
+  cw.ahead[g] = T(geom.margin + real_t<T>(kContactMargin / 2));
+  if (geom.body == 0) return;  // a plane has no radius
+  cw.ahead[g] += fma(most.turn, cw.radius[g] + T(geom.offset), most.way);
 }
 
 /// How the geom is turned and moves, unless that is known already.
@@ -110,7 +110,7 @@ template <Number T, Number P>
 MANYHANDS_INLINE void place_colliders(const Colliders<real_t<T>>& colliders, const Params<P>& params, real_t<T> h,
                                       const Workspace<T>& ws, CollisionWorkspace<T>& cw) {
   std::size_t body = 0;
-  internal::Advance<T> most = internal::most_advance(ws, body, h);
+  internal::Advance<T> most{};
   for (std::size_t g = 0; g < colliders.geoms.size(); ++g) {
     const Collider<real_t<T>>& geom = colliders.geoms[g];
     if (geom.body != body) most = internal::most_advance(ws, body = geom.body, h);
