@@ -457,7 +457,7 @@ def test_human_mode_opens_a_page_and_keeps_time(make: Any, capsys: pytest.Captur
     for _ in range(6):
         env.step(env.action_space.sample())
     assert time.perf_counter() - start > 0.2
-    address = capsys.readouterr().out.split()[-1]
+    address = next(word for word in capsys.readouterr().out.split() if word.startswith("http://"))
     host = address.removeprefix("http://").rstrip("/")
     connection = http.client.HTTPConnection(host.replace("localhost", "127.0.0.1"), timeout=5)
     connection.request("GET", "/")
