@@ -76,8 +76,8 @@ class Flip {
     way_ = next_way(pose, goal, cube);
     const bool draws = way_.x > 0.7f && cube.x > kFar;
     start_ = draws ? cube : place(cube);
-    const bool lies = cube.z < 0.0239f && turning < 2.44f;
-    if (!lies || hand.z > kAbove || flat_distance(hand, start_) > (draws ? 0.0134f : 0.0063f)) return;
+    const bool lies = cube.z < 0.022f && turning < 2.7f;
+    if (!lies || hand.z > kAbove || flat_distance(hand, start_) > (draws ? 0.012f : 0.0068f)) return;
     doing_ = draws ? Doing::kDraw : Doing::kPress;
     before_ = pose;
     steps_ = 0;
@@ -89,15 +89,15 @@ class Flip {
   /// Where to press: near the edge ahead, and less so towards the base, where the hand itself drifts outwards.
   [[nodiscard]] Point place(const Point& cube) const {
     const float in = std::max(-way_.x, 0.0f), out = std::max(way_.x, 0.0f);
-    return cube + (0.0257f - 0.0086f * in - 0.0014f * out + nudges_[direction()]) * way_;
+    return cube + (0.0257f - 0.0089f * in - 0.0015f * out + nudges_[direction()]) * way_;
   }
 
   /// Down and on. An arm that presses drifts outwards, so that way it is to be told little.
   [[nodiscard]] Point press(const Point& hand, const Point& cube) const {
     const float out = std::max(way_.x, 0.0f), in = std::min(way_.x, 0.0f);
     const Point aside{-way_.y, way_.x, 0};
-    Point move = 19.0f * dot(aside, cube - hand) * aside;
-    move += Point{0.096f * out + 1.12f * in + 0.136f * std::abs(way_.y), 0.41f * way_.y, 0.622f * out - 0.88f};
+    Point move = 18.6f * dot(aside, cube - hand) * aside;
+    move += Point{0.096f * out + 1.12f * in + 0.12f * std::abs(way_.y), 0.35f * way_.y, 0.615f * out - 0.88f};
     return move;
   }
 
@@ -105,7 +105,7 @@ class Flip {
   [[nodiscard]] Point approach(const Point& hand, const Point& cube) const {
     const float off = flat_distance(hand, start_);
     if (hand.z < 0.05f && flat_distance(hand, cube) < 0.08f) return {0, 0, 20 * (0.118f - hand.z)};
-    const float height = off < 0.0076f ? 0.053f : 0.0689f + 0.66f * std::max(off - 0.0336f, 0.0f);
+    const float height = off < 0.0076f ? 0.053f : 0.0689f + 0.66f * std::max(off - 0.03f, 0.0f);
     return aim(hand, {start_.x, start_.y, height});
   }
 
@@ -165,8 +165,8 @@ class Flip {
       Quat<float> passed = pose;
       for (std::size_t k = 0; k < Roll::kParts; ++k) {
         passed = rolls[i].turns[k] * pose;
-        const float sure = k + 1 == Roll::kParts ? 0.946f : 0.949f, margin = likeness(passed, goal) - sure;
-        const float doubt = margin > 0 ? 2.8f * std::max(0.1f - margin, 0.0f) : 0.384f - 17.6f * margin;
+        const float sure = k + 1 == Roll::kParts ? 0.946f : 0.935f, margin = likeness(passed, goal) - sure;
+        const float doubt = margin > 0 ? 2.9f * std::max(0.1f - margin, 0.0f) : 0.4f - 16.5f * margin;
         if (plan.cost + doubt < best.cost) best = {plan.cost + doubt, plan.first};
       }
       if (depth + 1 < kMostRolls) search(passed, goal, rolls, depth + 1, plan, best);
