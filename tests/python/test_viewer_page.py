@@ -187,9 +187,13 @@ def test_rewinding_by_the_slider(arm: Viewer, page: Any) -> None:
     arm.play()
     until(lambda: arm.source.time > 2.0)
     arm.pause()
+    assert arm.player.do(lambda: None, wait=5.0)
     end = arm.player.history.span[1]
-    box = number_box(page, "Rewind [s]")
     until(lambda: arm.panel._rewind.min <= -1.5)
+    # What is typed while the page still learns how far back it may go would be overwritten.
+    slider = page.locator("xpath=//label[normalize-space()='Rewind [s]']/ancestor::*[.//input][1]//*[@role='slider']")
+    until(lambda: float(slider.get_attribute("aria-valuemin")) == arm.panel._rewind.min)
+    box = number_box(page, "Rewind [s]")
     box.fill("-1")
     box.press("Enter")
     until(lambda: arm.player.moment < end - 0.8)
