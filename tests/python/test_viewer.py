@@ -9,6 +9,7 @@ import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import gymnasium
@@ -20,7 +21,7 @@ from manyhands.envs.single import PandaEnv
 from manyhands.measures import chain, contact_forces, hand_of, joint_forces, rotate
 from manyhands.plots import plot
 from manyhands.recording import Recorder
-from manyhands.viewer import Viewer, shapes
+from manyhands.viewer import Viewer, controls, shapes
 from manyhands.viewer.environments import DropInSource, NativeSource, source_of_environment
 from manyhands.viewer.episodes import EpisodeWriter
 from manyhands.viewer.history import History
@@ -189,6 +190,34 @@ def test_contact_forces_are_the_weight() -> None:
 
 
 # ---- the clock ---------------------------------------------------------------------------------------------------
+
+
+class Handle:
+    """A slider of the page: what its user enters is there before anybody is told."""
+
+    value = 0.0
+
+    def on_update(self, tell: Any) -> None:
+        self.tell = tell
+
+
+def test_what_is_entered_is_not_overwritten(monkeypatch: pytest.MonkeyPatch) -> None:
+    handle, entered = Handle(), []
+    slider = controls.SharedSlider(handle, entered.append)
+    slider.show(0.3)
+    assert handle.value == 0.3
+    handle.value = 0.8
+    slider.show(0.3)
+    assert handle.value == 0.8
+    handle.tell(SimpleNamespace(client_id=1))
+    assert entered == [0.8]
+    slider.show(0.3)  # nor shortly after
+    assert handle.value == 0.8
+    monkeypatch.setattr(controls, "_TOUCHED_FOR", 0.0)
+    slider.show(0.3)
+    assert handle.value == 0.3
+    handle.tell(SimpleNamespace(client_id=None))  # what the simulation shows is not entered
+    assert entered == [0.8]
 
 
 def test_history_goes_back_to_the_last_state_before() -> None:

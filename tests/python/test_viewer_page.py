@@ -112,8 +112,11 @@ def wait_for_choice(page: Any, label: str, name: str) -> None:
 
 def number_box(page: Any, label: str) -> Any:
     """The box with the number of a slider."""
-    row = page.locator(f"xpath=//label[normalize-space()='{label}']/ancestor::*[.//input][1]")
-    return row.locator("input[type=text], input[inputmode]").last
+    return row_of_slider(page, label).locator("input[type=text], input[inputmode]").last
+
+
+def row_of_slider(page: Any, label: str) -> Any:
+    return page.locator(f"xpath=//label[normalize-space()='{label}']/ancestor::*[.//input][1]")
 
 
 def test_the_page_shows_the_arm(arm: Viewer, page: Any, tmp_path: Path) -> None:
@@ -189,10 +192,10 @@ def test_rewinding_by_the_slider(arm: Viewer, page: Any) -> None:
     arm.pause()
     assert arm.player.do(lambda: None, wait=5.0)
     end = arm.player.history.span[1]
-    until(lambda: arm.panel._rewind.min <= -1.5)
+    until(lambda: arm.panel._rewind.handle.min <= -1.5)
     # What is typed while the page still learns how far back it may go would be overwritten.
-    slider = page.locator("xpath=//label[normalize-space()='Rewind [s]']/ancestor::*[.//input][1]//*[@role='slider']")
-    until(lambda: float(slider.get_attribute("aria-valuemin")) == arm.panel._rewind.min)
+    slider = row_of_slider(page, "Rewind [s]").get_by_role("slider")
+    until(lambda: float(slider.get_attribute("aria-valuemin")) == arm.panel._rewind.handle.min)
     box = number_box(page, "Rewind [s]")
     box.fill("-1")
     box.press("Enter")

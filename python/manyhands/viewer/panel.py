@@ -8,6 +8,7 @@ import viser
 
 from manyhands.viewer.batches import BatchSource
 from manyhands.viewer.camera_panel import CameraPanel
+from manyhands.viewer.controls import SharedSlider
 from manyhands.viewer.environments import EnvSource
 from manyhands.viewer.graph_panel import GraphPanel
 from manyhands.viewer.player import Frame
@@ -60,10 +61,10 @@ class Panel:
         buttons.on_click(lambda event: self._viewer.step() if event.target.value == "Step" else self._viewer.reset())
         self._speed = gui.add_dropdown("Speed", tuple(_SPEEDS), initial_value="real time")
         self._speed.on_update(lambda _: setattr(self._viewer, "speed", _SPEEDS[self._speed.value]))
-        self._rewind = gui.add_slider(
+        rewind = gui.add_slider(
             "Rewind [s]", min=-1.0, max=0.0, step=0.05, initial_value=0.0, hint="Back through the last three minutes"
         )
-        self._rewind.on_update(self._on_rewind)
+        self._rewind = SharedSlider(rewind, self._go_back)
         self._rewound_from: float | None = None
 
     def _make_keys(self, gui: viser.GuiApi) -> None:
@@ -126,14 +127,11 @@ class Panel:
         if self._rewound_from is None or player.playing:
             self._rewound_from = None
             reach = -max(1.0, round(last - first, 1))
-            if self._rewind.min != reach:
-                self._rewind.min = reach
-            if self._rewind.value != 0.0:
-                self._rewind.value = 0.0
+            if self._rewind.handle.min != reach:
+                self._rewind.handle.min = reach
+            self._rewind.show(0.0)
 
-    def _on_rewind(self, event: Any) -> None:
-        if event.client_id is None:
-            return
+    def _go_back(self, seconds: float) -> None:
         if self._rewound_from is None:
             self._rewound_from = self._player.history.span[1]
-        self._player.rewind(self._rewound_from + self._rewind.value)
+        self._player.rewind(self._rewound_from + seconds)

@@ -8,6 +8,7 @@ import numpy as np
 import viser
 
 from manyhands.measures import chain, hand_of
+from manyhands.viewer.controls import SharedSlider
 from manyhands.viewer.environments import EnvSource
 from manyhands.viewer.joints import JointDrive
 from manyhands.viewer.player import Frame
@@ -15,7 +16,7 @@ from manyhands.viewer.player import Frame
 if TYPE_CHECKING:
     from manyhands.viewer.viewer import Viewer
 
-_TOUCHED_FOR = 1.0  # [s] for which a slider belongs to the one who moved it
+_DRAGGED_FOR = 1.0  # [s] for which the gizmo belongs to the one who moved it
 
 
 def labels(joints: list[str]) -> list[str]:
@@ -34,8 +35,7 @@ class RobotPanel:
         self._viewer, self._player = viewer, viewer.player
         assert viewer.source.joints is not None
         self._drive: JointDrive = viewer.source.joints
-        self._sliders: dict[str, Any] = {}
-        self._touched = -np.inf
+        self._sliders: dict[str, SharedSlider] = {}
         self._gizmo: Any = None
         self._dragging = -np.inf
         self._tab = tabs.add_tab("Robot")
@@ -63,15 +63,16 @@ class RobotPanel:
         return self._hand.value if self._hand is not None else None
 
     def _make_hand(self, links: list[str], hand: str | None) -> None:
-        gui, self._hand, self._grip = self._viewer.server.gui, None, None
+        gui, self._hand = self._viewer.server.gui, None
+        self._grip: SharedSlider | None = None
         if hand is not None:
             self._handle = gui.add_checkbox("Drag the hand", False, hint="A gizmo that the joints follow")
             self._handle.on_update(lambda _: self._show_gizmo(self._handle.value))
             self._hand = gui.add_dropdown("Hand", links, initial_value=hand)
             self._hand.on_update(lambda _: self._show_gizmo(self._handle.value))
         if self._drive.opening is not None:
-            self._grip = gui.add_slider("Gripper", 0.0, 1.0, 0.01, float(np.clip(self._drive.opening, 0, 1)))
-            self._grip.on_update(self._on_grip)
+            grip = gui.add_slider("Gripper", 0.0, 1.0, 0.01, float(np.clip(self._drive.opening, 0, 1)))
+            self._grip = SharedSlider(grip, self._move_grip)
         pull = gui.add_number(
             "Pull [N/m]", self._viewer.pull, min=0.0, step=10.0,
             hint="Hold Ctrl (or Cmd) and drag a body with the mouse: it is pulled by a spring this stiff",
@@ -84,42 +85,30 @@ class RobotPanel:
         for knob, label in zip(knobs, labels([knob.name for knob in knobs]), strict=True):
             value = float(np.clip(self._drive.value(knob), knob.lower, knob.upper))
             slider = gui.add_slider(label, round(knob.lower, 4), round(knob.upper, 4), 0.001, round(value, 3))
-            slider.on_update(lambda event, name=knob.name: self._on_slider(event, name))
-            self._sliders[knob.name] = slider
+            self._sliders[knob.name] = SharedSlider(slider, lambda value, name=knob.name: self._move(name, value))
 
     def take_over(self) -> None:
         """In an environment: hands, not a policy, move the joints from now on."""
         if isinstance(self._viewer.source, EnvSource) and self._viewer.panel.teleop is not None:
             self._viewer.panel.teleop.choose_sliders()
 
-    def _on_slider(self, event: Any, name: str) -> None:
-        if event.client_id is None:
-            return
-        self._touched = time.perf_counter()
-        value = float(event.target.value)
+    def _move(self, name: str, value: float) -> None:
         self.take_over()
         self._player.do(lambda: self._drive.move({name: value}, place=not self._player.playing))
 
-    def _on_grip(self, event: Any) -> None:
-        if event.client_id is None:
-            return
-        self._touched = time.perf_counter()
-        opening = float(event.target.value)
+    def _move_grip(self, opening: float) -> None:
         self.take_over()
         self._player.do(lambda: self._drive.grip(opening, place=not self._player.playing))
 
     def refresh(self, _: Frame) -> None:
-        """Sliders follow the joints, or what drives them: who types a number is not interrupted."""
-        if time.perf_counter() - self._touched < _TOUCHED_FOR:
-            return
+        """Sliders follow the joints, or what drives them."""
         for knob in self._drive.knobs:
             slider = self._sliders.get(knob.name)
-            value = round(float(np.clip(self._drive.target(knob.name), knob.lower, knob.upper)), 3)
-            if slider is not None and abs(slider.value - value) > 1e-4:
-                slider.value = value
+            if slider is not None:
+                slider.show(round(float(np.clip(self._drive.target(knob.name), knob.lower, knob.upper)), 3))
         opening = self._drive.opening
-        if self._grip is not None and opening is not None and abs(self._grip.value - opening) > 0.005:
-            self._grip.value = round(float(np.clip(opening, 0, 1)), 2)
+        if self._grip is not None and opening is not None:
+            self._grip.show(round(float(np.clip(opening, 0, 1)), 2), tolerance=0.005)
 
     # ---- the gizmo -----------------------------------------------------------------------------------------------
 
@@ -154,7 +143,7 @@ class RobotPanel:
 
     def follow(self, frame: Frame) -> None:
         """The gizmo stays at the hand when nobody drags it, and nothing is driven to it."""
-        if self._gizmo is None or time.perf_counter() - self._dragging < _TOUCHED_FOR or self.hand is None:
+        if self._gizmo is None or time.perf_counter() - self._dragging < _DRAGGED_FOR or self.hand is None:
             return
         index = self._viewer.stage.index.get(self.hand)
         if index is not None:
