@@ -196,8 +196,7 @@ void bind_making(nb::class_<World>& world) {
           },
           "path"_a, "time_step"_a = nb::none(), "integrator"_a = "semi_implicit", nb::sig(from_file.c_str()),
           "A world of a URDF file, its base fixed, or of an MJCF file; what the loader changed is in `report`, and it "
-          "warns "
-          "of parts that it had to leave out. "
+          "warns of parts that it had to leave out. "
           "time_step [s]: None for the file's own, or 0.002. Raises FileNotFoundError, UrdfError, MjcfError.")
       .def(
           "copy", [](const World& self) { return std::make_unique<World>(self); }, "Another world in the same state.")

@@ -50,6 +50,7 @@ class TaskBatch final : public EnvBatch {
   using R = real_t<T>;
   static constexpr int W = width_v<T>;
   static constexpr int kSubstepsBetweenGatherings = 2;
+  static constexpr int blocks_of(int worlds) { return (worlds + W - 1) / W; }
 
   struct Block {
     State<T> state;

@@ -76,8 +76,8 @@ TaskBatch<T, Task>::TaskBatch(EnvSpec spec, const ArmSpec& arm, ArmControl contr
       randomizer_(options.randomize),
       parts_(scene_, arm_, task.objects()),
       start_(scene_, system_.contact_numbers()),
-      gatherer_(internal::rows((num_envs + W - 1) / W, W)),
-      pool_(std::min(choose_num_threads(options.num_threads), (num_envs + W - 1) / W)) {
+      gatherer_(internal::rows(blocks_of(num_envs), W)),
+      pool_(std::min(choose_num_threads(options.num_threads), blocks_of(num_envs))) {
   spec_ = internal::complete<Task>(std::move(spec), arm_, options);
   spec_.randomized = randomizer_.names();
   // A block waits for its slowest world, and what these sweeps leave the next step's continue.
@@ -99,7 +99,7 @@ TaskBatch<T, Task>::TaskBatch(EnvSpec spec, const ArmSpec& arm, ArmControl contr
     empty.params.emplace(scene_);
     set_arm_motors(arm_, *empty.params);
   }
-  blocks_.assign(internal::rows((num_envs + W - 1) / W, 1), empty);
+  blocks_.assign(static_cast<std::size_t>(blocks_of(num_envs)), empty);
   for (int worker = 0; worker < pool_.num_threads(); ++worker) workspaces_.emplace_back(system_);
   std::random_device device;
   for (int i = 0; i < num_envs; ++i) {

@@ -113,7 +113,10 @@ MANYHANDS_INLINE void place_colliders(const Colliders<real_t<T>>& colliders, con
   internal::Advance<T> most{};
   for (std::size_t g = 0; g < colliders.geoms.size(); ++g) {
     const Collider<real_t<T>>& geom = colliders.geoms[g];
-    if (geom.body != body) most = internal::most_advance(ws, body = geom.body, h);
+    if (geom.body != body) {
+      body = geom.body;
+      most = internal::most_advance(ws, body, h);
+    }
     internal::place_collider(geom, params, ws, most, g, cw);
     cw.is_oriented[g] = false;
     if (geom.body == 0) internal::orient_collider(geom, ws, h, g, cw);

@@ -123,22 +123,32 @@ MANYHANDS_INLINE void correct_free_fall(const Tree<real_t<T>>& tree, const Param
   }
 }
 
-/// The pairs to look at in this step: all that are listed, or those that a broad phase finds. Sets what touches.
+/// What touches of the bodies as they are in `placed`, and the pairs that were looked at: all that are listed, or those
+/// that a broad phase finds.
+template <Number T, Number P>
+MANYHANDS_INLINE std::span<const ColliderPair> look_for_touches(const Colliders<real_t<T>>& colliders,
+                                                                const Params<P>& params, real_t<T> h,
+                                                                const Workspace<T>& placed, StepWorkspace<T>& ws) {
+  std::span<const ColliderPair> pairs(colliders.pairs);
+  place_colliders(colliders, params, h, placed, ws.collision);
+  if constexpr (Real<T>) {
+    if (ws.finder) {
+      orient_colliders(colliders, h, placed, ws.collision);
+      pairs = ws.finder->find(colliders, params, ws.collision);
+    }
+  }
+  collide(colliders, pairs, params, h, placed, ws.collision);
+  return pairs;
+}
+
+/// The same in a step, whose memory of contacts follows what touches.
 template <Number T, Number P>
 MANYHANDS_INLINE std::span<const ColliderPair> find_touches(const Colliders<real_t<T>>& colliders,
                                                             const Params<P>& params, real_t<T> h, State<T>& state,
                                                             StepWorkspace<T>& ws) {
   ws.collision.touches.clear();
-  std::span<const ColliderPair> pairs(colliders.pairs);
-  if (pairs.empty() && !ws.finder) return pairs;
-  place_colliders(colliders, params, h, ws.dynamics, ws.collision);
-  if constexpr (Real<T>) {
-    if (ws.finder) {
-      orient_colliders(colliders, h, ws.dynamics, ws.collision);
-      pairs = ws.finder->find(colliders, params, ws.collision);
-    }
-  }
-  collide(colliders, pairs, params, h, ws.dynamics, ws.collision);
+  if (colliders.pairs.empty() && !ws.finder) return {};
+  const std::span<const ColliderPair> pairs = look_for_touches(colliders, params, h, ws.dynamics, ws);
   if constexpr (Real<T>) {
     if (ws.finder) carry_memory(ws.collision.touches, state, ws.old_memory);
   }

@@ -107,16 +107,9 @@ void World::require_within_limits(const WorldCore& core, const char* when) const
 
 void World::require_apart(WorldCore& core) const {
   const Colliders<double>& colliders = core.system.colliders;
-  CollisionWorkspace<double>& cw = core.step.collision;
-  const Workspace<double>& placed = core.placed();
-  place_colliders(colliders, core.params, time_step_, placed, cw);
-  std::span<const ColliderPair> pairs(colliders.pairs);
-  if (core.step.finder) {
-    orient_colliders(colliders, time_step_, placed, cw);
-    pairs = core.step.finder->find(colliders, core.params, cw);
-  }
-  collide(colliders, pairs, core.params, time_step_, placed, cw);
-  for (const Touch<double>& touch : cw.touches) {
+  const std::span<const ColliderPair> pairs =
+      look_for_touches(colliders, core.params, time_step_, core.placed(), core.step);
+  for (const Touch<double>& touch : core.step.collision.touches) {
     if (std::ranges::none_of(touch.contact.phi, [](double phi) { return phi < 0; })) continue;
     const auto label = [&](std::size_t geom) { return geom_label(*core.model, GeomId(colliders.geoms[geom].geom)); };
     throw std::runtime_error("the rk4 integrator knows no contacts, but geoms '" + label(pairs[touch.pair].a) +
