@@ -91,10 +91,10 @@ class ContactWorlds {
       set_lane(state.q()[i], k, static_cast<R>(start.q[i]));
       set_lane(state.target_q()[i], k, static_cast<R>(start.target[i]));
     }
-    T* q = state.q() + kPandaJoints;
+    std::size_t next = kPandaJoints;
     for (const Vec3<double>& p : start.cubes) {
       const std::array pose{p.x, p.y, p.z, 0.0, 0.0, std::sin(start.yaw / 2), std::cos(start.yaw / 2)};
-      for (const double number : pose) set_lane(*q++, k, static_cast<R>(number));
+      for (const double number : pose) set_lane(state.q()[next++], k, static_cast<R>(number));
     }
   }
 

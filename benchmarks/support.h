@@ -89,6 +89,7 @@ std::vector<Timing> time_in_turns(const Settings& settings, std::span<Call> call
     }
   }
   std::vector<Timing> timings;
+  timings.reserve(samples.size());
   for (const Samples& s : samples) timings.push_back({median(s.cpu), median(s.wall), variation(s.cpu)});
   return timings;
 }

@@ -22,7 +22,7 @@ constexpr int kChains = 12;
 void multiply_add(int count) {
   std::array<NativeLanes, kChains> chains;
   chains.fill(NativeLanes(1.0F));
-  NativeLanes a(0.999F), b(0.001F);
+  const NativeLanes a(0.999F), b(0.001F);
   for (int i = 0; i < count; ++i) {
     for (NativeLanes& x : chains) x = fma(x, a, b);
   }

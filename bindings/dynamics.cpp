@@ -68,6 +68,7 @@ class Result {
 
   [[nodiscard]] Output<R> array() {
     R* const data = data_.release();
+    // NOLINTNEXTLINE(cppcoreguidelines-owning-memory): the array's capsule owns it
     const nb::capsule owner(data, [](void* p) noexcept { delete[] static_cast<R*>(p); });
     return Output<R>(data, shape_.size(), shape_.data(), owner);
   }

@@ -27,6 +27,7 @@ constexpr std::array<std::pair<const char*, ShapeType>, 4> kObstacleShapes{{{"bo
 
 std::vector<std::string> control_types() {
   std::vector<std::string> names;
+  names.reserve(kArmControls.size());
   for (const auto& [name, control] : kArmControls) names.emplace_back(name);
   return names;
 }

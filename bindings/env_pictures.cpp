@@ -17,7 +17,7 @@ namespace manyhands {
 void bind_env_pictures(nb::module_& parent) {
   using bindings::Cameras;
   using bindings::Looks;
-  auto m = nb::borrow<nb::module_>(parent.attr("envs"));
+  const auto m = nb::borrow<nb::module_>(parent.attr("envs"));
   nb::class_<PictureVariation>(m, "PictureVariation",
                                "How pictures differ from episode to episode: by how much at most.")
       .def(

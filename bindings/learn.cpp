@@ -139,6 +139,7 @@ void bind_policy(nb::module_& m) {
 
 void bind_trainer(nb::module_& m) {
   using Release = nb::call_guard<nb::gil_scoped_release>;
+  // NOLINTNEXTLINE(bugprone-throw-keyword-missing,bugprone-unused-raii): makes Python's type
   nb::exception<learn::CheckpointError>(m, "CheckpointError", PyExc_RuntimeError);
   nb::class_<Trainer>(
       m, "Trainer",

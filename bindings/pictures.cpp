@@ -25,8 +25,10 @@ namespace {
 
 template <class T>
 nb::object array_of(std::vector<T>&& values, std::initializer_list<std::size_t> shape) {
+  // NOLINTBEGIN(cppcoreguidelines-owning-memory): the array's capsule owns it
   auto* const owned = new std::vector<T>(std::move(values));
   const nb::capsule owner(owned, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
+  // NOLINTEND(cppcoreguidelines-owning-memory)
   return nb::cast(nb::ndarray<nb::numpy, T>(owned->data(), shape.size(), shape.begin(), owner));
 }
 
@@ -69,7 +71,6 @@ namespace {
 using bindings::Cameras;
 using bindings::chosen;
 using bindings::Looks;
-using bindings::Outputs;
 using bindings::PythonPicture;
 using bindings::require_count;
 using Marks = std::vector<Mark>;

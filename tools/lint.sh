@@ -20,8 +20,9 @@ cpp_files() { find manyhands bindings tests benchmarks examples -name '*.h' -o -
 clang_format() { cpp_files | xargs -r clang-format "$@"; }
 
 clang_tidy() {
-  cmake --preset dev >/dev/null && cpp_files | grep '\.cpp$' | grep -E '^(manyhands|tests)/' |
-    xargs -r -P "$jobs" -n 1 clang-tidy --quiet -p build/dev
+  cmake --preset dev -B build/tidy -DMANYHANDS_BENCHMARKS=ON -DMANYHANDS_PYTHON=ON >/dev/null &&
+    cpp_files | grep '\.cpp$' | grep -v '^examples/cmake_package/' |
+    xargs -r -P "$jobs" -n 1 clang-tidy --quiet -p build/tidy
 }
 
 if [ "$mode" = --fix ]; then

@@ -36,6 +36,7 @@ void require_distinct(const ArmSpec& spec) {
 
 std::vector<std::size_t> dofs_of(const Model& scene, const std::vector<std::string>& names) {
   std::vector<std::size_t> dofs;
+  dofs.reserve(names.size());
   for (const std::string& name : names) dofs.push_back(static_cast<std::size_t>(body_of(scene, name).iv));
   return dofs;
 }

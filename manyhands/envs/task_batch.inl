@@ -217,7 +217,7 @@ void TaskBatch<T, Task>::swap_lanes(Block& a, int lane_a, Block& b, int lane_b) 
     for (std::size_t k = 0; k < kManifoldNumbers<T>; ++k) swap_numbers(in_a[k], in_b[k]);
   }
   for (std::size_t i = 0; i < Task::kGoalSize; ++i) swap_numbers(a.goal[i], b.goal[i]);
-  for (Vec3<T> HandState<T>::* part : {&HandState<T>::p, &HandState<T>::v}) {
+  for (Vec3<T> HandState<T>::* const part : {&HandState<T>::p, &HandState<T>::v}) {
     swap_numbers((a.hand.*part).x, (b.hand.*part).x);
     swap_numbers((a.hand.*part).y, (b.hand.*part).y);
     swap_numbers((a.hand.*part).z, (b.hand.*part).z);

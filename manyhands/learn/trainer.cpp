@@ -12,7 +12,7 @@ namespace manyhands::learn {
 
 namespace {
 
-const TrainerConfig& validated(const TrainerConfig& config) {
+TrainerConfig validated(TrainerConfig config) {
   config.validate();
   return config;
 }

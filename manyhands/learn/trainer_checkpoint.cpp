@@ -90,7 +90,7 @@ bool Trainer::load(const std::filesystem::path& path) {
   const Collector::Running running = collector_.read(in);
   in.finish();
 
-  config_ = config;
+  config_ = std::move(config);
   metrics_ = metrics;
   metrics_.solved = config_.stop_streak > 0 && metrics_.streak >= config_.stop_streak;
   recent_successes_ = std::move(recent_successes);

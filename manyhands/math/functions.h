@@ -146,7 +146,7 @@ MANYHANDS_INLINE T exp(T x) {
     power = fma(T(2.0), half / (internal::polynomial(z, q) - half), T(1.0));
   }
   const T half_n = floor(n * T(R(0.5)));  // 2^n may be no normal number, its two factors are
-  return select(x == x, power * exp2_whole(half_n) * exp2_whole(n - half_n), x);
+  return select(x == x, power * exp2_whole(half_n) * exp2_whole(n - half_n), x);  // NOLINT: false of NaN
 }
 
 namespace internal {

@@ -57,7 +57,7 @@ MANYHANDS_INLINE T broadcast(P a) {
   if constexpr (std::same_as<T, P>) {
     return a;
   } else {
-    real_t<T> rounded = static_cast<real_t<T>>(a);
+    real_t<T> rounded = static_cast<real_t<T>>(a);  // NOLINT(misc-const-correctness): made opaque if P is double
     // GCC 12 drops the rounding where vectors of numbers go to float and back to double.
     if constexpr (std::same_as<P, double>) MANYHANDS_OPAQUE(rounded);
     return T(rounded);

@@ -10,6 +10,7 @@ namespace {
 
 std::vector<int> chained(const std::vector<int>& first, const std::vector<int>& next) {
   std::vector<int> result;
+  result.reserve(first.size());
   for (const int i : first) result.push_back(i < 0 ? -1 : next[static_cast<std::size_t>(i)]);
   return result;
 }

@@ -88,8 +88,9 @@ inline ImagePoint around(const Vec3<float>& p, float v, float down) {
   const float share = 1 / looks, length = std::sqrt(1 - facing * facing);
   const Vec3<float> step = (share * stretch / length) * (d - dot(n, d) * n);
   Lanes4 sum(0.0f);
-  for (float i = 0.5f - 0.5f * looks; i < 0.5f * looks; ++i) {
-    const ImagePoint at = image_point(s, fma(i, step, p), n);
+  for (int i = 0; i < static_cast<int>(looks); ++i) {
+    const float offset = static_cast<float>(i) + 0.5f - 0.5f * looks;
+    const ImagePoint at = image_point(s, fma(offset, step, p), n);
     sum += image.mean_at(at.u, at.v, wide);
   }
   return Lanes4(share) * sum;

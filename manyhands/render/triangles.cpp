@@ -65,6 +65,7 @@ Vec area(const Triangles::Part& part, const Corner& t) {
 
 std::vector<std::array<Vec, 3>> corner_normals(const Triangles::Part& part) {
   std::vector<Vec> areas;
+  areas.reserve(part.triangles.size());
   for (const Corner& t : part.triangles) areas.push_back(area(part, t));
   std::vector<std::array<Vec, 3>> normals;
   if (!part.is_smooth) {
@@ -222,7 +223,7 @@ RayMask Triangles::meet(RayPacket& rays, RayInts& part, RayInts& triangle) const
   alignas(32) int valid[kRays];
   fill(hit.ray, rays);
   std::memcpy(valid, &rays.active.bits, sizeof(valid));
-  for (int k = 0; k < kRays; ++k) hit.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
+  std::ranges::fill(hit.hit.geomID, RTC_INVALID_GEOMETRY_ID);
   intersect(valid, built_->scene, hit);
   RayInts met_part, met_triangle;
   std::memcpy(&met_part, hit.hit.geomID, sizeof(met_part));

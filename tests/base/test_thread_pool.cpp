@@ -99,7 +99,7 @@ TEST_P(OnThreads, WakesThreadsThatSleep) {
 TEST(ThreadPool, RefusesAnImpossibleNumberOfThreads) {
   for (const int n : {0, -1, 1025}) {
     try {
-      ThreadPool pool(n);
+      const ThreadPool pool(n);
       FAIL() << n;
     } catch (const std::invalid_argument& error) {
       EXPECT_NE(std::string(error.what()).find(std::to_string(n)), std::string::npos) << error.what();

@@ -34,6 +34,7 @@ constexpr std::size_t kAlignment = __STDCPP_DEFAULT_NEW_ALIGNMENT__;
 
 }  // namespace
 
+// NOLINTBEGIN(cppcoreguidelines-owning-memory): whoever calls these owns the memory
 void* operator new(std::size_t size) { return counted(size, kAlignment); }
 void* operator new[](std::size_t size) { return counted(size, kAlignment); }
 void* operator new(std::size_t size, std::align_val_t alignment) {
@@ -52,6 +53,7 @@ void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory
 void operator delete[](void* memory, std::align_val_t) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
 void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
+// NOLINTEND(cppcoreguidelines-owning-memory)
 
 namespace manyhands {
 namespace {
@@ -74,7 +76,7 @@ class Watch {
 
 TEST(Allocation, IsSeen) {
   const Watch watch;
-  std::vector<Lanes16> lanes(3);
+  const std::vector<Lanes16> lanes(3);
   const auto number = std::make_unique<int>(1);
   EXPECT_EQ(watch.stop(), 2) << lanes.size() << *number;
 }
@@ -227,7 +229,8 @@ TEST(NoAllocation, InALargeWorldInContact) {
   ModelBuilder builder("cubes");
   testing::add_floor(builder);
   for (int i = 0; i < 70; ++i) {
-    testing::add_cube(builder, "cube" + std::to_string(i), {0.05 * (i / 2), 0, 0.021 + 0.042 * (i % 2)});
+    const int column = i / 2, layer = i % 2;
+    testing::add_cube(builder, "cube" + std::to_string(i), {0.05 * column, 0, 0.021 + 0.042 * layer});
   }
   World world(std::make_shared<const Model>(builder.build()));
   world.step(100);

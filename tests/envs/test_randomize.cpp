@@ -239,7 +239,7 @@ TEST(Physics, ParametersAreThoseOfTheEpisode) {
   const Arm arm(panda_arm(), scene, ArmControl::kEndEffector, true);
   Params<float> base(scene), own(scene);
   set_arm_motors(arm, base);
-  RandomValues values{2, 0.5, 3, 4, 5, 1.5, 7, 2, 0.5, 0, 0, 0};
+  const RandomValues values{2, 0.5, 3, 4, 5, 1.5, 7, 2, 0.5, 0, 0, 0};
   write_params(values, SceneParts(scene, arm, objects), view(base, 0), view(own, 0));
   const std::size_t body = scene.link(scene.link_id("object")).body.index();
   EXPECT_FLOAT_EQ(own.inertia[body].m, 2);

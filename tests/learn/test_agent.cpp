@@ -62,7 +62,7 @@ TEST(Agent, KeepsTargetsWithinTheBoundsOfAReturn) {
 
 TEST(Agent, FindsTheBestActionOfEachState) {
   // One step, reward -|a - a*(s)|^2: the best policy is a* = (s0 / 2, -s1 / 2).
-  TrainerConfig bandit = config();
+  const TrainerConfig bandit = config();
   Agent agent(2, 2, bandit);
   Halves halves(1);
   UpdateStats stats;

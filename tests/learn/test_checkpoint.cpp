@@ -158,7 +158,7 @@ TEST_F(Checkpoint, RefusesDamagedFilesAndStaysAsItWas) {
 
 TEST_F(Checkpoint, SaysWhatDiffers) {
   PointReach envs(16);
-  Trainer trainer(envs, nullptr, config());
+  const Trainer trainer(envs, nullptr, config());
   trainer.save(path_);
   const auto error_with = [&](int worlds, auto change) {
     PointReach other_envs(worlds);
@@ -180,7 +180,7 @@ TEST_F(Checkpoint, SaysWhatDiffers) {
 
 TEST_F(Checkpoint, FailsToWriteCleanly) {
   PointReach envs(4);
-  Trainer trainer(envs, nullptr, config());
+  const Trainer trainer(envs, nullptr, config());
   EXPECT_THROW(trainer.save(folder_ / "missing" / "trainer.ckpt"), CheckpointError);
   fs::create_directories(path_ / "occupied");  // a folder that is not empty cannot be replaced by a file
   EXPECT_THROW(trainer.save(path_), CheckpointError);

@@ -89,7 +89,7 @@ TEST(ReplayBuffer, RelabelsWithinTheEpisodeAndRecomputesRewardAndEnd) {
 TEST(ReplayBuffer, DrawsNewGoalsUniformlyFromTheRestOfTheEpisode) {
   const PointReach task(1);
   ReplayBuffer replay(spec(), 50);
-  NumberedEpisode episode(0, 4, false);
+  const NumberedEpisode episode(0, 4, false);
   replay.add(episode.view);
   Minibatch batch = replay.make_minibatch(8000);
   replay.sample(task, {.fraction = 1.0}, Random(4, Purpose::kSampling, 6), batch);
@@ -129,7 +129,7 @@ TEST(ReplayBuffer, KeepsNothingOfOverwrittenEpisodes) {
 TEST(ReplayBuffer, WithoutTerminationReachingANewGoalIsNotTheEnd) {
   const PointReach task(1);
   ReplayBuffer replay(spec(), 50);
-  NumberedEpisode episode(0, 4, false);
+  const NumberedEpisode episode(0, 4, false);
   replay.add(episode.view);
   Minibatch batch = replay.make_minibatch(500);
   replay.sample(task, {.fraction = 1.0, .success_terminates = false}, Random(1, Purpose::kSampling, 1), batch);
@@ -140,7 +140,7 @@ TEST(ReplayBuffer, WithoutTerminationReachingANewGoalIsNotTheEnd) {
 TEST(ReplayBuffer, IsDeterministic) {
   const PointReach task(1);
   ReplayBuffer replay(spec(), 50);
-  NumberedEpisode episode(0, 40, false);
+  const NumberedEpisode episode(0, 40, false);
   replay.add(episode.view);
   Minibatch a = replay.make_minibatch(64), b = replay.make_minibatch(64);
   replay.sample(task, {}, Random(1, Purpose::kSampling, 3), a);
@@ -154,7 +154,7 @@ TEST(ReplayBuffer, IsDeterministic) {
 TEST(ReplayBuffer, RejectsWhatDoesNotFit) {
   EXPECT_THROW(ReplayBuffer(spec(), 49), std::invalid_argument);
   ReplayBuffer replay(spec(), 50);
-  NumberedEpisode episode(0, 4, false);
+  const NumberedEpisode episode(0, 4, false);
   EpisodeView view = episode.view;
   view.length = 5;
   EXPECT_THROW(replay.add(view), std::invalid_argument);

@@ -252,7 +252,7 @@ TEST(Trainer, NamesTheSettingThatMakesNoSense) {
     TrainerConfig config;
     change(config);
     try {
-      Trainer trainer(envs, nullptr, config);
+      const Trainer trainer(envs, nullptr, config);
     } catch (const std::invalid_argument& error) {
       return error.what();
     }

@@ -89,8 +89,9 @@ TEST(Camera, PointCloudUndoesTheProjection) {
     if (depth[i] == 5) continue;
     const Point p_C = inverse(X_AC) * broadcast<double>(points[k++]);
     EXPECT_NEAR(p_C.z, static_cast<double>(depth[i]), 1e-6);
-    EXPECT_NEAR(camera.fx * p_C.x / p_C.z + camera.cx, static_cast<double>(i % 4) + 0.5, 1e-5);
-    EXPECT_NEAR(camera.fy * p_C.y / p_C.z + camera.cy, static_cast<double>(i / 4) + 0.5, 1e-5);
+    const std::size_t column = i % 4, row = i / 4;
+    EXPECT_NEAR(camera.fx * p_C.x / p_C.z + camera.cx, static_cast<double>(column) + 0.5, 1e-5);
+    EXPECT_NEAR(camera.fy * p_C.y / p_C.z + camera.cy, static_cast<double>(row) + 0.5, 1e-5);
   }
 }
 

@@ -183,9 +183,9 @@ TEST(Renderer, SoftShadowsHaveAPenumbraOfTheSunsWidth) {
 
 TEST(Renderer, ConvexBodiesDoNotShadeThemselves) {
   const auto model = testing::zoo(2);
-  Renderer renderer(model, 1);
+  const Renderer renderer(model, 1);
   ModelBuilder builder("alone");
-  Geom geom{
+  const Geom geom{
       .name = "cylinder", .link = builder.world(), .shape = {.type = ShapeType::kCylinder, .size = {0.3, 0.5, 0}}};
   builder.add_geom(geom);
   const auto alone = std::make_shared<const Model>(builder.build());

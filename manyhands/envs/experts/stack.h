@@ -16,7 +16,7 @@ struct Stack {
     const Point apart = second - first;
     const bool on_top = apart.z > 0.025f && std::abs(apart.x) < 2 * kHalf && std::abs(apart.y) < 2 * kHalf;
     const bool takes_the_place = !on_top && flat_distance(second, place) < 0.075f;
-    Grasp grasp{.clear_top = std::max(first.z, second.z) + 2 * kHalf, .lift = 0.055f, .let_go = !is_placed};
+    const Grasp grasp{.clear_top = std::max(first.z, second.z) + 2 * kHalf, .lift = 0.055f, .let_go = !is_placed};
     if (is_placed) return move_cube(row, second, {first.x, first.y, first.z + 2 * kHalf}, grasp);
     if (on_top || takes_the_place) return move_cube(row, second, parking(first, place), grasp);
     const bool fingers_fit = on_top || std::abs(apart.x) > 0.035f || std::abs(apart.y) > 0.088f;

@@ -43,6 +43,7 @@ void set_filters(MjcfScene& scene) {
     return mask;
   };
   std::vector<std::uint32_t> masks;
+  masks.reserve(kinds.size());
   for (const Kind& kind : kinds) masks.push_back(mask_of(kind));
   for (const MjcfGeom& entry : scene.geoms) {
     if (!entry.id) continue;

@@ -106,7 +106,7 @@ Read read_joint(const MjcfScene& scene, const MjcfElement& e, const Transform<do
 template <class Part>
 std::string unused_name(const MjcfScene& scene, const std::vector<Part>& parts, std::string name) {
   const auto is_this = [&](const Part& part) { return part.name == name; };
-  while (scene.reserved.contains(name) || std::ranges::any_of(parts, is_this)) name += "_";
+  while (scene.reserved.contains(name) || std::ranges::any_of(parts, is_this)) name += '_';
   return name;
 }
 

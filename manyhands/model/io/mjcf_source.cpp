@@ -25,6 +25,7 @@ XmlFile parse_xml(std::string_view text, const std::string& file) {
 MjcfSource::MjcfSource(std::string_view text, const std::string& file, const fs::path& folder, bool allow_outside)
     : paths_(folder, {}, allow_outside) {
   add_file(text, file);
+  // NOLINTNEXTLINE(modernize-loop-convert): files_ grows meanwhile
   for (std::size_t i = 0; i < files_.size(); ++i) read_includes(files_[i]);
 }
 

@@ -13,7 +13,7 @@ std::string claim_name(MjcfNames& names, const MjcfElement& element, const char*
   std::string name = element.text_or("name", "");
   if (name.empty()) {
     name = std::string(kind) + "_" + std::to_string(index);
-    while (reserved.contains(name) || names.contains(name)) name += "_";
+    while (reserved.contains(name) || names.contains(name)) name += '_';
   }
   const auto [entry, is_new] = names.emplace(name, static_cast<int>(index));
   if (!is_new) {

@@ -83,7 +83,7 @@ bool lies_in(const fs::path& path, const fs::path& root) {
 /// `path` with symbolic links and dots resolved, without the trailing slash; the path itself if that fails.
 fs::path resolved(const fs::path& path) {
   std::error_code error;
-  fs::path result = fs::weakly_canonical(path, error);
+  const fs::path result = fs::weakly_canonical(path, error);
   if (error) return path;
   return result.has_filename() ? result : result.parent_path();
 }

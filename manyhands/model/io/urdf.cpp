@@ -67,7 +67,7 @@ class Assembler {
     }
     Joint joint{.name = "root_joint", .type = JointType::kFloating, .parent = builder_.world(), .child = id};
     const auto taken = [&](const io::UrdfJoint& other) { return other.joint.name == joint.name; };
-    while (std::ranges::any_of(robot_.joints, taken)) joint.name += "_";
+    while (std::ranges::any_of(robot_.joints, taken)) joint.name += '_';
     builder_.add_joint(joint);
   }
 

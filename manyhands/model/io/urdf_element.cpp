@@ -80,7 +80,7 @@ std::vector<double> UrdfElement::read_numbers(const char* attribute, std::size_t
                                               Magnitude magnitude) const {
   const std::string value = substituted(attribute);
   const std::string holds = attribute_name(attribute) + " holds " + in_quotes(value);
-  std::vector<std::string_view> parts = split_blanks(value);
+  const std::vector<std::string_view> parts = split_blanks(value);
   if (parts.size() < count) fail(holds + "; expected " + expected);
   bool repaired = parts.size() > count;
   std::vector<double> result;
@@ -108,7 +108,7 @@ std::vector<double> UrdfElement::read_numbers(const char* attribute, std::size_t
 std::string UrdfElement::substituted(const char* attribute) const {
   std::string value = text(attribute);
   constexpr std::string_view kOptenv = "$(optenv ";
-  if (!value.starts_with(kOptenv) || !value.ends_with(")")) return value;
+  if (!value.starts_with(kOptenv) || !value.ends_with(')')) return value;
   const std::size_t name_end = value.find(' ', kOptenv.size());
   if (name_end == value.npos) return value;
   std::string chosen = value.substr(name_end + 1, value.size() - name_end - 2);

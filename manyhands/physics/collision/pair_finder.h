@@ -37,6 +37,7 @@ class PairFinder {
  private:
   static std::vector<bool> fixed(const Colliders<R>& colliders) {
     std::vector<bool> result;
+    result.reserve(colliders.geoms.size());
     for (const Collider<R>& geom : colliders.geoms) result.push_back(geom.body == 0);
     return result;
   }

@@ -61,9 +61,11 @@ MANYHANDS_INLINE T wrongness(const Tree<real_t<T>>& tree, const Workspace<T>& ws
 template <Number T, class Body>
 MANYHANDS_INLINE void visit_impulses(ContactSet<T>& set, LoopSet<T>& loops, Body&& body) {
   std::size_t i = 0;
+  // NOLINTBEGIN(misc-const-correctness): some bodies write
   for (ContactPoint<T>& point : set.points) body(i++, point.impulse);
   for (ContactTorsion<T>& torsion : set.torsions) body(i++, torsion.impulse);
   for (LoopRows<T>& block : loops.blocks) body(i++, block.impulse);
+  // NOLINTEND(misc-const-correctness)
 }
 
 /// Before a search.

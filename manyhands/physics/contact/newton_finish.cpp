@@ -27,7 +27,7 @@ constexpr double kNewtonGain = 3;
 
 void sweep(const ContactProblem& problem, int count, int& sweeps) {
   double budget = count;
-  double change;
+  double change = 0;
   internal::sweep(problem.tree, problem.dynamics, 0.0, budget, problem.contacts, problem.joints, change);
   sweeps += count;
 }
@@ -39,6 +39,7 @@ struct NewtonFinish::System : NewtonSystem {};
 NewtonFinish::NewtonFinish() = default;
 NewtonFinish::NewtonFinish(const NewtonFinish&) {}
 NewtonFinish::NewtonFinish(NewtonFinish&&) noexcept = default;
+// NOLINTNEXTLINE(bugprone-unhandled-self-assignment): nothing is copied
 NewtonFinish& NewtonFinish::operator=(const NewtonFinish&) { return *this; }
 NewtonFinish& NewtonFinish::operator=(NewtonFinish&&) noexcept = default;
 NewtonFinish::~NewtonFinish() = default;

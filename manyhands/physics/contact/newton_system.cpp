@@ -370,7 +370,7 @@ void NewtonSystem::outer_step(const ContactProblem& problem, double softness, in
   for (int k = 0; k < most_factorisations && before > 0; ++k) {
     if (!solve(problem)) break;
     double best = std::numeric_limits<double>::infinity(), best_length = 0, at = 0;
-    for (double fraction = 1; fraction > 0.02; fraction *= 0.5) {
+    for (const double fraction : {1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125}) {
       trial_ = x_;
       for (std::size_t i = 0; i < dofs_.size(); ++i) trial_[dofs_[i]] += fraction * step_[i];
       const double norm = find_defect(problem, trial_);

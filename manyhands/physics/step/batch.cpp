@@ -77,6 +77,7 @@ void Batch::step(int n) {
 
 std::vector<double> Batch::time() const {
   std::vector<double> result;
+  result.reserve(steps_.size());
   for (const std::int64_t steps : steps_) result.push_back(static_cast<double>(steps) * time_step_);
   return result;
 }
@@ -275,8 +276,9 @@ std::vector<float> Batch::snapshot() const {
   std::vector<float> numbers;
   numbers.reserve(snapshot_size() * steps_.size());
   for (std::size_t i = 0; i < steps_.size(); ++i) {
-    numbers.push_back(static_cast<float>(steps_[i] / kClockUnit));
-    numbers.push_back(static_cast<float>(steps_[i] % kClockUnit));
+    const auto units = steps_[i] / kClockUnit, rest = steps_[i] % kClockUnit;
+    numbers.push_back(static_cast<float>(units));
+    numbers.push_back(static_cast<float>(rest));
     visit_world(*lanes_, i, [&](const float& number) { numbers.push_back(number); });
   }
   return numbers;

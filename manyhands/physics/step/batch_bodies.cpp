@@ -68,6 +68,7 @@ void Batch::apply_force(std::string_view name, std::span<const float> force, std
 
 std::vector<std::int32_t> Batch::contact_count() const {
   std::vector<std::int32_t> result;
+  result.reserve(steps_.size());
   for (std::size_t i = 0; i < steps_.size(); ++i) {
     result.push_back(static_cast<std::int32_t>(lanes_->extras(i).contacts));
   }
@@ -76,6 +77,7 @@ std::vector<std::int32_t> Batch::contact_count() const {
 
 std::vector<float> Batch::max_penetration() const {
   std::vector<float> result;
+  result.reserve(steps_.size());
   for (std::size_t i = 0; i < steps_.size(); ++i) result.push_back(lanes_->extras(i).penetration);
   return result;
 }

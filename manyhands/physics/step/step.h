@@ -129,7 +129,7 @@ template <Number T, Number P>
 MANYHANDS_INLINE std::span<const ColliderPair> look_for_touches(const Colliders<real_t<T>>& colliders,
                                                                 const Params<P>& params, real_t<T> h,
                                                                 const Workspace<T>& placed, StepWorkspace<T>& ws) {
-  std::span<const ColliderPair> pairs(colliders.pairs);
+  std::span<const ColliderPair> pairs(colliders.pairs);  // NOLINT(misc-const-correctness): other pairs if T is real
   place_colliders(colliders, params, h, placed, ws.collision);
   if constexpr (Real<T>) {
     if (ws.finder) {

@@ -10,7 +10,6 @@ namespace manyhands {
 using internal::require_finite;
 using internal::require_not_negative;
 using internal::require_numbers;
-using internal::require_size;
 
 World::World(double time_step, Integrator integrator)
     : World(std::make_shared<const Model>(ModelBuilder("world").build()), time_step, integrator) {}

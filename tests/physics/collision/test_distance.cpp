@@ -88,7 +88,7 @@ TEST(SignedDistance, PlanesSeeTheLowestPoint) {
 }
 
 TEST(SignedDistance, FacingPlanesHaveAGap) {
-  Transform<double> X_WA = Transform<double>::identity(), X_WB{{{1, 0, 0}, {0, -1, 0}, {0, 0, -1}}, {3, 2, 1}};
+  const Transform<double> X_WA = Transform<double>::identity(), X_WB{{{1, 0, 0}, {0, -1, 0}, {0, 0, -1}}, {3, 2, 1}};
   const ShapeView plane{.type = ShapeType::kPlane};
   EXPECT_EQ(signed_distance(plane, X_WA, plane, X_WB).phi, 1);
   EXPECT_EQ(signed_distance(plane, X_WA, plane, X_WA).phi, -kInfinity);

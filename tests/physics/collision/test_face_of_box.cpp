@@ -13,7 +13,8 @@ TEST(FaceOfBox, IsAHalfSpaceBelowACylinder) {
                        ground = CollisionShape::plane();
   int over = 0, beyond = 0;
   for (int trial = 0; trial < 2000; ++trial) {
-    Pose X_WT = random.body(ShapeType::kBox).X_WB, X_TG = Pose::identity(), X_TA = random.body(ShapeType::kBox).X_WB;
+    const Pose X_WT = random.body(ShapeType::kBox).X_WB;
+    Pose X_TG = Pose::identity(), X_TA = random.body(ShapeType::kBox).X_WB;
     X_TG.p = {0, 0, 0.2};
     X_TA.p = {random.uniform(-0.75, 0.75), random.uniform(-0.4, 0.4), 0.2 + random.uniform(0.001, 0.05)};
     const auto on_table = shape_contact<double>(cylinder, X_WT * X_TA, table, X_WT, 0.02);

@@ -169,7 +169,7 @@ std::vector<CollisionShape> every_shape() {
   for (int i = 0; i < 8; ++i) corners.push_back({i & 1 ? 0.1 : -0.1, i & 2 ? 0.2 : -0.2, i & 4 ? 0.15 : -0.15});
   mesh.vertices = {{-1, -1, 0}, {1, -1, 0.1f}, {1, 1, 0}, {-1, 1, -0.1f}};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-  HeightField field{.columns = 3, .rows = 3, .dx = 0.5, .dy = 0.5, .height = {0, 0.1, 0, 0.1, 0.2, 0, 0, 0, 0.1}};
+  const HeightField field{.columns = 3, .rows = 3, .dx = 0.5, .dy = 0.5, .height = {0, 0.1, 0, 0.1, 0.2, 0, 0, 0, 0.1}};
   return {CollisionShape::sphere(0.1),       CollisionShape::capsule(0.1, 0.2),  CollisionShape::cylinder(0.1, 0.2),
           CollisionShape::box({.1, .2, .3}), CollisionShape::convex(corners),    CollisionShape::plane(),
           CollisionShape::mesh(mesh),        CollisionShape::height_field(field)};

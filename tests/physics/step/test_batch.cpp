@@ -86,7 +86,7 @@ TEST(Batch, EqualsTheScalarStep) {
   for (const auto& model : {stack(3), panda_and_cube()}) {
     Batch batch(model, 3);
     const System<float> system(*model);
-    Params<float> params(*model);
+    const Params<float> params(*model);
     State<float> state(*model, system.contact_numbers());
     const std::vector<float> start = world_of(batch.q(), 3, 0);
     std::copy(start.begin(), start.end(), state.q());

@@ -105,7 +105,7 @@ class Newton {
       const Eigen::VectorXd step = lu.solve(rhs);
       const double before = rhs.norm();
       double length = 1, best = INFINITY;
-      for (double trial = 1; trial > 0.02; trial *= 0.5) {
+      for (const double trial : {1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125}) {
         const Eigen::VectorXd at = v + trial * step;
         const double norm = defect(at, impulses(at, from.lambda, nullptr)).norm();
         if (norm < best) {

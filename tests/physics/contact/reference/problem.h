@@ -28,11 +28,11 @@ struct ReferenceSolution {
 class ReferenceProblem {
  public:
   /// M (nv, nv) positive definite; v_f (nv); J (3 contacts, nv), rows n, t1, t2; mu and b (contacts).
-  ReferenceProblem(SparseMatrix mass, Eigen::VectorXd free, SparseRows jacobian, Eigen::VectorXd friction,
+  ReferenceProblem(const SparseMatrix& mass, Eigen::VectorXd free, const SparseRows& jacobian, Eigen::VectorXd friction,
                    Eigen::VectorXd targets)
-      : M(std::move(mass)),
+      : M(mass),
         free_velocity(std::move(free)),
-        J(std::move(jacobian)),
+        J(jacobian),
         mu(std::move(friction)),
         b(std::move(targets)),
         response(Eigen::SimplicialLDLT<SparseMatrix>(M).solve(SparseMatrix(J.transpose()))),

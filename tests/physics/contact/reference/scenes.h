@@ -90,7 +90,7 @@ class ProblemBuilder {
     SparseRows J(3 * nc, nv);
     M.setFromTriplets(mass_.begin(), mass_.end());
     J.setFromTriplets(jacobian_.begin(), jacobian_.end());
-    return {std::move(M), Eigen::Map<const Eigen::VectorXd>(free_.data(), nv), std::move(J),
+    return {M, Eigen::Map<const Eigen::VectorXd>(free_.data(), nv), J,
             Eigen::Map<const Eigen::VectorXd>(mu_.data(), nc), Eigen::Map<const Eigen::VectorXd>(b_.data(), nc)};
   }
 
@@ -150,6 +150,7 @@ inline ReferenceProblem brick_wall(int rows, int columns, double mu = 0.6) {
   for (int row = 0; row < rows; ++row) {
     std::vector<Brick> course;
     const double z = 0.1 * row;
+    // NOLINTNEXTLINE(bugprone-float-loop-counter): its bound leaves room for rounding
     for (double x = row % 2 == 0 ? 0 : -0.1; x < 0.2 * columns - 0.01; x += 0.2) {
       const double from = std::max(x, 0.0), to = std::min(x + 0.2, 0.2 * columns), length = to - from;
       const double mass = length / 0.2;
@@ -201,7 +202,8 @@ inline ReferenceProblem sphere_pile(int n, double mu = 0.5) {
   std::uniform_real_distribution<double> uniform(-0.0002, 0.0002), speed(-0.05, 0.05);
   std::vector<std::pair<int, Eigen::Vector3d>> spheres;
   for (int i = 0; i < n * n * n; ++i) {
-    const Eigen::Vector3d grid(i % n, i / n % n, i / (n * n));
+    const int row = i / n % n, layer = i / (n * n);
+    const Eigen::Vector3d grid(i % n, row, layer);
     const Eigen::Vector3d p = 0.2 * grid + Eigen::Vector3d(uniform(random), uniform(random), uniform(random) + 0.1);
     const Eigen::Vector3d v(speed(random), speed(random), speed(random));
     spheres.emplace_back(scene.add_body(10, Eigen::Vector3d::Constant(0.04), p, Eigen::Matrix3d::Identity(), v), p);
