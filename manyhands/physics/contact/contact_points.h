@@ -29,6 +29,7 @@ struct ContactPoint {
   ContactStiffness<T> stiffness;
   int torsion = -1;  ///< its row of torsional friction, if it has one
   Vec3<T> impulse;   ///< [N s]
+  T slide_x;         ///< where `slide` goes on in the next sweep; 0 before the first
 };
 
 /// What resists spinning about the normal and rolling across it at one contact point: impulses are moments.
@@ -42,6 +43,7 @@ struct ContactTorsion {
   T spin_inverse{};
   ContactStiffness<T> stiffness{};
   Vec3<T> impulse{};  ///< (about the normal, about t_1, about t_2) [N m s]
+  T slide_x{};        ///< as of ContactPoint
 };
 
 /// A touching surface's numbers, those of its two geoms combined.

@@ -92,7 +92,9 @@ template <Number T>
 MANYHANDS_INLINE Vec3<T> relax(mask_t<T> active, Vec3<T> u, ContactPoint<T>& point, T& largest) {
   const ContactStiffness<T>& k = point.stiffness;
   u.x = fma(point.softness, point.impulse.x, u.x);
-  const Vec3<T> before = k.turned(point.impulse), after = solve_coulomb(k, k.turned(u), before);
+  T x = point.slide_x;
+  const Vec3<T> before = k.turned(point.impulse), after = solve_coulomb(k, k.turned(u), before, x);
+  point.slide_x = select(active, x, point.slide_x);
   const Vec3<T> next = select(active, k.turned_back(after), point.impulse), change = next - point.impulse;
   point.impulse = next;
   // What an impulse of this size cannot resolve is no change.
@@ -110,9 +112,11 @@ MANYHANDS_INLINE Vec3<T> relax(mask_t<T> active, T normal_impulse, const Vec3<T>
   const ContactStiffness<T>& k = torsion.stiffness;
   const Vec3<T> u = k.turned(velocity);
   const T most = torsion.spinning * normal_impulse;
+  T x = torsion.slide_x;
   Vec3<T> next = k.turned(torsion.impulse);
   next.x = clamp(fma(-u.x, torsion.spin_inverse, next.x), -most, most);
-  solve_disc(k, u.y, u.z, torsion.rolling * normal_impulse, next.y, next.z);
+  solve_disc(k, u.y, u.z, torsion.rolling * normal_impulse, x, next.y, next.z);
+  torsion.slide_x = select(active, x, torsion.slide_x);
   next = select(active, k.turned_back(next), torsion.impulse);
   const Vec3<T> change = next - torsion.impulse;
   torsion.impulse = next;

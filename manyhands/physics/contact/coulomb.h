@@ -33,10 +33,12 @@ struct ContactStiffness {
 
 namespace internal {
 
-inline constexpr int kMostSlideSteps = 20;
-
+/// Steps towards the root in one visit of a sliding point. In float one is enough: the next visit goes on from there.
 template <Number T>
-inline constexpr real_t<T> kSlideTolerance = std::same_as<real_t<T>, float> ? real_t<T>(1e-4) : real_t<T>(1e-14);
+inline constexpr int kMostSlideSteps = std::same_as<real_t<T>, float> ? 1 : 20;
+
+/// By how much |y| may miss the rim, as a part of it.
+inline constexpr double kSlideTolerance = 1e-14;
 
 /// The least that 1 + slope . direction counts for: below 0 friction wedges the contact, and no impulse on the cone
 /// keeps u_n at 0.
@@ -45,22 +47,27 @@ inline constexpr double kLeastWedge = 0.05;
 }  // namespace internal
 
 /// A tangential impulse y on the rim of its cone: (sigma_i + kappa) y_i = h_i, |y| = rest - slope . y. Newton's method
-/// on 1 / |y|, which is nearly linear in kappa (Moré and Sorensen 1983), one number whatever the anisotropy. It begins
-/// where an isotropic contact ends. Written in x = 1 / (kappa + least sigma) and w_i = (sigma_i + kappa) x >= 1, so
-/// that a step divides but twice. Lanes outside `slides` keep their y.
+/// on 1 / |y|, which is nearly linear in kappa (Moré and Sorensen 1983), one number whatever the anisotropy. Written in
+/// x = 1 / (kappa + least sigma) and w_i = (sigma_i + kappa) x >= 1, so that a step divides but twice. It begins at the
+/// x of the last visit, or, where that is 0, where an isotropic contact ends. Lanes outside `slides` keep their x and y.
 template <Number T>
-MANYHANDS_INLINE void slide(const ContactStiffness<T>& G, T h_1, T h_2, T rest, mask_t<T> slides, T& y_1, T& y_2,
+MANYHANDS_INLINE void slide(const ContactStiffness<T>& G, T h_1, T h_2, T rest, mask_t<T> slides, T& x, T& y_1, T& y_2,
                             T& radius) {
   using R = real_t<T>;
-  const T one(R(1)), tiny(std::numeric_limits<R>::min() * R(16)), wedge(static_cast<R>(internal::kLeastWedge)),
-      tolerance(internal::kSlideTolerance<T>);
+  const T zero(R(0)), one(R(1)), tiny(std::numeric_limits<R>::min() * R(16)),
+      wedge(static_cast<R>(internal::kLeastWedge)), tolerance(static_cast<R>(internal::kSlideTolerance));
   const auto squeeze = [&](T d_1, T d_2) { return max(fma(G.slope_1, d_1, fma(G.slope_2, d_2, one)), wedge); };
   const T least = min(G.sigma_1, G.sigma_2), more_1 = G.sigma_1 - least, more_2 = G.sigma_2 - least;
-  const T pull = max(sqrt(fma(h_1, h_1, h_2 * h_2)), tiny), inverse_pull = one / pull;
-  T d_1 = h_1 * inverse_pull, d_2 = h_2 * inverse_pull, squeezed = squeeze(d_1, d_2);
-  const T more = fma(d_1 * d_1, more_1, (d_2 * d_2) * more_2);
-  T x = rest / max(max(fma(pull, squeezed, -(more * rest)), least * rest), tiny);
-  iterate(slides, internal::kMostSlideSteps, [&](mask_t<T> active) {
+  x = select(slides, min(x, max(G.inverse_1, G.inverse_2)), x);
+  const auto begins = slides & !(x > zero);
+  when(begins, [&] {
+    const T pull = max(sqrt(fma(h_1, h_1, h_2 * h_2)), tiny), inverse_pull = one / pull;
+    const T d_1 = h_1 * inverse_pull, d_2 = h_2 * inverse_pull;
+    const T more = fma(d_1 * d_1, more_1, (d_2 * d_2) * more_2);
+    x = select(begins, rest / max(max(fma(pull, squeeze(d_1, d_2), -(more * rest)), least * rest), tiny), x);
+  });
+  T d_1 = zero, d_2 = zero, squeezed = one;
+  iterate(slides, internal::kMostSlideSteps<T>, [&](mask_t<T> active) {
     const T w_1 = fma(more_1, x, one), w_2 = fma(more_2, x, one);
     const T a_1 = h_1 * w_2, a_2 = h_2 * w_1;  // along y
     const T length = max(sqrt(fma(a_1, a_1, a_2 * a_2)), tiny), inverse_length = one / length;
@@ -79,9 +86,9 @@ MANYHANDS_INLINE void slide(const ContactStiffness<T>& G, T h_1, T h_2, T rest, 
 }
 
 /// The contact's impulse (n, y_1, y_2) that obeys its law, where the present one gives the velocity u; along the turned
-/// tangents.
+/// tangents. x is what `slide` goes on from.
 template <Number T>
-MANYHANDS_INLINE Vec3<T> solve_coulomb(const ContactStiffness<T>& G, const Vec3<T>& u, const Vec3<T>& impulse) {
+MANYHANDS_INLINE Vec3<T> solve_coulomb(const ContactStiffness<T>& G, const Vec3<T>& u, const Vec3<T>& impulse, T& x) {
   using R = real_t<T>;
   const T zero(R(0));
   // n if y were 0; at or below it the surfaces part.
@@ -93,20 +100,20 @@ MANYHANDS_INLINE Vec3<T> solve_coulomb(const ContactStiffness<T>& G, const Vec3<
   T n = rest - fma(G.slope_1, y_1, G.slope_2 * y_2);
   const auto closed = (rest > zero) & (G.normal_inverse > zero);
   const auto outside = !(fma(y_1, y_1, y_2 * y_2) <= n * abs(n));
-  when(closed & outside, [&] { slide(G, h_1, h_2, rest, closed & outside, y_1, y_2, n); });
+  when(closed & outside, [&] { slide(G, h_1, h_2, rest, closed & outside, x, y_1, y_2, n); });
   return {select(closed, n, zero), select(closed, y_1, zero), select(closed, y_2, zero)};
 }
 
 /// y, along the turned tangents, within a disc of the given radius that stops a rotation if it can: torsional or
-/// rolling friction.
+/// rolling friction. x is what `slide` goes on from.
 template <Number T>
-MANYHANDS_INLINE void solve_disc(const ContactStiffness<T>& G, T u_1, T u_2, T radius, T& y_1, T& y_2) {
+MANYHANDS_INLINE void solve_disc(const ContactStiffness<T>& G, T u_1, T u_2, T radius, T& x, T& y_1, T& y_2) {
   const T h_1 = fma(G.sigma_1, y_1, -u_1), h_2 = fma(G.sigma_2, y_2, -u_2);
   y_1 = h_1 * G.inverse_1;
   y_2 = h_2 * G.inverse_2;
   const auto outside = fma(y_1, y_1, y_2 * y_2) > radius * radius;
   T rim = radius;
-  when(outside, [&] { slide(G, h_1, h_2, radius, outside, y_1, y_2, rim); });
+  when(outside, [&] { slide(G, h_1, h_2, radius, outside, x, y_1, y_2, rim); });
 }
 
 }  // namespace manyhands

@@ -218,6 +218,7 @@ MANYHANDS_INLINE void add_point(const Tree<real_t<T>>& tree, const Workspace<T>&
   const auto along = [&](const Vec3<T>& t, T friction) {
     return select(friction > zero, dot(impulse, t) / max(friction, T(R(1e-12))), zero);
   };
+  point.slide_x = zero;
   point.impulse = select(exists & (point.bounces == zero),
                          within_cone(Vec3<T>{dot(impulse, point.normal), along(surface.t_1, surface.friction_1),
                                              along(surface.t_2, surface.friction_2)}),
