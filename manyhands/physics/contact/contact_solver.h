@@ -222,8 +222,8 @@ MANYHANDS_INLINE int solve_constraints(const Tree<real_t<T>>& tree, const Solver
   set.sweeps = zero;
   if (set.points.empty() && loops.blocks.empty()) return 0;
   const T tolerance(static_cast<R>(settings.tolerance));
-  const T few(R(internal::kSweepsPerPivot<T>)), many(R(internal::kSweepsPerLatePivot)),
-      most(R(internal::kMostContactPivots));
+  const T few(static_cast<R>(internal::kSweepsPerPivot<T>)), many(static_cast<R>(internal::kSweepsPerLatePivot)),
+      most(static_cast<R>(internal::kMostContactPivots));
   T* stances = state.stance();
   mask_t<T> active(true), moved(true);
   T left(static_cast<R>(settings.max_sweeps)), pivots = zero, batch = few;
@@ -241,7 +241,7 @@ MANYHANDS_INLINE int solve_constraints(const Tree<real_t<T>>& tree, const Solver
     T budget = allowed;
     T change;
     sweeps += internal::sweep(tree, ws, tolerance, budget, set, jc, change);
-    mask_t<T> settled = change <= tolerance;
+    mask_t<T> settled = change <= tolerance;  // NOLINT(misc-const-correctness): Newton steps settle doubles
     if constexpr (std::same_as<T, double>) {
       if (!settled) settled = set.newton.finish(settings, {tree, ws, jc, loops, set}, sweeps);
     }
