@@ -49,7 +49,8 @@ inline constexpr double kLeastWedge = 0.05;
 /// A tangential impulse y on the rim of its cone: (sigma_i + kappa) y_i = h_i, |y| = rest - slope . y. Newton's method
 /// on 1 / |y|, which is nearly linear in kappa (Moré and Sorensen 1983), one number whatever the anisotropy. Written in
 /// x = 1 / (kappa + least sigma) and w_i = (sigma_i + kappa) x >= 1, so that a step divides but twice. It begins at the
-/// x of the last visit, or, where that is 0, where an isotropic contact ends. Lanes outside `slides` keep their x and y.
+/// x of the last visit, or, where that is 0, where an isotropic contact ends. Lanes outside `slides` keep their x and
+/// y.
 template <Number T>
 MANYHANDS_INLINE void slide(const ContactStiffness<T>& G, T h_1, T h_2, T rest, mask_t<T> slides, T& x, T& y_1, T& y_2,
                             T& radius) {

@@ -1,6 +1,4 @@
 // One contact point against the law itself: Signorini, Coulomb and maximum dissipation, on random points.
-#include "manyhands/physics/contact/coulomb.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <random>
 
 #include "manyhands/physics/contact/contact_solver.h"
+#include "manyhands/physics/contact/coulomb.h"
 
 namespace manyhands {
 namespace {
@@ -18,8 +17,7 @@ struct Point {
   Mat3<double> G;
 };
 
-template <class Random>
-Point random_point(Random& random) {
+Point random_point(std::mt19937_64& random) {
   std::uniform_real_distribution<double> unit(-1, 1), size(0.3, 1);
   const auto vector = [&] { return Vec3<double>{unit(random), unit(random), unit(random)}; };
   Mat3<double> G{{3, 0, 0}, {0, size(random), 0}, {0, 0, size(random)}};
