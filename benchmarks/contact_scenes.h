@@ -10,7 +10,7 @@
 #include "manyhands/base/assets.h"
 #include "manyhands/envs/panda.h"
 #include "manyhands/model/compose.h"
-#include "manyhands/model/io/urdf.h"
+#include "manyhands/model/io/urdf/urdf.h"
 
 namespace benchmarks {
 

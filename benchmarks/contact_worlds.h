@@ -3,7 +3,7 @@
 
 #include "benchmarks/contact_scenes.h"
 #include "benchmarks/support.h"
-#include "manyhands/physics/step/contact_report.h"
+#include "manyhands/physics/world/contact_report.h"
 
 namespace benchmarks {
 

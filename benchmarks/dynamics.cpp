@@ -8,7 +8,7 @@
 
 #include "benchmarks/support.h"
 #include "manyhands/base/assets.h"
-#include "manyhands/model/io/urdf.h"
+#include "manyhands/model/io/urdf/urdf.h"
 #include "manyhands/physics/step/step.h"
 
 namespace benchmarks {

@@ -7,7 +7,7 @@ if(nanobind_result)
 endif()
 find_package(nanobind CONFIG REQUIRED)
 
-file(GLOB binding_sources CONFIGURE_DEPENDS bindings/*.cpp)
+file(GLOB_RECURSE binding_sources CONFIGURE_DEPENDS bindings/*.cpp)
 if(binding_sources)
   nanobind_add_module(_core NB_STATIC NB_DOMAIN manyhands ${binding_sources})
   # In a package of that name, so that the stubs refer to each other as manyhands._core. With its empty __init__ it comes

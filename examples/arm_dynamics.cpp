@@ -6,7 +6,7 @@
 #include <random>
 
 #include "manyhands/base/assets.h"
-#include "manyhands/model/io/urdf.h"
+#include "manyhands/model/io/urdf/urdf.h"
 #include "manyhands/physics/dynamics/batch_dynamics.h"
 
 namespace {

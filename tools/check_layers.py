@@ -86,7 +86,7 @@ def check(root: Path) -> list[str]:
     found: list[str] = []
     for top in ("manyhands", "bindings"):
         for path in sorted((root / top).rglob("*")):
-            if path.suffix not in (".h", ".cpp"):
+            if path.suffix not in (".h", ".cpp", ".inl"):
                 continue
             name = path.relative_to(root).as_posix()
             layer = layer_of(name, table)

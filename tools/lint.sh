@@ -15,7 +15,7 @@ step() {
   "$@" || failed=1
 }
 
-cpp_files() { find manyhands bindings tests benchmarks examples -name '*.h' -o -name '*.cpp' | sort; }
+cpp_files() { find manyhands bindings tests benchmarks examples -name '*.h' -o -name '*.cpp' -o -name '*.inl' | sort; }
 
 clang_format() { cpp_files | xargs -r clang-format "$@"; }
 

@@ -2,7 +2,7 @@
 #include <cstdio>
 
 #include "manyhands/model/model_builder.h"
-#include "manyhands/physics/step/world.h"
+#include "manyhands/physics/world/world.h"
 
 int main() {
   manyhands::ModelBuilder builder("pendulum");

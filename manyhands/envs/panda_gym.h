@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "manyhands/kinematics/inverse_kinematics.h"
-#include "manyhands/physics/step/world.h"
+#include "manyhands/physics/world/world.h"
 
 namespace manyhands {
 

@@ -10,7 +10,7 @@
 #include "manyhands/envs/make.h"
 #include "manyhands/envs/scene.h"
 #include "manyhands/math/philox.h"
-#include "manyhands/physics/step/parameters.h"
+#include "manyhands/physics/world/parameters.h"
 
 namespace manyhands {
 

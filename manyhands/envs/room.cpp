@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <tuple>
 
-#include "manyhands/physics/collision/distance.h"
+#include "manyhands/physics/collision/queries/distance.h"
 
 namespace manyhands {
 

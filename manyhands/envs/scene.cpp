@@ -4,9 +4,9 @@
 #include <stdexcept>
 
 #include "manyhands/model/compose.h"
-#include "manyhands/model/io/urdf.h"
+#include "manyhands/model/io/urdf/urdf.h"
 #include "manyhands/model/solids.h"
-#include "manyhands/physics/step/world.h"
+#include "manyhands/physics/world/world.h"
 
 namespace manyhands {
 

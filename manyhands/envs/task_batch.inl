@@ -228,8 +228,8 @@ void TaskBatch<T, Task>::swap_lanes(Block& a, int lane_a, Block& b, int lane_b) 
   std::swap(a.touching[static_cast<std::size_t>(lane_a)], b.touching[static_cast<std::size_t>(lane_b)]);
 }
 
-/// Notes what each world touched in the last substep, or nearly did: a bit for each manifold, and the lowest one if that
-/// was not soon settled.
+/// Notes what each world touched in the last substep, or nearly did: a bit for each manifold, and the lowest one if
+/// that was not soon settled.
 template <Number T, TaskLike Task>
 void TaskBatch<T, Task>::note_touching(const ContactSet<T>& contacts, Block& block) {
   constexpr R kSoon = 2;

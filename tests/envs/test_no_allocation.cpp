@@ -12,10 +12,10 @@
 #include "manyhands/envs/make.h"
 #include "manyhands/envs/panda.h"
 #include "manyhands/math/instantiate.h"
-#include "manyhands/physics/collision/broad_phase.h"
-#include "manyhands/physics/step/batch.h"
+#include "manyhands/physics/collision/broad/broad_phase.h"
+#include "manyhands/physics/world/batch.h"
 #include "tests/physics/contact/joint_problem.h"
-#include "tests/physics/step/world_scenes.h"
+#include "tests/physics/world/world_scenes.h"
 
 namespace {
 

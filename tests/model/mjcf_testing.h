@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "manyhands/model/io/mjcf.h"
+#include "manyhands/model/io/mjcf/mjcf.h"
 #include "tests/model/urdf_testing.h"
 
 namespace manyhands::testing {

@@ -2,7 +2,7 @@
 #include <cstring>
 
 #include "manyhands/math/vec3.h"
-#include "manyhands/model/io/mesh_file.h"
+#include "manyhands/model/io/mesh/mesh_file.h"
 #include "tests/model/urdf_testing.h"
 
 namespace manyhands::testing {

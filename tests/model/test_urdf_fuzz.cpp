@@ -2,7 +2,7 @@
 // MANYHANDS_FUZZ_ROUNDS asks for more of them.
 #include <cmath>
 
-#include "manyhands/model/io/mesh_file.h"
+#include "manyhands/model/io/mesh/mesh_file.h"
 #include "tests/model/mutator.h"
 #include "tests/model/urdf_testing.h"
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "manyhands/model/io/urdf.h"
+#include "manyhands/model/io/urdf/urdf.h"
 
 namespace manyhands::testing {
 

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "manyhands/math/quaternion.h"
-#include "manyhands/physics/step/world.h"
+#include "manyhands/physics/world/world.h"
 #include "manyhands/render/renderer.h"
 
 namespace manyhands::testing {

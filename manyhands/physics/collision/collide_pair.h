@@ -1,14 +1,14 @@
 // The narrow phase of one pair: the function for its two shapes.
 #pragma once
 
-#include "manyhands/physics/collision/bounds_meet.h"
-#include "manyhands/physics/collision/collide_box.h"
-#include "manyhands/physics/collision/collide_box_box.h"
-#include "manyhands/physics/collision/collide_capsule.h"
-#include "manyhands/physics/collision/collide_cylinder.h"
-#include "manyhands/physics/collision/collide_general.h"
-#include "manyhands/physics/collision/collide_sphere.h"
-#include "manyhands/physics/collision/face_of_box.h"
+#include "manyhands/physics/collision/broad/bounds_meet.h"
+#include "manyhands/physics/collision/closed_form/collide_box.h"
+#include "manyhands/physics/collision/closed_form/collide_box_box.h"
+#include "manyhands/physics/collision/closed_form/collide_capsule.h"
+#include "manyhands/physics/collision/closed_form/collide_cylinder.h"
+#include "manyhands/physics/collision/closed_form/collide_sphere.h"
+#include "manyhands/physics/collision/closed_form/face_of_box.h"
+#include "manyhands/physics/collision/general/collide_general.h"
 
 namespace manyhands {
 

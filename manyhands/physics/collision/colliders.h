@@ -7,7 +7,7 @@
 
 #include "manyhands/math/vec3.h"
 #include "manyhands/model/model.h"
-#include "manyhands/physics/collision/triangle_mesh.h"
+#include "manyhands/physics/collision/surface/triangle_mesh.h"
 
 namespace manyhands {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "manyhands/math/instantiate.h"
-#include "manyhands/physics/collision/pair_finder.h"
+#include "manyhands/physics/collision/broad/pair_finder.h"
 #include "manyhands/physics/contact/contact_solver.h"
 #include "manyhands/physics/dynamics/aba.h"
 #include "manyhands/physics/dynamics/crba.h"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "manyhands/math/quaternion.h"
-#include "manyhands/physics/collision/convex.h"
+#include "manyhands/physics/collision/general/convex.h"
 
 namespace manyhands::testing {
 

@@ -1,7 +1,7 @@
 // Meshes and height fields for tests.
 #pragma once
 
-#include "manyhands/physics/collision/triangle_mesh.h"
+#include "manyhands/physics/collision/surface/triangle_mesh.h"
 #include "tests/physics/collision/shape_testing.h"
 
 namespace manyhands::testing {

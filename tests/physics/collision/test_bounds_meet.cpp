@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "manyhands/model/model_builder.h"
-#include "manyhands/physics/collision/bounds_meet.h"
-#include "manyhands/physics/collision/distance.h"
+#include "manyhands/physics/collision/broad/bounds_meet.h"
+#include "manyhands/physics/collision/queries/distance.h"
 #include "tests/physics/collision/shape_testing.h"
 
 namespace manyhands {

@@ -1,7 +1,7 @@
 // Contact of two boxes: the true distance, points on both surfaces, stacks that keep their four corners.
 #include <gtest/gtest.h>
 
-#include "manyhands/physics/collision/collide_box_box.h"
+#include "manyhands/physics/collision/closed_form/collide_box_box.h"
 #include "tests/physics/collision/convex_truth.h"
 
 namespace manyhands::testing {

@@ -1,7 +1,7 @@
 // Bounds hold their shapes tightly, and the broad phase finds exactly the pairs that trying all of them finds.
 #include <gtest/gtest.h>
 
-#include "manyhands/physics/collision/broad_phase.h"
+#include "manyhands/physics/collision/broad/broad_phase.h"
 #include "tests/physics/collision/convex_truth.h"
 
 namespace manyhands::testing {

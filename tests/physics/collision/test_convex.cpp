@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "manyhands/physics/collision/collide_convex.h"
+#include "manyhands/physics/collision/general/collide_convex.h"
 #include "tests/physics/collision/shape_testing.h"
 
 namespace manyhands {

@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "manyhands/physics/collision/distance.h"
+#include "manyhands/physics/collision/queries/distance.h"
 #include "tests/physics/collision/surface_testing.h"
 
 namespace manyhands {

@@ -1,7 +1,7 @@
 // A cylinder over the inside of a box's face meets what it would meet on a half-space; near an edge it does not.
 #include <gtest/gtest.h>
 
-#include "manyhands/physics/collision/shape_contact.h"
+#include "manyhands/physics/collision/general/shape_contact.h"
 #include "tests/physics/collision/convex_truth.h"
 
 namespace manyhands::testing {

@@ -3,7 +3,7 @@
 
 #include "manyhands/model/model_builder.h"
 #include "manyhands/physics/collision/collide.h"
-#include "manyhands/physics/collision/distance.h"
+#include "manyhands/physics/collision/queries/distance.h"
 #include "tests/physics/collision/shape_testing.h"
 
 namespace manyhands {

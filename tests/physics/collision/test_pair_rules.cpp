@@ -3,7 +3,7 @@
 
 #include "manyhands/base/assets.h"
 #include "manyhands/model/compose.h"
-#include "manyhands/model/io/urdf.h"
+#include "manyhands/model/io/urdf/urdf.h"
 #include "manyhands/physics/collision/colliders.h"
 
 namespace manyhands::testing {

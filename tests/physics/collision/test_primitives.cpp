@@ -2,10 +2,10 @@
 // scalar.
 #include <gtest/gtest.h>
 
-#include "manyhands/physics/collision/collide_box.h"
-#include "manyhands/physics/collision/collide_capsule.h"
-#include "manyhands/physics/collision/collide_cylinder.h"
-#include "manyhands/physics/collision/collide_sphere.h"
+#include "manyhands/physics/collision/closed_form/collide_box.h"
+#include "manyhands/physics/collision/closed_form/collide_capsule.h"
+#include "manyhands/physics/collision/closed_form/collide_cylinder.h"
+#include "manyhands/physics/collision/closed_form/collide_sphere.h"
 #include "tests/physics/collision/convex_truth.h"
 
 namespace manyhands::testing {

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "manyhands/physics/collision/collide_convex.h"
-#include "manyhands/physics/collision/ray_cast.h"
+#include "manyhands/physics/collision/general/collide_convex.h"
+#include "manyhands/physics/collision/queries/ray_cast.h"
 #include "tests/physics/collision/surface_testing.h"
 
 namespace manyhands {

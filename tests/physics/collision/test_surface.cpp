@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "manyhands/model/model.h"
-#include "manyhands/physics/collision/collide_surface.h"
+#include "manyhands/physics/collision/surface/collide_surface.h"
 #include "tests/physics/collision/surface_testing.h"
 
 namespace manyhands {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "manyhands/model/model_builder.h"
-#include "manyhands/physics/step/world.h"
+#include "manyhands/physics/world/world.h"
 #include "tests/physics/dynamics/random_tree.h"
 
 namespace manyhands {

@@ -1,0 +1,218 @@
+// manyhands._core: models, how they are loaded, and where assets lie.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/unique_ptr.h>
+#include <nanobind/stl/vector.h>
+
+#include "bindings/bindings.h"
+#include "bindings/model/load_warning.h"
+#include "bindings/model/model_values.h"
+#include "bindings/model/python_model.h"
+#include "manyhands/base/assets.h"
+#include "manyhands/model/io/mjcf/mjcf.h"
+#include "manyhands/model/io/urdf/urdf.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace manyhands {
+
+namespace {
+
+using bindings::copied;
+using bindings::copy_of;
+using bindings::returns_array;
+using bindings::vector3;
+
+void bind_errors(nb::module_& m) {
+  nb::register_exception_translator([](const std::exception_ptr& error, void*) {
+    try {
+      std::rethrow_exception(error);
+    } catch (const std::out_of_range& e) {
+      PyErr_SetString(PyExc_KeyError, e.what());
+    } catch (const AssetNotFound& e) {
+      PyErr_SetString(PyExc_FileNotFoundError, e.what());
+    } catch (const FileNotFound& e) {
+      PyErr_SetString(PyExc_FileNotFoundError, e.what());
+    }
+  });
+  nb::exception<UrdfError>(m, "UrdfError", PyExc_ValueError).doc() =
+      "A URDF file is not a robot that can be loaded; the message says 'file:line: what was wrong'.";
+  nb::exception<MjcfError>(m, "MjcfError", PyExc_ValueError).doc() =
+      "An MJCF file is not a scene that can be loaded; the message says 'file:line: what was wrong'.";
+}
+
+void bind_report(nb::module_& m) {
+  nb::class_<LoadNote>(m, "LoadNote", "One thing that a loader defaulted, repaired or ignored.")
+      .def_prop_ro(
+          "action", [](const LoadNote& note) { return to_string(note.action); },
+          nb::sig("def action(self) -> typing.Literal['defaulted', 'repaired', 'ignored']"),
+          "'defaulted': the file did not say; 'repaired': it said what cannot be simulated; 'ignored': it said what is "
+          "not used.")
+      .def_ro("file", &LoadNote::file)
+      .def_ro("line", &LoadNote::line, "1-based; 0 if unknown.")
+      .def_ro("element", &LoadNote::element, "What it is about, for example \"link 'panda_hand'\".")
+      .def_ro("message", &LoadNote::message, "What was done, with the value taken.")
+      .def_ro("serious", &LoadNote::serious,
+              "Whether a part is missing, or moves or touches otherwise than the file asks for: loading warns of it.");
+  nb::class_<LoadReport>(m, "LoadReport", "What a loader did with a file beyond reading it. str() gives a line a note.")
+      .def_ro("notes", &LoadReport::notes, "In the order of the file.")
+      .def("__len__", [](const LoadReport& report) { return report.notes.size(); })
+      .def("__str__", &LoadReport::to_string)
+      .def("__repr__", &LoadReport::to_string);
+}
+
+void bind_model_class(nb::module_& m) {
+  auto model = nb::class_<PythonModel>(
+      m, "Model",
+      "A robot or scene that never changes, made by `load_urdf` or `ModelBuilder.build`.\n\n"
+      "Coordinates, depth first over the joints (see `Joint.iq`, `Joint.iv`): revolute, continuous: angle [rad]; "
+      "prismatic: shift [m]; planar: x, y [m] across the axis and the angle [rad]; spherical: q is a quaternion xyzw, "
+      "v "
+      "the angular velocity in the joint frame F; floating: q is position [m] and quaternion xyzw, v is angular "
+      "velocity, then velocity of the origin, both in F.");
+  model.def_prop_ro("name", [](const PythonModel& self) { return self.model->name(); })
+      .def_prop_ro(
+          "nq", [](const PythonModel& self) { return self.model->nq(); }, "Length of q.")
+      .def_prop_ro(
+          "nv", [](const PythonModel& self) { return self.model->nv(); }, "Length of v, a and tau.")
+      .def_prop_ro(
+          "num_bodies", [](const PythonModel& self) { return self.model->num_bodies(); },
+          "Bodies that move on their own, and the world.")
+      .def_prop_ro("links", [](const PythonModel& self) { return copy_of(self.model->links()); })
+      .def_prop_ro("joints", [](const PythonModel& self) { return copy_of(self.model->joints()); })
+      .def_prop_ro("frames", [](const PythonModel& self) { return copy_of(self.model->frames()); })
+      .def_prop_ro("geoms", [](const PythonModel& self) { return copy_of(self.model->geoms()); })
+      .def_prop_ro("meshes", [](const PythonModel& self) { return copy_of(self.model->meshes()); })
+      .def_prop_ro("height_fields", [](const PythonModel& self) { return copy_of(self.model->height_fields()); })
+      .def_prop_ro("loops", [](const PythonModel& self) { return copy_of(self.model->loops()); })
+      .def_prop_ro("actuators", [](const PythonModel& self) { return copy_of(self.model->actuators()); })
+      .def_prop_ro("contact_pairs", [](const PythonModel& self) { return copy_of(self.model->contact_pairs()); })
+      .def_prop_ro("keyframes", [](const PythonModel& self) { return copy_of(self.model->keyframes()); })
+      .def_prop_ro(
+          "nu", [](const PythonModel& self) { return self.model->nu(); }, "Length of ctrl: one for each actuator.")
+      .def_prop_ro(
+          "time_step", [](const PythonModel& self) { return self.model->time_step(); },
+          "[s], if the description asks for one; else None.")
+      .def(
+          "link",
+          [](const PythonModel& self, const std::string& name) { return self.model->link(self.model->link_id(name)); },
+          "name"_a, "The link of that name. Raises KeyError, which lists the names there are.")
+      .def(
+          "joint",
+          [](const PythonModel& self, const std::string& name) {
+            return self.model->joint(self.model->joint_id(name));
+          },
+          "name"_a, "The joint of that name. Raises KeyError, which lists the names there are.")
+      .def_prop_ro(
+          "gravity", [](const PythonModel& self) { return vector3(self.model->gravity()); },
+          nb::sig(returns_array("gravity").c_str()), "In the world frame, (3) [m/s^2].")
+      .def(
+          "neutral_configuration",
+          [](const PythonModel& self) {
+            const std::vector<double> q = self.model->neutral_configuration();
+            return copied(q.data(), {q.size()});
+          },
+          nb::sig(returns_array("neutral_configuration").c_str()),
+          "q (nq) with all joints at 0 and quaternions at identity.")
+      .def(
+          "initial_configuration",
+          [](const PythonModel& self) {
+            const std::vector<double> q = self.model->initial_configuration();
+            return copied(q.data(), {q.size()});
+          },
+          nb::sig(returns_array("initial_configuration").c_str()),
+          "q (nq) where the description places the joints; the neutral one unless it says otherwise.")
+      .def("__repr__", [](const PythonModel& self) {
+        return "<Model '" + self.model->name() + "': " + std::to_string(self.model->links().size()) + " links, nq " +
+               std::to_string(self.model->nq()) + ", nv " + std::to_string(self.model->nv()) + ">";
+      });
+  copy_as_itself(model);
+  refuse_pickle(
+      model,
+      "a Model cannot be pickled: load its file, or build it, where it is needed. Copies within a program are "
+      "the model itself, which never changes");
+}
+
+using PythonLoaded = std::pair<std::unique_ptr<PythonModel>, LoadReport>;
+
+/// Loads without holding Python's lock.
+template <class Load>
+PythonLoaded loaded_by(Load load) {
+  LoadedModel loaded = [&] {
+    const nb::gil_scoped_release release;
+    return load();
+  }();
+  bindings::warn_of(loaded.report.notes, "the report, which comes with the model,");
+  return {std::make_unique<PythonModel>(std::move(loaded.model)), std::move(loaded.report)};
+}
+
+void bind_mjcf(nb::module_& m) {
+  m.def(
+      "load_mjcf",
+      [](const std::filesystem::path& path, bool allow_outside_package, bool load_meshes) {
+        return loaded_by([&] {
+          return load_mjcf(path, {.allow_outside_package = allow_outside_package, .load_meshes = load_meshes});
+        });
+      },
+      "path"_a, nb::kw_only(), "allow_outside_package"_a = false, "load_meshes"_a = true,
+      "Loads a scene from an MJCF file, and what was defaulted, repaired or ignored in it.\n\n"
+      "Links, joints, geoms and actuators follow in MuJoCo's order: q is MuJoCo's qpos with quaternions turned from "
+      "wxyz "
+      "to xyzw, `Model.initial_configuration` its qpos0, `Model.time_step` and `Model.keyframes` the file's. "
+      "allow_outside_package: whether meshes and included files may lie outside the file's folder. load_meshes: False "
+      "leaves out shapes that need a mesh. Raises FileNotFoundError, and MjcfError (a ValueError) for malformed "
+      "files.");
+  m.def(
+      "load_mjcf_string",
+      [](const std::string& text, const std::filesystem::path& folder, bool allow_outside_package, bool load_meshes) {
+        return loaded_by([&] {
+          return load_mjcf_string(text, "mjcf", folder,
+                                  {.allow_outside_package = allow_outside_package, .load_meshes = load_meshes});
+        });
+      },
+      "text"_a, nb::kw_only(), "folder"_a = std::filesystem::path("."), "allow_outside_package"_a = false,
+      "load_meshes"_a = true, "The same for a text; folder is where its relative paths start.");
+}
+
+void bind_loading(nb::module_& m) {
+  m.def(
+      "load_urdf",
+      [](const std::filesystem::path& path, bool fixed_base, std::vector<std::filesystem::path> package_paths,
+         bool allow_outside_package, bool load_meshes) {
+        return loaded_by([&] {
+          return load_urdf(path, {.fixed_base = fixed_base,
+                                  .package_paths = std::move(package_paths),
+                                  .allow_outside_package = allow_outside_package,
+                                  .load_meshes = load_meshes});
+        });
+      },
+      "path"_a, nb::kw_only(), "fixed_base"_a = true, "package_paths"_a = std::vector<std::filesystem::path>{},
+      "allow_outside_package"_a = false, "load_meshes"_a = true,
+      "Loads a robot from a URDF file, and what was defaulted, repaired or ignored in it.\n\n"
+      "fixed_base: False lets the root link float by a joint 'root_joint', first in q and v. package_paths: where "
+      "packages lie, searched before ROS_PACKAGE_PATH, AMENT_PREFIX_PATH and the folders above the file. "
+      "allow_outside_package: whether meshes may lie outside their package. load_meshes: False leaves out shapes that "
+      "need a mesh file. Raises FileNotFoundError, and UrdfError (a ValueError) for malformed files.");
+  m.def("set_asset_root", &set_asset_root, "root"_a, "Where the robots that ship with the library lie.");
+  m.def("asset_path", &asset_path, "relative"_a,
+        "The path of an asset, for example 'panda/panda.urdf'. Raises FileNotFoundError, which lists the robots there "
+        "are, and RuntimeError if the folder itself is not there.");
+}
+
+}  // namespace
+
+void bind_model(nb::module_& m) {
+  bind_errors(m);
+  bind_report(m);
+  bind_model_parts(m);
+  bind_model_class(m);
+  bind_model_builder(m);
+  bind_loading(m);
+  bind_mjcf(m);
+}
+
+}  // namespace manyhands

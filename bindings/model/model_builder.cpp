@@ -1,0 +1,353 @@
+// manyhands._core: how models are built in Python.
+#include "manyhands/model/model_builder.h"
+
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/unique_ptr.h>
+#include <nanobind/stl/variant.h>
+#include <nanobind/stl/vector.h>
+
+#include <limits>
+
+#include "bindings/bindings.h"
+#include "bindings/model/model_values.h"
+#include "bindings/model/python_model.h"
+#include "manyhands/model/io/mesh/mesh_file.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace manyhands {
+
+namespace {
+
+using bindings::named;
+using bindings::NumberOrNumbers;
+using bindings::Numbers3;
+using bindings::Numbers4;
+using bindings::size_of;
+using bindings::transform;
+using bindings::vec3;
+using Matrix3 = std::array<Numbers3, 3>;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+constexpr std::array<std::pair<const char*, JointType>, 7> kJointTypes{{{"fixed", JointType::kFixed},
+                                                                        {"revolute", JointType::kRevolute},
+                                                                        {"continuous", JointType::kContinuous},
+                                                                        {"prismatic", JointType::kPrismatic},
+                                                                        {"spherical", JointType::kSpherical},
+                                                                        {"planar", JointType::kPlanar},
+                                                                        {"floating", JointType::kFloating}}};
+
+SymMat3<double> symmetric(const std::string& what, const Matrix3& m) {
+  for (const auto& [i, j] : {std::pair{0, 1}, std::pair{0, 2}, std::pair{1, 2}}) {
+    const auto r = static_cast<std::size_t>(i), c = static_cast<std::size_t>(j);
+    if (m[r][c] != m[c][r]) throw ModelError(what + ": the inertia matrix must be symmetric");
+  }
+  return {m[0][0], m[1][1], m[2][2], m[0][1], m[0][2], m[1][2]};
+}
+
+LinkId link_of(const ModelBuilder& builder, const std::string& name) {
+  for (std::size_t i = 0; i < builder.links().size(); ++i) {
+    if (builder.links()[i].name == name) return LinkId(i);
+  }
+  throw std::out_of_range("link '" + name + "' has not been added to the builder");
+}
+
+JointId joint_of(const ModelBuilder& builder, const std::string& name) {
+  for (std::size_t i = 0; i < builder.joints().size(); ++i) {
+    if (builder.joints()[i].name == name) return JointId(i);
+  }
+  throw std::out_of_range("joint '" + name + "' has not been added to the builder");
+}
+
+/// A row of three numbers for each vertex or triangle.
+template <class T>
+using Rows3 = nb::ndarray<const T, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+
+Mesh mesh_of(const Rows3<float>& vertices, const Rows3<int>& triangles) {
+  Mesh mesh{.source = "arrays"};
+  for (std::size_t i = 0; i < vertices.shape(0); ++i) {
+    const float* const v = vertices.data() + 3 * i;
+    mesh.vertices.push_back({v[0], v[1], v[2]});
+  }
+  for (std::size_t i = 0; i < triangles.shape(0); ++i) {
+    const int* const t = triangles.data() + 3 * i;
+    mesh.triangles.push_back({t[0], t[1], t[2]});
+  }
+  return mesh;
+}
+
+nb::class_<ModelBuilder> bind_tree(nb::module_& m) {
+  return nb::class_<ModelBuilder>(m, "ModelBuilder",
+                                  "Collects links, joints, geoms and what couples them, and makes a Model. The link "
+                                  "'world' is there from the start; a link without a "
+                                  "joint to a parent is welded to it, a free body is joined to it by a floating joint. "
+                                  "Raises ValueError on what "
+                                  "cannot be part of a model, KeyError on unknown links.")
+      .def(nb::init<std::string>(), "name"_a = "model")
+      .def(
+          "add_link",
+          [](ModelBuilder& self, const std::string& name, double mass, const Numbers3& com, const Matrix3& inertia) {
+            self.add_link(name, {.mass = mass, .com = vec3(com), .inertia = symmetric("link '" + name + "'", inertia)});
+          },
+          "name"_a, nb::kw_only(), "mass"_a = 0.0, "com"_a = Numbers3{}, "inertia"_a = Matrix3{},
+          nb::sig("def add_link(self, name: str, *, mass: float = 0.0, com: numpy.typing.ArrayLike = (0, 0, 0), "
+                  "inertia: numpy.typing.ArrayLike = ((0, 0, 0), (0, 0, 0), (0, 0, 0))) -> None"),
+          "mass [kg]; com: centre of mass in the link's frame (3) [m]; inertia about it in the frame's axes (3, 3) "
+          "[kg m^2].")
+      .def(
+          "add_joint",
+          [](ModelBuilder& self, const std::string& name, const std::string& type, const std::string& parent,
+             const std::string& child, const Numbers3& position, const Numbers4& orientation, const Numbers3& axis,
+             double lower, double upper, double effort, double velocity, double damping, double friction,
+             double armature, const std::vector<double>& initial) {
+            self.add_joint({.name = name,
+                            .type = named("joint type", type, kJointTypes),
+                            .parent = link_of(self, parent),
+                            .child = link_of(self, child),
+                            .X_PF = transform("joint '" + name + "'", position, orientation),
+                            .axis = vec3(axis),
+                            .limits = {.lower = lower, .upper = upper, .effort = effort, .velocity = velocity},
+                            .damping = damping,
+                            .friction = friction,
+                            .armature = armature,
+                            .initial = initial});
+          },
+          "name"_a, "type"_a, "parent"_a, "child"_a, nb::kw_only(), "position"_a = Numbers3{},
+          "quaternion"_a = Numbers4{0, 0, 0, 1}, "axis"_a = Numbers3{0, 0, 1}, "lower"_a = -kInfinity,
+          "upper"_a = kInfinity, "effort"_a = kInfinity, "velocity"_a = kInfinity, "damping"_a = 0.0,
+          "friction"_a = 0.0, "armature"_a = 0.0, "initial"_a = std::vector<double>{},
+          nb::sig("def add_joint(self, name: str, type: str, parent: str, child: str, *, "
+                  "position: numpy.typing.ArrayLike = (0, 0, 0), quaternion: numpy.typing.ArrayLike = (0, 0, 0, 1), "
+                  "axis: numpy.typing.ArrayLike = (0, 0, 1), lower: float = ..., upper: float = ..., "
+                  "effort: float = ..., velocity: float = ..., damping: float = 0.0, friction: float = 0.0, "
+                  "armature: float = 0.0, initial: numpy.typing.ArrayLike = ()) -> None"),
+          "Joins two links. type: as `Joint.type`; position (3) [m] and quaternion xyzw (4): the joint frame F in the "
+          "parent; axis in F (3); initial: where it starts, in q.");
+}
+
+void bind_shapes(nb::class_<ModelBuilder>& builder) {
+  builder
+      .def(
+          "add_geom",
+          [](ModelBuilder& self, const std::string& link, const std::string& shape, const NumberOrNumbers& size,
+             const std::string& name, const Numbers3& position, const Numbers4& orientation, int mesh, int height_field,
+             double friction, double restitution, double rolling_friction, double spinning_friction,
+             std::uint32_t group, std::uint32_t mask, double margin, bool visual, const std::array<float, 4>& rgba) {
+            const ShapeType type = named("shape", shape, bindings::kShapes);
+            return self
+                .add_geom({.name = name,
+                           .role = visual ? GeomRole::kVisual : GeomRole::kCollision,
+                           .link = link_of(self, link),
+                           .X_LG = transform("geom '" + name + "'", position, orientation),
+                           .shape = {.type = type,
+                                     .size = size_of(shape, type, size),
+                                     .mesh = MeshId(mesh),
+                                     .height_field = HeightFieldId(height_field)},
+                           .rgba = rgba,
+                           .surface = {.lateral_friction = friction,
+                                       .spinning_friction = spinning_friction,
+                                       .rolling_friction = rolling_friction,
+                                       .restitution = restitution},
+                           .filter = {.group = group, .mask = mask},
+                           .margin = margin})
+                .value();
+          },
+          "link"_a, "shape"_a, "size"_a = std::vector<double>{}, nb::kw_only(), "name"_a = "",
+          "position"_a = Numbers3{}, "quaternion"_a = Numbers4{0, 0, 0, 1}, "mesh"_a = -1, "height_field"_a = -1,
+          "friction"_a = 0.5, "restitution"_a = 0.0, "rolling_friction"_a = 0.0, "spinning_friction"_a = 0.0,
+          "group"_a = 1u, "mask"_a = 0xffffffffu, "margin"_a = 0.0, "visual"_a = false,
+          "rgba"_a = std::array<float, 4>{0.7f, 0.7f, 0.7f, 1.0f},
+          nb::sig(
+              "def add_geom(self, link: str, shape: typing.Literal['sphere', 'capsule', 'cylinder', 'box', 'plane', "
+              "'mesh', 'convex', 'height_field'], size: float | numpy.typing.ArrayLike = (), *, name: str = '', "
+              "position: numpy.typing.ArrayLike = (0, 0, 0), quaternion: numpy.typing.ArrayLike = (0, 0, 0, 1), "
+              "mesh: int = -1, height_field: int = -1, friction: float = 0.5, restitution: float = 0.0, "
+              "rolling_friction: float = 0.0, spinning_friction: float = 0.0, group: int = 1, "
+              "mask: int = 0xffffffff, margin: float = 0.0, visual: bool = False, "
+              "rgba: numpy.typing.ArrayLike = (0.7, 0.7, 0.7, 1)) -> int"),
+          "Adds a shape to a link and returns its index. size, position, quaternion, mesh, height_field, the "
+          "frictions, "
+          "group, mask and margin: as in `Geom`. Planes, height fields and meshes that are touched belong to links "
+          "that "
+          "do not move. visual: seen, but touches nothing.")
+      .def(
+          "add_mesh",
+          [](ModelBuilder& self, const std::filesystem::path& path, const Numbers3& scale) {
+            return self.add_mesh(load_mesh(path, vec3(scale))).value();
+          },
+          "path"_a, nb::kw_only(), "scale"_a = Numbers3{1, 1, 1},
+          nb::sig("def add_mesh(self, path: str | os.PathLike, *, scale: numpy.typing.ArrayLike = (1, 1, 1)) -> int"),
+          "Reads an STL, OBJ or DAE file and returns the mesh's index, for `add_geom`. Raises RuntimeError if it "
+          "cannot.")
+      .def(
+          "add_mesh_arrays",
+          [](ModelBuilder& self, const Rows3<float>& vertices, const Rows3<int>& triangles) {
+            return self.add_mesh(mesh_of(vertices, triangles)).value();
+          },
+          "vertices"_a, "triangles"_a,
+          nb::sig("def add_mesh_arrays(self, vertices: numpy.typing.NDArray[numpy.floating], "
+                  "triangles: numpy.typing.NDArray[numpy.integer]) -> int"),
+          "vertices (n, 3) [m]; triangles (m, 3), indices counter-clockwise seen from outside. Returns the mesh's "
+          "index.")
+      .def(
+          "add_height_field",
+          [](ModelBuilder& self, const bindings::Array<double, 2>& heights, double dx, double dy) {
+            HeightField field{.columns = static_cast<int>(heights.shape(1)),
+                              .rows = static_cast<int>(heights.shape(0)),
+                              .dx = dx,
+                              .dy = dy};
+            field.height.assign(heights.data(), heights.data() + heights.size());
+            return self.add_height_field(std::move(field)).value();
+          },
+          "heights"_a, nb::kw_only(), "dx"_a, "dy"_a,
+          nb::sig("def add_height_field(self, heights: numpy.typing.NDArray[numpy.floating], *, dx: float, "
+                  "dy: float) -> int"),
+          "heights (rows along y, columns along x) [m], centred on the geom's origin; dx, dy: spacing [m]. Returns its "
+          "index, for `add_geom`.");
+}
+
+void bind_couplings(nb::class_<ModelBuilder>& builder) {
+  builder
+      .def(
+          "add_loop",
+          [](ModelBuilder& self, const std::string& name, const std::string& type, const std::string& a,
+             const std::string& b, const Numbers3& position_a, const Numbers4& quaternion_a, const Numbers3& position_b,
+             const Numbers4& quaternion_b, double ratio, double offset, double max_force) {
+            LoopConstraint loop{.name = name, .type = named("loop type", type, bindings::kLoops)};
+            if (loop.type == LoopType::kJoint || loop.type == LoopType::kGear) {
+              loop.joint_a = joint_of(self, a);
+              loop.joint_b = joint_of(self, b);
+            } else {
+              loop.link_a = link_of(self, a);
+              loop.link_b = link_of(self, b);
+            }
+            loop.X_LA = transform("loop '" + name + "'", position_a, quaternion_a);
+            loop.X_LB = transform("loop '" + name + "'", position_b, quaternion_b);
+            loop.ratio = ratio;
+            loop.offset = offset;
+            loop.max_force = max_force;
+            self.add_loop(std::move(loop));
+          },
+          "name"_a, "type"_a, "a"_a, "b"_a, nb::kw_only(), "position_a"_a = Numbers3{},
+          "quaternion_a"_a = Numbers4{0, 0, 0, 1}, "position_b"_a = Numbers3{}, "quaternion_b"_a = Numbers4{0, 0, 0, 1},
+          "ratio"_a = 1.0, "offset"_a = 0.0, "max_force"_a = kInfinity,
+          nb::sig(
+              "def add_loop(self, name: str, type: typing.Literal['point', 'hinge', 'fixed', 'prismatic', 'slider', "
+              "'joint', 'gear'], a: str, b: str, *, position_a: numpy.typing.ArrayLike = (0, 0, 0), "
+              "quaternion_a: numpy.typing.ArrayLike = (0, 0, 0, 1), position_b: numpy.typing.ArrayLike = (0, 0, 0), "
+              "quaternion_b: numpy.typing.ArrayLike = (0, 0, 0, 1), ratio: float = 1.0, offset: float = 0.0, "
+              "max_force: float = ...) -> None"),
+          "Closes a loop: frame B on link b coincides with frame A on link a ('point': in its origin; 'hinge': may "
+          "turn "
+          "about z; 'fixed'; 'prismatic': may slide along z; 'slider': both); or joints a and b move as q_b = ratio "
+          "q_a "
+          "+ offset ('joint') or v_b = ratio v_a ('gear').")
+      .def(
+          "add_actuator",
+          [](ModelBuilder& self, const std::string& name, const std::string& type, const std::string& joint,
+             double gear, double kp, double kd, const std::pair<double, double>& ctrl_range, double max_force) {
+            self.add_actuator({.name = name,
+                               .type = named("actuator type", type, bindings::kActuators),
+                               .joint = joint_of(self, joint),
+                               .gear = gear,
+                               .kp = kp,
+                               .kd = kd,
+                               .min_ctrl = ctrl_range.first,
+                               .max_ctrl = ctrl_range.second,
+                               .max_force = max_force});
+          },
+          "name"_a, "type"_a, "joint"_a, nb::kw_only(), "gear"_a = 1.0, "kp"_a = 0.0, "kd"_a = 0.0,
+          "ctrl_range"_a = std::pair{-kInfinity, kInfinity}, "max_force"_a = kInfinity,
+          nb::sig(
+              "def add_actuator(self, name: str, type: typing.Literal['motor', 'position', 'velocity'], joint: str, "
+              "*, gear: float = 1.0, kp: float = 0.0, kd: float = 0.0, ctrl_range: tuple[float, float] = ..., "
+              "max_force: float = ...) -> None"),
+          "Drives a joint of one degree of freedom; `Actuator` says what its numbers mean.")
+      .def(
+          "exclude_contact",
+          [](ModelBuilder& self, const std::string& a, const std::string& b) {
+            self.exclude_contact(link_of(self, a), link_of(self, b));
+          },
+          "link_a"_a, "link_b"_a, "Geoms of the two links never touch.")
+      .def(
+          "add_contact_pair",
+          [](ModelBuilder& self, int a, int b, std::optional<double> friction, double restitution,
+             double rolling_friction, double spinning_friction) {
+            ContactPair pair{.a = GeomId(a), .b = GeomId(b)};
+            if (friction) {
+              pair.surface = SurfaceMaterial{.lateral_friction = *friction,
+                                             .spinning_friction = spinning_friction,
+                                             .rolling_friction = rolling_friction,
+                                             .restitution = restitution};
+            }
+            self.add_contact_pair(pair);
+          },
+          "geom_a"_a, "geom_b"_a, nb::kw_only(), "friction"_a = nb::none(), "restitution"_a = 0.0,
+          "rolling_friction"_a = 0.0, "spinning_friction"_a = 0.0,
+          "Two geoms, by their indices, may touch whatever their groups and links say. friction: if given, it and the "
+          "other numbers replace what the geoms' own combine to.")
+      .def(
+          "set_contact_rules",
+          [](ModelBuilder& self, const std::string& friction, const std::string& restitution, bool self_collision) {
+            self.set_contact_rules({.friction = named("rule", friction, bindings::kCombineRules),
+                                    .restitution = named("rule", restitution, bindings::kCombineRules),
+                                    .self_collision = self_collision});
+          },
+          nb::kw_only(), "friction"_a = "geometric_mean", "restitution"_a = "maximum", "self_collision"_a = true,
+          nb::sig("def set_contact_rules(self, *, friction: typing.Literal['product', 'geometric_mean', 'maximum', "
+                  "'minimum'] = 'geometric_mean', restitution: typing.Literal['product', 'geometric_mean', 'maximum', "
+                  "'minimum'] = 'maximum', self_collision: bool = True) -> None"),
+          "How the numbers of two surfaces become one, and whether links of one tree touch each other.");
+}
+
+void bind_whole(nb::class_<ModelBuilder>& builder) {
+  builder
+      .def(
+          "add_frame",
+          [](ModelBuilder& self, const std::string& name, const std::string& link, const Numbers3& position,
+             const Numbers4& orientation) {
+            self.add_frame(name, link_of(self, link), transform("frame '" + name + "'", position, orientation));
+          },
+          "name"_a, "link"_a, nb::kw_only(), "position"_a = Numbers3{}, "quaternion"_a = Numbers4{0, 0, 0, 1},
+          nb::sig("def add_frame(self, name: str, link: str, *, position: numpy.typing.ArrayLike = (0, 0, 0), "
+                  "quaternion: numpy.typing.ArrayLike = (0, 0, 0, 1)) -> None"),
+          "Names a pose on a link: position (3) [m] and quaternion xyzw (4) in its frame.")
+      .def(
+          "set_gravity", [](ModelBuilder& self, const Numbers3& gravity) { self.set_gravity(vec3(gravity)); },
+          "gravity"_a, nb::sig("def set_gravity(self, gravity: numpy.typing.ArrayLike) -> None"),
+          "(3) [m/s^2] in the world frame; (0, 0, -9.81) if never set.")
+      .def("set_time_step", &ModelBuilder::set_time_step, "time_step"_a, "[s], for worlds that are not told another.")
+      .def(
+          "add_keyframe",
+          [](ModelBuilder& self, const std::string& name, std::vector<double> q, std::vector<double> v,
+             std::vector<double> ctrl,
+             double time) { self.add_keyframe({name, time, std::move(q), std::move(v), std::move(ctrl)}); },
+          "name"_a, nb::kw_only(), "q"_a = std::vector<double>{}, "v"_a = std::vector<double>{},
+          "ctrl"_a = std::vector<double>{}, "time"_a = 0.0,
+          nb::sig(
+              "def add_keyframe(self, name: str, *, q: numpy.typing.ArrayLike = (), v: numpy.typing.ArrayLike = (), "
+              "ctrl: numpy.typing.ArrayLike = (), time: float = 0.0) -> None"),
+          "Names a state: q (nq), by default the initial one; v (nv), ctrl (nu), by default 0; time [s].")
+      .def(
+          "build", [](const ModelBuilder& self) { return std::make_unique<PythonModel>(self.build()); },
+          "Checks the whole and makes the model. Raises ValueError, naming the part, on a cycle or on a joint that "
+          "moves "
+          "no inertia.");
+}
+
+}  // namespace
+
+void bind_model_builder(nb::module_& m) {
+  auto builder = bind_tree(m);
+  bind_shapes(builder);
+  bind_couplings(builder);
+  bind_whole(builder);
+}
+
+}  // namespace manyhands

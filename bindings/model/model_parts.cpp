@@ -1,0 +1,264 @@
+// manyhands._core: the parts of a model, as Python reads them.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include "bindings/bindings.h"
+#include "bindings/model/model_values.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace manyhands {
+
+namespace {
+
+using bindings::copied;
+using bindings::name_of;
+using bindings::quaternion;
+using bindings::returns_array;
+using bindings::vector3;
+
+nb::object matrix(const SymMat3<double>& m) {
+  const std::array rows{m.xx, m.xy, m.xz, m.xy, m.yy, m.yz, m.xz, m.yz, m.zz};
+  return copied(rows.data(), {3, 3});
+}
+
+nb::object numbers(const std::vector<double>& v) { return copied(v.data(), {v.size()}); }
+
+void bind_tree(nb::module_& m) {
+  nb::class_<Link>(m, "Link", "A named rigid part. Its frame L is the frame of the joint that moves it, at q = 0.")
+      .def_ro("name", &Link::name)
+      .def("__repr__", [](const Link& link) { return "<Link '" + link.name + "'>"; })
+      .def_prop_ro(
+          "mass", [](const Link& link) { return link.inertial.mass; }, "[kg]")
+      .def_prop_ro(
+          "com", [](const Link& link) { return vector3(link.inertial.com); }, nb::sig(returns_array("com").c_str()),
+          "Centre of mass in L, (3) [m].")
+      .def_prop_ro(
+          "inertia", [](const Link& link) { return matrix(link.inertial.inertia); },
+          nb::sig(returns_array("inertia").c_str()), "About the centre of mass in L's axes, (3, 3) [kg m^2].")
+      .def_prop_ro(
+          "parent", [](const Link& link) { return link.parent.value(); }, "Index of the parent link; -1 for the world.")
+      .def_prop_ro(
+          "joint", [](const Link& link) { return link.joint.value(); }, "Index of the joint to it; -1 without one.")
+      .def_prop_ro(
+          "body", [](const Link& link) { return link.body.value(); },
+          "The moving body that carries the link; links joined by fixed joints share one, 0 is the world.");
+
+  nb::class_<Joint>(m, "Joint",
+                    "Joins a child link to its parent P. Frame F is fixed in P; at q = 0 the child's frame "
+                    "is F.")
+      .def_ro("name", &Joint::name)
+      .def("__repr__", [](const Joint& joint) { return "<Joint '" + joint.name + "': " + to_string(joint.type) + ">"; })
+      .def_prop_ro(
+          "type", [](const Joint& joint) { return to_string(joint.type); },
+          "'fixed', 'revolute', 'continuous', 'prismatic', 'spherical', 'planar' or 'floating'.")
+      .def_prop_ro(
+          "parent", [](const Joint& joint) { return joint.parent.value(); }, "Index of the parent link.")
+      .def_prop_ro(
+          "child", [](const Joint& joint) { return joint.child.value(); }, "Index of the child link.")
+      .def_prop_ro(
+          "position", [](const Joint& joint) { return vector3(joint.X_PF.p); },
+          nb::sig(returns_array("position").c_str()), "Of F in P, (3) [m].")
+      .def_prop_ro(
+          "quaternion", [](const Joint& joint) { return quaternion(joint.X_PF.R); },
+          nb::sig(returns_array("quaternion").c_str()), "Of F in P, xyzw (4).")
+      .def_prop_ro(
+          "axis", [](const Joint& joint) { return vector3(joint.axis); }, nb::sig(returns_array("axis").c_str()),
+          "Unit axis in F (3); of a planar joint, the normal.")
+      .def_prop_ro(
+          "lower", [](const Joint& joint) { return joint.limits.lower; }, "[rad or m]; -inf without a limit.")
+      .def_prop_ro(
+          "upper", [](const Joint& joint) { return joint.limits.upper; }, "[rad or m]; inf without a limit.")
+      .def_prop_ro(
+          "effort", [](const Joint& joint) { return joint.limits.effort; }, "[N m or N]; inf without a limit.")
+      .def_prop_ro(
+          "velocity", [](const Joint& joint) { return joint.limits.velocity; }, "[rad/s or m/s]; inf without a limit.")
+      .def_ro("damping", &Joint::damping, "[N m s/rad or N s/m]")
+      .def_ro("friction", &Joint::friction, "Dry friction [N m or N].")
+      .def_ro("armature", &Joint::armature, "Rotor inertia seen at the joint [kg m^2 or kg].")
+      .def_prop_ro(
+          "nq", [](const Joint& joint) { return configuration_size(joint.type); }, "Coordinates in q.")
+      .def_prop_ro(
+          "nv", [](const Joint& joint) { return velocity_size(joint.type); }, "Coordinates in v.")
+      .def_prop_ro(
+          "initial", [](const Joint& joint) { return numbers(joint.initial); },
+          nb::sig(returns_array("initial").c_str()), "Where it starts, in q; empty: at 0, or unturned.")
+      .def_ro("iq", &Joint::iq, "Where they start in q; -1 for fixed joints.")
+      .def_ro("iv", &Joint::iv, "Where they start in v; -1 for fixed joints.");
+
+  nb::class_<Frame>(m, "Frame", "A named pose on a body. Every link is one, by the same name and index.")
+      .def_ro("name", &Frame::name)
+      .def("__repr__", [](const Frame& frame) { return "<Frame '" + frame.name + "'>"; })
+      .def_prop_ro(
+          "body", [](const Frame& frame) { return frame.body.value(); }, "The body that carries it; 0 is the world.");
+}
+
+void bind_geom(nb::module_& m) {
+  nb::class_<Geom>(m, "Geom", "A shape on a link, seen or touched. Its frame G: along z where it has an axis.")
+      .def_ro("name", &Geom::name)
+      .def("__repr__",
+           [](const Geom& geom) {
+             return "<Geom '" + geom.name + "': " + name_of(geom.shape.type, bindings::kShapes) + ">";
+           })
+      .def_prop_ro(
+          "is_visual", [](const Geom& geom) { return geom.role == GeomRole::kVisual; }, "Seen, but touches nothing.")
+      .def_prop_ro(
+          "link", [](const Geom& geom) { return geom.link.value(); }, "Index of the link that carries it.")
+      .def_prop_ro(
+          "shape", [](const Geom& geom) { return name_of(geom.shape.type, bindings::kShapes); },
+          "'sphere', 'capsule', 'cylinder', 'box', 'plane' (the half-space below z = 0), 'mesh', 'convex' (the hull of "
+          "a "
+          "mesh) or 'height_field'.")
+      .def_prop_ro(
+          "size", [](const Geom& geom) { return vector3(geom.shape.size); }, nb::sig(returns_array("size").c_str()),
+          "(3) [m]: sphere: radius; capsule, cylinder: radius, half length; box: half extents; the rest is 0.")
+      .def_prop_ro(
+          "mesh", [](const Geom& geom) { return geom.shape.mesh.value(); }, "Index in `Model.meshes`; -1 without one.")
+      .def_prop_ro(
+          "height_field", [](const Geom& geom) { return geom.shape.height_field.value(); },
+          "Index in `Model.height_fields`; -1 without one.")
+      .def_prop_ro(
+          "position", [](const Geom& geom) { return vector3(geom.X_LG.p); }, nb::sig(returns_array("position").c_str()),
+          "Of G in the link's frame, (3) [m].")
+      .def_prop_ro(
+          "quaternion", [](const Geom& geom) { return quaternion(geom.X_LG.R); },
+          nb::sig(returns_array("quaternion").c_str()), "Of G in the link's frame, xyzw (4).")
+      .def_prop_ro(
+          "friction", [](const Geom& geom) { return geom.surface.lateral_friction; },
+          "Coefficient of sliding friction.")
+      .def_prop_ro(
+          "spinning_friction", [](const Geom& geom) { return geom.surface.spinning_friction; },
+          "Torque about the normal per normal force [m].")
+      .def_prop_ro(
+          "rolling_friction", [](const Geom& geom) { return geom.surface.rolling_friction; },
+          "Torque across the normal per normal force [m].")
+      .def_prop_ro("restitution", [](const Geom& geom) { return geom.surface.restitution; })
+      .def_prop_ro(
+          "group", [](const Geom& geom) { return geom.filter.group; },
+          "Bits; two geoms may touch if each one's group is in the other's mask.")
+      .def_prop_ro("mask", [](const Geom& geom) { return geom.filter.mask; })
+      .def_ro("margin", &Geom::margin, "How far the surface is pushed outwards for contact [m].")
+      .def_ro("rgba", &Geom::rgba)
+      .def_prop_ro(
+          "texture",
+          [](const Geom& geom) -> std::string {
+            if (!geom.texture) return "";
+            return geom.texture->file.empty() ? "checks" : geom.texture->file;
+          },
+          "The image file that it shows by itself, 'checks', or nothing.");
+
+  nb::class_<Mesh>(m, "Mesh", "Triangles, shared by the geoms that show or use them.")
+      .def_ro("source", &Mesh::source, "The file it came from, or a description.")
+      .def("__repr__", [](const Mesh& mesh) { return "<Mesh '" + mesh.source + "'>"; })
+      .def_prop_ro(
+          "vertices", [](const Mesh& mesh) { return copied(&mesh.vertices.data()->x, {mesh.vertices.size(), 3}); },
+          nb::sig("def vertices(self) -> numpy.typing.NDArray[numpy.float32]"), "(n, 3) [m].")
+      .def_prop_ro(
+          "triangles",
+          [](const Mesh& mesh) { return copied(mesh.triangles.data()->data(), {mesh.triangles.size(), 3}); },
+          nb::sig("def triangles(self) -> numpy.typing.NDArray[numpy.int32]"),
+          "(n, 3) indices of vertices, counter-clockwise seen from outside.");
+
+  nb::class_<HeightField>(m, "HeightField", "Heights on a grid in the xy plane, centred on its geom's origin.")
+      .def_ro("dx", &HeightField::dx, "Spacing along x [m].")
+      .def_ro("dy", &HeightField::dy, "Spacing along y [m].")
+      .def_prop_ro(
+          "heights",
+          [](const HeightField& field) {
+            return copied(field.height.data(),
+                          {static_cast<std::size_t>(field.rows), static_cast<std::size_t>(field.columns)});
+          },
+          nb::sig(returns_array("heights").c_str()), "(rows along y, columns along x) [m].");
+}
+
+void bind_couplings(nb::module_& m) {
+  nb::class_<Actuator>(m, "Actuator", "A drive on a joint, commanded by one number, ctrl.")
+      .def_ro("name", &Actuator::name)
+      .def("__repr__",
+           [](const Actuator& a) {
+             return "<Actuator '" + a.name + "': " + name_of(a.type, bindings::kActuators) + ">";
+           })
+      .def_prop_ro(
+          "type", [](const Actuator& a) { return name_of(a.type, bindings::kActuators); },
+          "'motor': force = gear ctrl; 'position': gear (kp (ctrl - gear q) - kd gear v); 'velocity': gear kd (ctrl - "
+          "gear v).")
+      .def_prop_ro(
+          "joint", [](const Actuator& a) { return a.joint.value(); }, "Index of the joint.")
+      .def_ro("gear", &Actuator::gear)
+      .def_ro("kp", &Actuator::kp, "[N m/rad or N/m]")
+      .def_ro("kd", &Actuator::kd, "[N m s/rad or N s/m]")
+      .def_ro("min_ctrl", &Actuator::min_ctrl)
+      .def_ro("max_ctrl", &Actuator::max_ctrl)
+      .def_ro("max_force", &Actuator::max_force, "At the joint [N m or N]; inf without a limit.");
+
+  nb::class_<LoopConstraint>(m, "Loop", "An equation between two links or two joints that closes a loop of the tree.")
+      .def_ro("name", &LoopConstraint::name)
+      .def("__repr__",
+           [](const LoopConstraint& l) { return "<Loop '" + l.name + "': " + name_of(l.type, bindings::kLoops) + ">"; })
+      .def_prop_ro(
+          "type", [](const LoopConstraint& l) { return name_of(l.type, bindings::kLoops); },
+          "'point', 'hinge', 'fixed', 'prismatic' or 'slider', of links; 'joint' or 'gear', of joints.")
+      .def_prop_ro(
+          "link_a", [](const LoopConstraint& l) { return l.link_a.value(); }, "Index; -1 where joints are coupled.")
+      .def_prop_ro(
+          "link_b", [](const LoopConstraint& l) { return l.link_b.value(); }, "Index; -1 where joints are coupled.")
+      .def_prop_ro(
+          "position_a", [](const LoopConstraint& l) { return vector3(l.X_LA.p); },
+          nb::sig(returns_array("position_a").c_str()), "Of frame A on link_a, (3) [m].")
+      .def_prop_ro(
+          "quaternion_a", [](const LoopConstraint& l) { return quaternion(l.X_LA.R); },
+          nb::sig(returns_array("quaternion_a").c_str()), "xyzw (4).")
+      .def_prop_ro(
+          "position_b", [](const LoopConstraint& l) { return vector3(l.X_LB.p); },
+          nb::sig(returns_array("position_b").c_str()), "Of frame B on link_b, (3) [m].")
+      .def_prop_ro(
+          "quaternion_b", [](const LoopConstraint& l) { return quaternion(l.X_LB.R); },
+          nb::sig(returns_array("quaternion_b").c_str()), "xyzw (4).")
+      .def_prop_ro(
+          "joint_a", [](const LoopConstraint& l) { return l.joint_a.value(); }, "Index; -1 where links are joined.")
+      .def_prop_ro(
+          "joint_b", [](const LoopConstraint& l) { return l.joint_b.value(); }, "Index; -1 where links are joined.")
+      .def_ro("ratio", &LoopConstraint::ratio, "'joint': q_b = ratio q_a + offset; 'gear': v_b = ratio v_a.")
+      .def_ro("offset", &LoopConstraint::offset, "[rad or m]")
+      .def_ro("max_force", &LoopConstraint::max_force, "Of each row [N or N m]; inf without a limit.");
+
+  nb::class_<ContactPair>(m, "ContactPair", "Two geoms that may touch whatever their groups, masks and links say.")
+      .def_prop_ro(
+          "geom_a", [](const ContactPair& pair) { return pair.a.value(); }, "Index in `Model.geoms`.")
+      .def_prop_ro(
+          "geom_b", [](const ContactPair& pair) { return pair.b.value(); }, "Index in `Model.geoms`.")
+      .def_prop_ro(
+          "friction",
+          [](const ContactPair& pair) -> std::optional<std::tuple<double, double, double>> {
+            if (!pair.surface) return std::nullopt;
+            const SurfaceMaterial& s = *pair.surface;
+            return std::tuple(s.lateral_friction, s.spinning_friction, s.rolling_friction);
+          },
+          "(sliding, spinning [m], rolling [m]); None: what the geoms' own combine to.");
+
+  nb::class_<Keyframe>(m, "Keyframe", "A state that a scene was given a name for.")
+      .def_ro("name", &Keyframe::name)
+      .def("__repr__", [](const Keyframe& key) { return "<Keyframe '" + key.name + "'>"; })
+      .def_ro("time", &Keyframe::time, "[s]")
+      .def_prop_ro(
+          "q", [](const Keyframe& key) { return numbers(key.q); }, nb::sig(returns_array("q").c_str()), "(nq)")
+      .def_prop_ro(
+          "v", [](const Keyframe& key) { return numbers(key.v); }, nb::sig(returns_array("v").c_str()), "(nv)")
+      .def_prop_ro(
+          "ctrl", [](const Keyframe& key) { return numbers(key.ctrl); }, nb::sig(returns_array("ctrl").c_str()),
+          "(nu)");
+}
+
+}  // namespace
+
+void bind_model_parts(nb::module_& m) {
+  bind_tree(m);
+  bind_geom(m);
+  bind_couplings(m);
+}
+
+}  // namespace manyhands

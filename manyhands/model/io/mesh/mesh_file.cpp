@@ -1,0 +1,69 @@
+#include "manyhands/model/io/mesh/mesh_file.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <fstream>
+#include <string>
+
+#include "manyhands/model/io/text_numbers.h"
+
+namespace manyhands {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::uintmax_t kMostBytes = std::uintmax_t{128} << 20;
+
+std::string read_bytes(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) throw MeshError("there is no such file");
+  const std::uintmax_t size = fs::file_size(path, error);
+  if (error || size > kMostBytes)
+    throw MeshError("the file has more than " + std::to_string(kMostBytes >> 20) + " MiB");
+  std::string bytes(static_cast<std::size_t>(size), '\0');
+  std::ifstream stream(path, std::ios::binary);
+  stream.read(bytes.data(), static_cast<std::streamsize>(size));
+  if (!stream) throw MeshError("the file cannot be read");
+  return bytes;
+}
+
+Mesh read(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (extension == ".stl") return io::read_stl(read_bytes(path));
+  if (extension == ".obj") return io::read_obj(read_bytes(path));
+  if (extension == ".dae") return io::read_dae(read_bytes(path));
+  throw MeshError("the format " + io::in_quotes(extension) + " is not known; expected .stl, .obj or .dae");
+}
+
+void apply_scale(Mesh& mesh, const Vec3<double>& scale) {
+  for (Vec3<float>& v : mesh.vertices) {
+    v = {static_cast<float>(v.x * scale.x), static_cast<float>(v.y * scale.y), static_cast<float>(v.z * scale.z)};
+    if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z)) {
+      throw MeshError("a vertex is not finite");
+    }
+  }
+  if (scale.x * scale.y * scale.z < 0) {
+    for (std::array<int, 3>& t : mesh.triangles) std::swap(t[1], t[2]);
+  }
+}
+
+}  // namespace
+
+Mesh load_mesh(const fs::path& path, const Vec3<double>& scale) {
+  try {
+    Mesh mesh = read(path);
+    mesh.source = path.string();
+    std::erase_if(mesh.triangles, [](const auto& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
+    if (mesh.triangles.empty()) throw MeshError("the file holds no triangles");
+    apply_scale(mesh, scale);
+    return mesh;
+  } catch (const MeshError& error) {
+    throw MeshError(path.string() + ": " + error.what());
+  }
+}
+
+}  // namespace manyhands

@@ -1,0 +1,180 @@
+// <actuator>: motors, position and velocity servos on joints, however they are written.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "manyhands/model/io/mjcf/mjcf_scene.h"
+#include "manyhands/model/io/text_numbers.h"
+
+namespace manyhands::io {
+
+namespace {
+
+/// MuJoCo's form: force = gain ctrl + bias0 + bias1 length + bias2 velocity, in the actuator's space.
+struct Law {
+  double gain = 1;
+  std::array<double, 3> bias{0, 0, 0};
+};
+
+double first_number(const MjcfElement& e, const char* attribute, double fallback) {
+  return e.has(attribute) ? e.numbers(attribute, 1, 10)[0] : fallback;
+}
+
+/// Inertia that the joint meets at qpos0, its armature included: the diagonal of the mass matrix.
+double inertia_at(const MjcfScene& scene, const MjcfJoint& joint) {
+  const Joint& described = scene.builder.joints()[joint.id.index()];
+  double mass = 0, about_axis = 0;
+  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+    int above = static_cast<int>(i);
+    while (above > 0 && above != joint.body) above = scene.bodies[static_cast<std::size_t>(above)].parent;
+    if (above != joint.body) continue;
+    const MjcfBody& body = scene.bodies[i];
+    const Inertial& inertial = scene.builder.links()[body.link.index()].inertial;
+    const Vec3<double> arm = cross(joint.axis_W, body.X_WB * inertial.com - joint.anchor_W);
+    mass += inertial.mass;
+    about_axis +=
+        inertial.mass * squared_norm(arm) + dot(joint.axis_W, rotated(body.X_WB.R, inertial.inertia) * joint.axis_W);
+  }
+  return described.armature + (described.type == JointType::kPrismatic ? mass : about_axis);
+}
+
+/// kd of a position servo: kv, or the damping of a ratio to critical (MuJoCo's mj_setConst).
+double damping_of(const MjcfScene& scene, const MjcfElement& e, const MjcfJoint& joint, double kp, double gear) {
+  if (!e.has("dampratio")) return e.positive_or("kv", 0);
+  if (e.has_own("kv")) e.fail("both 'kv' and 'dampratio' are given; expected one");
+  return e.positive_or("dampratio", 1) * 2 * std::sqrt(kp * inertia_at(scene, joint) / (gear * gear));
+}
+
+/// The law of a <general>; nothing, with a note, if it is of another kind.
+std::optional<Law> general_law(const MjcfElement& e) {
+  const auto has_other = [&](const char* attribute, std::initializer_list<std::string_view> known) {
+    const std::string value = e.text_or(attribute, std::string(*known.begin()));
+    if (std::ranges::find(known, value) != known.end()) return false;
+    e.note_serious(LoadAction::kIgnored,
+                   std::string(attribute) + " " + in_quotes(value) + " is not read; it is left out");
+    return true;
+  };
+  if (has_other("dyntype", {"none"}) || has_other("gaintype", {"fixed"}) || has_other("biastype", {"none", "affine"})) {
+    return std::nullopt;
+  }
+  Law law{.gain = first_number(e, "gainprm", 1)};
+  if (e.text_or("biastype", "none") == "affine" && e.has("biasprm")) {
+    const std::vector<double> bias = e.numbers("biasprm", 1, 10);
+    std::copy_n(bias.begin(), std::min<std::size_t>(bias.size(), 3), law.bias.begin());
+  }
+  return law;
+}
+
+std::optional<Law> law_of(const MjcfScene& scene, const MjcfElement& e, const MjcfJoint& joint, double gear) {
+  const std::string_view tag = e.tag();
+  if (tag == "motor") return Law{};
+  if (tag == "general") return general_law(e);
+  if (tag == "velocity") {
+    const double kv = e.positive_or("kv", 1);
+    return Law{kv, {0, 0, -kv}};
+  }
+  if (e.number_or("timeconst", 0) != 0) e.note(LoadAction::kIgnored, "the filter of 'timeconst' is not used");
+  const double kp = e.has("kp") ? e.positive_or("kp", 1) : std::abs(first_number(e, "gainprm", 1));
+  return Law{kp, {0, -kp, -damping_of(scene, e, joint, kp, gear)}};
+}
+
+/// Writes the law into the actuator; false if none of its types can hold it.
+bool apply(const Law& law, Actuator& actuator) {
+  const auto& [b0, b1, b2] = law.bias;
+  if (law.gain == 0 || b0 != 0 || b1 > 0 || b2 > 0) return false;
+  if (b1 == 0 && b2 == 0) {
+    actuator.type = ActuatorType::kMotor;
+    actuator.gear *= law.gain;
+    return true;
+  }
+  if (b1 == 0 && b2 == -law.gain) {
+    actuator.type = ActuatorType::kVelocity;
+    actuator.kd = law.gain;
+    return true;
+  }
+  actuator.type = ActuatorType::kPosition;
+  actuator.kp = law.gain;
+  actuator.kd = -b2;
+  return b1 == -law.gain;
+}
+
+bool is_limited(const MjcfScene& scene, const MjcfElement& e, const char* range, const char* limited) {
+  const std::string word = e.word_or(limited, {"true", "false", "auto"}, "auto");
+  if (word == "auto" && e.has(range) && !scene.settings.autolimits) {
+    e.fail(std::string("it has '") + range + "' but not '" + limited + "', and autolimits is false");
+  }
+  if (word == "true" && !e.has(range)) e.fail(std::string("it is limited but has no '") + range + "'");
+  return word == "true" || (word == "auto" && e.has(range));
+}
+
+void read_ranges(const MjcfScene& scene, const MjcfElement& e, double gear, Actuator& actuator) {
+  if (is_limited(scene, e, "ctrlrange", "ctrllimited")) {
+    const std::vector<double> range = e.numbers("ctrlrange", 2, 2);
+    actuator.min_ctrl = range[0];
+    actuator.max_ctrl = range[1];
+  } else if (e.tag() == "position" && e.number_or("inheritrange", 0) > 0) {
+    const JointLimits& limits = scene.builder.joints()[actuator.joint.index()].limits;
+    if (!is_finite(limits.lower)) e.fail("'inheritrange' needs a joint with a range");
+    const double middle = 0.5 * (limits.lower + limits.upper);
+    const double half = 0.5 * (limits.upper - limits.lower) * e.number_or("inheritrange", 0);
+    actuator.min_ctrl = middle - half;
+    actuator.max_ctrl = middle + half;
+  }
+  if (!is_limited(scene, e, "forcerange", "forcelimited")) return;
+  const std::vector<double> range = e.numbers("forcerange", 2, 2);
+  const double most = std::max(std::abs(range[0]), std::abs(range[1]));
+  actuator.max_force = std::abs(gear) * most;
+  if (range[0] != -range[1]) {
+    e.note(LoadAction::kRepaired, "'forcerange' is not symmetric; " + format_number(most) + " both ways taken");
+  }
+}
+
+/// Adds the actuator and returns its index; -1, with a note, if it is left out.
+int add_actuator(MjcfScene& scene, const MjcfElement& e, const std::string& name) {
+  const std::string tag(e.tag());
+  if (tag != "motor" && tag != "position" && tag != "velocity" && tag != "general") {
+    e.note_serious(LoadAction::kIgnored, "an actuator of kind <" + tag + "> is not read; it is left out");
+    return -1;
+  }
+  const char* const on = e.has("joint") ? "joint" : "jointinparent";
+  if (!e.has(on)) {
+    e.note_serious(LoadAction::kIgnored, "it does not act on a joint; it is left out");
+    return -1;
+  }
+  const MjcfJoint& joint = scene.joint(e, on);
+  if (velocity_size(scene.builder.joints()[joint.id.index()].type) != 1) {
+    e.note_serious(LoadAction::kIgnored,
+                   "joint " + in_quotes(joint.name) + " is no hinge or slide; the actuator is left out");
+    return -1;
+  }
+  e.expect(
+      {"name",         "class",   "joint",   "jointinparent", "gear",      "ctrlrange",    "ctrllimited", "forcerange",
+       "forcelimited", "kp",      "kv",      "dampratio",     "timeconst", "inheritrange", "gaintype",    "gainprm",
+       "biastype",     "biasprm", "dyntype", "dynprm",        "group"});
+  const double gear = first_number(e, "gear", 1);
+  if (gear == 0) e.fail("its gear is 0; expected another number");
+  Actuator actuator{.name = name, .joint = joint.id, .gear = gear};
+  const std::optional<Law> law = law_of(scene, e, joint, gear);
+  if (!law) return -1;
+  if (!apply(*law, actuator)) {
+    e.note_serious(LoadAction::kIgnored, "its gain and bias are neither a motor's nor a servo's; it is left out");
+    return -1;
+  }
+  read_ranges(scene, e, gear, actuator);
+  return checked(e, [&] { return scene.builder.add_actuator(actuator).value(); });
+}
+
+}  // namespace
+
+void read_actuators(MjcfScene& scene) {
+  MjcfNames names;
+  for (const MjcfElement& section : scene.root.children("actuator")) {
+    for (const MjcfElement& element : section.children()) {
+      const std::string name = claim_name(names, element.named("actuator"), "actuator", names.size(), scene.reserved);
+      const MjcfElement e = element.named("actuator '" + name + "'").with_defaults(scene.classes, "actuator");
+      scene.actuators.push_back(add_actuator(scene, e, name));
+    }
+  }
+}
+
+}  // namespace manyhands::io

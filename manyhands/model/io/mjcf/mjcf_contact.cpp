@@ -1,0 +1,198 @@
+// Which geoms may touch: contype and conaffinity, <contact>'s pairs and exclusions, and MuJoCo's rules for neighbours.
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "manyhands/model/io/mjcf/mjcf_scene.h"
+
+namespace manyhands::io {
+
+namespace {
+
+using Kind = std::pair<int, int>;  // contype, conaffinity
+
+bool may_touch(const Kind& a, const Kind& b) { return (a.first & b.second) != 0 || (b.first & a.second) != 0; }
+
+// MuJoCo lets two geoms touch if either's contype meets the other's conaffinity; here each one's group must be in the
+// other's mask. With one bit of group for each kind of geom, and in its mask the bits of all kinds that it may touch,
+// the two rules are one. The default kind keeps bit 0, and bits that no kind has go with it, so that geoms added in
+// code, of group 1 and every mask, meet those of the file as geoms by default would.
+std::vector<Kind> kinds_of(const MjcfScene& scene) {
+  std::set<Kind> found{{1, 1}};
+  for (const MjcfGeom& geom : scene.geoms) found.emplace(geom.contype, geom.conaffinity);
+  const auto behave_alike = [&](const Kind& a, const Kind& b) {
+    return std::ranges::all_of(found, [&](const Kind& other) { return may_touch(a, other) == may_touch(b, other); });
+  };
+  std::vector<Kind> kinds{{1, 1}};
+  for (const Kind& kind : found) {
+    if (std::ranges::any_of(kinds, [&](const Kind& other) { return behave_alike(kind, other); })) continue;
+    kinds.push_back(kind);
+    if (kinds.size() > 32) scene.root.fail("contype and conaffinity make more than 32 kinds of geoms; expected fewer");
+  }
+  return kinds;
+}
+
+void set_filters(MjcfScene& scene) {
+  const std::vector<Kind> kinds = kinds_of(scene);
+  const std::uint32_t used = kinds.size() < 32 ? (1u << kinds.size()) - 1 : 0xffffffffu;
+  const auto mask_of = [&](const Kind& kind) {
+    std::uint32_t mask = may_touch(kind, {1, 1}) ? ~used : 0;
+    for (std::size_t k = 0; k < kinds.size(); ++k) {
+      if (may_touch(kind, kinds[k])) mask |= 1u << k;
+    }
+    return mask;
+  };
+  std::vector<std::uint32_t> masks;
+  masks.reserve(kinds.size());
+  for (const Kind& kind : kinds) masks.push_back(mask_of(kind));
+  for (const MjcfGeom& entry : scene.geoms) {
+    if (!entry.id) continue;
+    const std::uint32_t mask = mask_of({entry.contype, entry.conaffinity});
+    const auto kind = static_cast<std::size_t>(std::ranges::find(masks, mask) - masks.begin());
+    Geom& geom = scene.builder.geom(*entry.id);
+    geom.filter = {.group = 1u << kind, .mask = mask};
+  }
+}
+
+/// What touches nothing is only seen; as a mesh it keeps its own surface.
+void set_roles(MjcfScene& scene) {
+  for (const MjcfGeom& entry : scene.geoms) {
+    if (!entry.id || entry.is_in_pair || entry.contype != 0 || entry.conaffinity != 0) continue;
+    Geom& geom = scene.builder.geom(*entry.id);
+    geom.role = GeomRole::kVisual;
+    if (geom.shape.type == ShapeType::kConvex) geom.shape.type = ShapeType::kMesh;
+  }
+}
+
+void read_pair(MjcfScene& scene, const MjcfElement& element) {
+  const std::string name = element.text_or("name", "");
+  const MjcfElement e = element.named("pair '" + name + "'").with_defaults(scene.classes, "pair");
+  e.expect(
+      {"name", "class", "geom1", "geom2", "condim", "friction", "solref", "solimp", "solreffriction", "margin", "gap"});
+  e.ignore({"solref", "solimp", "solreffriction", "margin", "gap"});
+  MjcfGeom& a = scene.geoms[scene.geom(e, "geom1")];
+  MjcfGeom& b = scene.geoms[scene.geom(e, "geom2")];
+  if (!a.id || !b.id) {
+    e.note(LoadAction::kIgnored, "one of its geoms was left out, and so is the pair");
+    return;
+  }
+  a.is_in_pair = b.is_in_pair = true;
+  ContactPair pair{.a = *a.id, .b = *b.id};
+  if (e.has("condim") || e.has("friction")) {
+    const SurfaceMaterial &sa = scene.builder.geom(*a.id).surface, &sb = scene.builder.geom(*b.id).surface;
+    std::array<double, 3> friction{std::max(sa.lateral_friction, sb.lateral_friction),
+                                   std::max(sa.spinning_friction, sb.spinning_friction),
+                                   std::max(sa.rolling_friction, sb.rolling_friction)};
+    const std::vector<double> given = e.has("friction") ? e.numbers("friction", 1, 5) : std::vector<double>{};
+    constexpr std::array<std::size_t, 5> kMeaning{0, 0, 1, 2, 2};  // sliding twice, spinning, rolling twice
+    for (std::size_t i = 0; i < given.size(); ++i) {
+      if (given[i] < 0) e.fail("a coefficient of friction is negative; expected 0 or more");
+      const bool is_second = i == 1 || i == 4;
+      if (is_second && given[i] != given[i - 1]) {
+        e.note(LoadAction::kRepaired, "frictions differ by direction; the first of each counts");
+      }
+      if (!is_second) friction[kMeaning[i]] = given[i];
+    }
+    pair.surface = surface_of(friction, read_condim(e, std::max(a.condim, b.condim)));
+  }
+  if (!scene.pairs.insert({std::min(*a.id, *b.id), std::max(*a.id, *b.id)}).second) {
+    e.fail("there is a pair of these geoms already; expected it once");
+  }
+  scene.builder.add_contact_pair(pair);
+}
+
+void read_exclude(MjcfScene& scene, const MjcfElement& element) {
+  const MjcfElement e = element.named("exclude '" + element.text_or("name", "") + "'");
+  e.expect({"name", "body1", "body2"});
+  const LinkId a = scene.body(e, "body1").link, b = scene.body(e, "body2").link;
+  scene.exclusions.insert({std::min(a, b), std::max(a, b)});
+  scene.builder.exclude_contact(a, b);
+}
+
+/// Bodies that lie next to each other in MuJoCo, though links between their joints part them here.
+void exclude_across_chains(MjcfScene& scene) {
+  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
+    const MjcfBody& body = scene.bodies[i];
+    if (!body.has_chain) continue;
+    const int around = scene.bodies[static_cast<std::size_t>(body.parent)].first_moving;
+    if (around == 0) continue;
+    for (const MjcfBody& outer : scene.bodies) {
+      if (outer.first_moving != around) continue;
+      for (const MjcfBody& inner : scene.bodies) {
+        if (inner.first_moving == static_cast<int>(i)) scene.builder.exclude_contact(outer.link, inner.link);
+      }
+    }
+  }
+}
+
+/// MuJoCo's whole rule: kinds, bodies that move as one, parents and children, exclusions.
+bool may_touch(const MjcfScene& scene, const MjcfGeom& a, const MjcfGeom& b) {
+  if (!may_touch(Kind{a.contype, a.conaffinity}, Kind{b.contype, b.conaffinity})) return false;
+  const auto body = [&](int i) -> const MjcfBody& { return scene.bodies[static_cast<std::size_t>(i)]; };
+  const int moving_a = body(a.body).first_moving, moving_b = body(b.body).first_moving;
+  if (moving_a == moving_b) return false;
+  const auto is_parent_of = [&](int parent, int child) { return body(body(child).parent).first_moving == parent; };
+  if (moving_a != 0 && moving_b != 0 && (is_parent_of(moving_a, moving_b) || is_parent_of(moving_b, moving_a))) {
+    return false;
+  }
+  const LinkId link_a = body(a.body).link, link_b = body(b.body).link;
+  return !scene.exclusions.contains({std::min(link_a, link_b), std::max(link_a, link_b)});
+}
+
+/// Whether one moves by a single joint on the other, which is fixed: neighbours that do not touch here, but in MuJoCo.
+bool is_on_base(const MjcfScene& scene, const MjcfGeom& geom, const MjcfGeom& base) {
+  const int moving = scene.bodies[static_cast<std::size_t>(geom.body)].first_moving;
+  const MjcfBody& body = scene.bodies[static_cast<std::size_t>(moving)];
+  return moving != 0 && base.body != 0 && body.parent == base.body && !body.has_chain &&
+         scene.bodies[static_cast<std::size_t>(base.body)].first_moving == 0;
+}
+
+/// MuJoCo's surface of two geoms: the larger condim and frictions, or those of the geom of higher priority.
+SurfaceMaterial surface_between(const MjcfGeom& a, const MjcfGeom& b) {
+  if (a.priority != b.priority) {
+    const MjcfGeom& higher = a.priority > b.priority ? a : b;
+    return surface_of(higher.friction, higher.condim);
+  }
+  std::array<double, 3> friction{};
+  for (std::size_t i = 0; i < 3; ++i) friction[i] = std::max(a.friction[i], b.friction[i]);
+  return surface_of(friction, std::max(a.condim, b.condim));
+}
+
+/// Pairs that say what filters and the larger friction of two surfaces cannot.
+void add_needed_pairs(MjcfScene& scene) {
+  for (std::size_t i = 0; i < scene.geoms.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      const MjcfGeom &a = scene.geoms[k], &b = scene.geoms[i];
+      if (!a.id || !b.id) continue;
+      const SurfaceMaterial theirs = surface_between(a, b);
+      const SurfaceMaterial own_a = surface_of(a.friction, a.condim), own_b = surface_of(b.friction, b.condim);
+      const bool is_largest = theirs.lateral_friction == std::max(own_a.lateral_friction, own_b.lateral_friction) &&
+                              theirs.spinning_friction == std::max(own_a.spinning_friction, own_b.spinning_friction) &&
+                              theirs.rolling_friction == std::max(own_a.rolling_friction, own_b.rolling_friction);
+      if (is_largest && !is_on_base(scene, a, b) && !is_on_base(scene, b, a)) continue;
+      if (scene.pairs.contains({*a.id, *b.id}) || !may_touch(scene, a, b)) continue;
+      ContactPair pair{.a = *a.id, .b = *b.id};
+      if (!is_largest) pair.surface = theirs;
+      scene.builder.add_contact_pair(pair);
+    }
+  }
+}
+
+}  // namespace
+
+void read_contacts(MjcfScene& scene) {
+  for (const MjcfElement& section : scene.root.children("contact")) {
+    section.named("contact").expect({}, {"pair", "exclude"});
+    for (const MjcfElement& element : section.children()) {
+      if (element.tag() == "pair") read_pair(scene, element);
+      if (element.tag() == "exclude") read_exclude(scene, element);
+    }
+  }
+  set_filters(scene);
+  set_roles(scene);
+  exclude_across_chains(scene);
+  add_needed_pairs(scene);
+  scene.builder.set_contact_rules({.friction = CombineRule::kMaximum});
+}
+
+}  // namespace manyhands::io

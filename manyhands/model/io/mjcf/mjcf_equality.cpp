@@ -1,0 +1,111 @@
+// <equality>: connect, weld and joint as loops.
+#include "manyhands/model/io/mjcf/mjcf_scene.h"
+#include "manyhands/model/io/text_numbers.h"
+
+namespace manyhands::io {
+
+namespace {
+
+void read_sites(const MjcfScene& scene, const MjcfElement& e, LoopConstraint& loop) {
+  const auto site = [&](const char* attribute) {
+    const std::string name = e.text(attribute);
+    const auto found = scene.sites.find(name);
+    if (found == scene.sites.end()) e.fail("there is no site " + in_quotes(name) + "; expected the name of a <site>");
+    return found->second;
+  };
+  const MjcfSite a = site("site1"), b = site("site2");
+  loop.link_a = a.link;
+  loop.link_b = b.link;
+  loop.X_LA = a.X_LS;
+  loop.X_LB = b.X_LS;
+}
+
+const MjcfBody& second_body(const MjcfScene& scene, const MjcfElement& e) {
+  return e.has("body2") ? scene.body(e, "body2") : scene.bodies[0];
+}
+
+void read_connect(const MjcfScene& scene, const MjcfElement& e, LoopConstraint& loop) {
+  loop.type = LoopType::kPoint;
+  if (e.has("site1")) return read_sites(scene, e, loop);
+  if (!e.has("anchor")) e.fail("attribute 'anchor' of <connect> is missing");
+  const MjcfBody &a = scene.body(e, "body1"), &b = second_body(scene, e);
+  loop.link_a = a.link;
+  loop.link_b = b.link;
+  // The point is given on the first body; on the second it is where the file's poses put it.
+  loop.X_LA.p = e.vec3_or("anchor", Vec3<double>::zero());
+  loop.X_LB.p = inverse(b.X_WB) * (a.X_WB * loop.X_LA.p);
+}
+
+void read_weld(const MjcfScene& scene, const MjcfElement& e, LoopConstraint& loop) {
+  loop.type = LoopType::kFixed;
+  if (e.has("site1")) return read_sites(scene, e, loop);
+  const MjcfBody &a = scene.body(e, "body1"), &b = second_body(scene, e);
+  loop.link_a = a.link;
+  loop.link_b = b.link;
+  Transform<double> X_AB = inverse(a.X_WB) * b.X_WB;
+  if (e.has("relpose")) {
+    const std::vector<double> v = e.numbers("relpose", 7, 7);
+    const bool has_quaternion = v[3] != 0 || v[4] != 0 || v[5] != 0 || v[6] != 0;  // else the file's poses count
+    if (has_quaternion) X_AB = {to_matrix(quat_from_wxyz(e, &v[3])), {v[0], v[1], v[2]}};
+  }
+  loop.X_LB.p = e.vec3_or("anchor", Vec3<double>::zero());
+  loop.X_LA = X_AB * loop.X_LB;
+}
+
+/// q1 - q1_0 = a0 + a1 (q2 - q2_0) + ...; false if it cannot be a loop, which is noted.
+bool read_joints(const MjcfScene& scene, const MjcfElement& e, LoopConstraint& loop) {
+  loop.type = LoopType::kJoint;
+  const MjcfJoint& driven = scene.joint(e, "joint1");
+  if (!e.has("joint2")) {
+    e.note_serious(LoadAction::kIgnored, "a joint held at one place is not read; give it a range instead");
+    return false;
+  }
+  const MjcfJoint& driver = scene.joint(e, "joint2");
+  for (const MjcfJoint* joint : {&driven, &driver}) {
+    const JointType type = scene.builder.joints()[joint->id.index()].type;
+    if (velocity_size(type) != 1) e.fail("joint " + in_quotes(joint->name) + " is no hinge or slide");
+  }
+  std::vector<double> c = e.has("polycoef") ? e.numbers("polycoef", 1, 5) : std::vector<double>{};
+  constexpr std::array<double, 5> kDefaults{0, 1, 0, 0, 0};
+  for (std::size_t i = c.size(); i < kDefaults.size(); ++i) c.push_back(kDefaults[i]);
+  if (c[2] != 0 || c[3] != 0 || c[4] != 0) {
+    e.note(LoadAction::kRepaired, "the quadratic to quartic coefficients are not used; the linear ones are");
+  }
+  loop.joint_a = driver.id;
+  loop.joint_b = driven.id;
+  loop.ratio = c[1];
+  loop.offset = driven.reference + c[0] - c[1] * driver.reference;
+  return true;
+}
+
+void read_equality(MjcfScene& scene, const MjcfElement& element) {
+  const std::string kind(element.tag());
+  if (kind != "connect" && kind != "weld" && kind != "joint") return;
+  const std::string given = element.text_or("name", "");
+  const std::string name = given.empty() ? kind + "_" + std::to_string(scene.num_equalities) : given;
+  ++scene.num_equalities;
+  const MjcfElement e = element.named("equality " + in_quotes(name)).with_defaults(scene.classes, "equality");
+  e.expect({"name", "class", "active", "body1", "body2", "anchor", "site1", "site2", "relpose", "torquescale", "joint1",
+            "joint2", "polycoef", "solref", "solimp"});
+  e.ignore({"solref", "solimp", "torquescale"});
+  if (!e.boolean_or("active", true)) {
+    e.note(LoadAction::kIgnored, "it is not active, and left out");
+    return;
+  }
+  LoopConstraint loop{.name = name};
+  if (kind == "connect") read_connect(scene, e, loop);
+  if (kind == "weld") read_weld(scene, e, loop);
+  if (kind == "joint" && !read_joints(scene, e, loop)) return;
+  checked(e, [&] { scene.builder.add_loop(loop); });
+}
+
+}  // namespace
+
+void read_equalities(MjcfScene& scene) {
+  for (const MjcfElement& section : scene.root.children("equality")) {
+    section.named("equality").expect({}, {"connect", "weld", "joint"});
+    for (const MjcfElement& element : section.children()) read_equality(scene, element);
+  }
+}
+
+}  // namespace manyhands::io

@@ -1,0 +1,214 @@
+// <geom>: its shape, place, surface and mass.
+#include <algorithm>
+#include <cmath>
+
+#include "manyhands/model/io/mjcf/mjcf_scene.h"
+#include "manyhands/model/io/text_numbers.h"
+
+namespace manyhands::io {
+
+namespace {
+
+/// Points all over the unit sphere: an icosahedron, its triangles cut into four twice.
+std::vector<Vec3<double>> points_on_sphere() {
+  constexpr double kGolden = 1.618033988749895;
+  std::vector<Vec3<double>> points;
+  for (const double a : {-1.0, 1.0}) {
+    for (const double b : {-kGolden, kGolden}) {
+      points.push_back({0, a, b});
+      points.push_back({a, b, 0});
+      points.push_back({b, 0, a});
+    }
+  }
+  for (int cut = 0; cut < 2; ++cut) {
+    double shortest = norm(points[0] - points[1]);
+    for (std::size_t i = 1; i < points.size(); ++i) shortest = std::min(shortest, norm(points[0] - points[i]));
+    const std::size_t count = points.size();
+    for (std::size_t i = 0; i < count; ++i) {
+      for (std::size_t k = 0; k < i; ++k) {
+        // Neighbours: the next points on the sphere are 1.7 times as far.
+        if (norm(points[i] - points[k]) < 1.35 * shortest) points.push_back(0.5 * (points[i] + points[k]));
+      }
+    }
+    for (Vec3<double>& p : points) p = (1 / norm(p)) * p;
+  }
+  return points;
+}
+
+MeshId ellipsoid_hull(MjcfScene& scene, const Vec3<double>& s) {
+  const auto [entry, is_new] = scene.ellipsoids.try_emplace({s.x, s.y, s.z});
+  if (is_new) {
+    static const std::vector<Vec3<double>> kPoints = points_on_sphere();
+    Mesh mesh{.source = "ellipsoid " + format_number(s.x) + " " + format_number(s.y) + " " + format_number(s.z)};
+    for (const Vec3<double>& p : kPoints) {
+      mesh.vertices.push_back(
+          {static_cast<float>(s.x * p.x), static_cast<float>(s.y * p.y), static_cast<float>(s.z * p.z)});
+    }
+    entry->second = scene.builder.add_mesh(hull_of(mesh));
+  }
+  return entry->second;
+}
+
+/// What the readers of shapes work on.
+struct Part {
+  const MjcfElement& element;
+  std::string type;
+  Geom geom{};
+  Inertial volume{};  ///< mass properties at density 1 in the geom's frame
+};
+
+/// The first `count` sizes, of which those that `fromto` tells are left out.
+std::vector<double> read_size(const MjcfElement& e, std::size_t count) {
+  const std::vector<double> size = e.has("size") ? e.numbers("size", count, 3) : std::vector<double>{};
+  if (size.size() < count) {
+    e.fail("attribute 'size' of <geom> is missing; expected " + std::to_string(count) + " numbers");
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!(size[i] > 0)) e.fail("size " + format_number(size[i]) + " is not above 0");
+  }
+  return size;
+}
+
+void read_primitive(MjcfScene& scene, Part& part, const MjcfPlaced& placed) {
+  const MjcfElement& e = part.element;
+  const bool has_ends = e.has("fromto");
+  const bool is_round = part.type == "capsule" || part.type == "cylinder";
+  if (has_ends && !is_round && part.type != "box" && part.type != "ellipsoid") {
+    e.fail("'fromto' places capsules, cylinders, boxes and ellipsoids only");
+  }
+  const std::size_t sizes = part.type == "sphere" || has_ends ? 1 : is_round ? 2 : 3;
+  const std::vector<double> given = read_size(e, sizes);
+  Vec3<double> size{given[0], sizes > 1 ? given[1] : 0, sizes > 2 ? given[2] : 0};
+  if (has_ends) {
+    const std::vector<double> v = e.numbers("fromto", 6, 6);
+    const Vec3<double> from{v[0], v[1], v[2]}, to{v[3], v[4], v[5]};
+    const double half = 0.5 * norm(from - to);
+    if (!(half > 1e-10)) e.fail("the ends of 'fromto' are one point");
+    part.geom.X_LG = placed.X_BF * Transform<double>{rotation_from_z(from - to), 0.5 * (from + to)};
+    size = is_round ? Vec3<double>{given[0], half, 0} : Vec3<double>{given[0], given[0], half};
+  }
+  Shape& shape = part.geom.shape;
+  if (part.type == "ellipsoid") {
+    shape = {.type = ShapeType::kConvex, .mesh = ellipsoid_hull(scene, size)};
+    part.volume = solid_ellipsoid(size);
+    e.note_once("ellipsoid", LoadAction::kRepaired, "the ellipsoid became the hull of 162 points on it");
+    return;
+  }
+  shape.type = part.type == "sphere"    ? ShapeType::kSphere
+               : part.type == "capsule" ? ShapeType::kCapsule
+               : part.type == "box"     ? ShapeType::kBox
+                                        : ShapeType::kCylinder;
+  shape.size = size;
+  part.volume = solid_of(shape);
+}
+
+/// Planes and height fields belong to what never moves.
+void require_fixed(const Part& part, const MjcfBody& body) {
+  if (body.first_moving != 0) part.element.fail("a " + part.type + " lies on a body that moves; expected a fixed one");
+}
+
+/// Reads the shape into `part`; false if it is left out, which is noted.
+bool read_shape(MjcfScene& scene, const MjcfBody& body, Part& part, const MjcfPlaced& placed) {
+  const MjcfElement& e = part.element;
+  part.geom.X_LG = placed.X_BF * read_pose(e, scene.settings);
+  if (part.type == "plane") {
+    require_fixed(part, body);
+    part.geom.shape.type = ShapeType::kPlane;
+    return true;
+  }
+  if (part.type == "hfield") {
+    require_fixed(part, body);
+    const auto id = scene.assets.height_field(e.text("hfield"), e, scene.builder);
+    if (!id) return false;
+    part.geom.shape = {.type = ShapeType::kHeightField, .height_field = *id};
+    return true;
+  }
+  if (part.type == "mesh") {
+    const MjcfMesh* const mesh = scene.assets.mesh(e.text("mesh"), e, scene.builder);
+    if (mesh == nullptr) return false;
+    part.geom.shape = {.type = ShapeType::kConvex, .mesh = mesh->id};
+    part.volume = mesh->per_density;
+    return true;
+  }
+  if (part.type == "sdf" || e.has("mesh")) {
+    e.note_serious(LoadAction::kIgnored, "a " + part.type + " fitted to a mesh is not read; the geom is left out");
+    return false;
+  }
+  read_primitive(scene, part, placed);
+  return true;
+}
+
+std::array<double, 3> read_friction(const MjcfElement& e) {
+  std::array<double, 3> friction{1, 0.005, 0.0001};
+  if (e.has("friction")) std::ranges::copy(e.numbers("friction", 1, 3), friction.begin());
+  if (*std::ranges::min_element(friction) < 0) e.fail("a coefficient of friction is negative; expected 0 or more");
+  return friction;
+}
+
+}  // namespace
+
+SurfaceMaterial surface_of(const std::array<double, 3>& friction, int condim) {
+  SurfaceMaterial surface;
+  surface.lateral_friction = condim >= 3 ? friction[0] : 0;
+  surface.spinning_friction = condim >= 4 ? friction[1] : 0;
+  surface.rolling_friction = condim >= 6 ? friction[2] : 0;
+  return surface;
+}
+
+int read_condim(const MjcfElement& e, int fallback) {
+  const int condim = e.integer_or("condim", fallback);
+  if (condim != 1 && condim != 3 && condim != 4 && condim != 6) {
+    e.fail("condim is " + std::to_string(condim) + "; expected 1, 3, 4 or 6");
+  }
+  return condim;
+}
+
+MjcfGeomMass add_geom(MjcfScene& scene, int body_index, const MjcfPlaced& placed) {
+  const MjcfBody& body = scene.bodies[static_cast<std::size_t>(body_index)];
+  const std::string name = claim_name(scene.geom_names, placed.element, "geom", scene.geoms.size(), scene.reserved);
+  const MjcfElement e = placed.element.named("geom '" + name + "'").with_defaults(scene.classes, "geom");
+  e.expect(
+      {"name",        "class", "type",     "pos",        "quat",      "axisangle",   "euler",    "xyaxes", "zaxis",
+       "fromto",      "size",  "mesh",     "hfield",     "mass",      "density",     "friction", "condim", "contype",
+       "conaffinity", "rgba",  "material", "margin",     "group",     "gap",         "solref",   "solimp", "solmix",
+       "priority",    "user",  "fitscale", "fluidshape", "fluidcoef", "shellinertia"},
+      {});
+  e.ignore({"solref", "solimp", "solmix", "gap", "user", "fluidshape", "fluidcoef", "shellinertia"});
+  MjcfGeom entry{.name = name, .id = {}, .source = e, .body = body_index};
+  entry.contype = e.integer_or("contype", 1);
+  entry.conaffinity = e.integer_or("conaffinity", 1);
+  entry.condim = read_condim(e, 3);
+  entry.priority = e.integer_or("priority", 0);
+  entry.friction = read_friction(e);
+
+  Part part{
+      .element = e,
+      .type = e.word_or("type", {"plane", "hfield", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh", "sdf"},
+                        "sphere")};
+  if (!e.has("type") && e.has("mesh")) part.type = "mesh";
+  MjcfGeomMass mass;
+  mass.group = e.integer_or("group", 0);
+  if (read_shape(scene, body, part, placed)) {
+    Geom& geom = part.geom;
+    geom.name = name;
+    geom.link = body.link;
+    geom.surface = surface_of(entry.friction, entry.condim);
+    geom.margin = e.positive_or("margin", 0);
+    geom.rgba = {0.5f, 0.5f, 0.5f, 1};
+    if (e.has("material")) {
+      const MjcfMaterial& material = scene.assets.material(e.text("material"), e);
+      geom.rgba = material.rgba;
+      geom.texture = texture_on(geom.shape.type, material, e);
+    }
+    geom.rgba = read_rgba(e, geom.rgba);
+    const double density = e.positive_or("density", 1000);
+    double factor = density;
+    if (e.has("mass")) factor = part.volume.mass > 0 ? e.positive_or("mass", 0) / part.volume.mass : 0;
+    mass.inertial = manyhands::placed(geom.X_LG, scaled(part.volume, factor));
+    entry.id = checked(e, [&] { return scene.builder.add_geom(std::move(geom)); });
+  }
+  scene.geoms.push_back(std::move(entry));
+  return mass;
+}
+
+}  // namespace manyhands::io

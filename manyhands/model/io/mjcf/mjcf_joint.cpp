@@ -1,0 +1,171 @@
+// <joint> and <freejoint>: the links and joints that carry a body.
+#include <algorithm>
+#include <cmath>
+
+#include "manyhands/model/io/mjcf/mjcf_scene.h"
+#include "manyhands/model/io/text_numbers.h"
+
+namespace manyhands::io {
+
+namespace {
+
+struct Read {
+  Joint joint;
+  Vec3<double> anchor{};  ///< in the body frame
+  double reference = 0;
+};
+
+JointType type_of(const MjcfElement& e) {
+  const std::string word = e.word_or("type", {"hinge", "slide", "ball", "free"}, "hinge");
+  return word == "hinge"   ? JointType::kRevolute
+         : word == "slide" ? JointType::kPrismatic
+         : word == "ball"  ? JointType::kSpherical
+                           : JointType::kFloating;
+}
+
+void read_range(const MjcfElement& e, const MjcfSettings& settings, Joint& joint) {
+  const std::vector<double> range = e.has("range") ? e.numbers("range", 2, 2) : std::vector<double>{0, 0};
+  const std::string limited = e.word_or("limited", {"true", "false", "auto"}, "auto");
+  if (limited == "auto" && e.has("range") && !settings.autolimits) {
+    e.fail("it has 'range' but not 'limited', and autolimits is false; expected limited=\"true\" or \"false\"");
+  }
+  const bool is_limited = limited == "true" || (limited == "auto" && e.has("range") && range[0] != range[1]);
+  if (!is_limited) {
+    if (joint.type == JointType::kRevolute) joint.type = JointType::kContinuous;
+    return;
+  }
+  if (joint.type == JointType::kSpherical || joint.type == JointType::kFloating) {
+    e.note(LoadAction::kIgnored, "the range of a ball or free joint is not used");
+    return;
+  }
+  if (!(range[0] < range[1])) {
+    e.fail("its range is " + format_number(range[0]) + " to " + format_number(range[1]) +
+           "; expected the lower limit first");
+  }
+  const double unit = joint.type == JointType::kRevolute ? settings.radians(1) : 1;
+  joint.limits.lower = unit * range[0];
+  joint.limits.upper = unit * range[1];
+}
+
+void read_effort(const MjcfElement& e, Joint& joint) {
+  if (!e.has("actuatorfrcrange") || e.text_or("actuatorfrclimited", "auto") == "false") return;
+  const std::vector<double> range = e.numbers("actuatorfrcrange", 2, 2);
+  joint.limits.effort = std::max(std::abs(range[0]), std::abs(range[1]));
+  if (range[0] != -range[1]) {
+    e.note(LoadAction::kRepaired, "'actuatorfrcrange' is not symmetric; an effort of " +
+                                      format_number(joint.limits.effort) + " both ways taken");
+  }
+}
+
+/// A coefficient that recent files may give as a polynomial, of which the linear part counts.
+double linear_part(const MjcfElement& e, const char* attribute) {
+  if (!e.has(attribute)) return 0;
+  const std::vector<double> values = e.numbers(attribute, 1, 3);
+  if (std::ranges::any_of(values.begin() + 1, values.end(), [](double x) { return x != 0; })) {
+    e.note(LoadAction::kIgnored, std::string("the nonlinear part of '") + attribute + "' is not used");
+  }
+  if (values[0] >= 0) return values[0];
+  e.note_serious(LoadAction::kRepaired,
+                 std::string(attribute) + " " + format_number(values[0]) + " is negative; 0 taken");
+  return 0;
+}
+
+Read read_joint(const MjcfScene& scene, const MjcfElement& e, const Transform<double>& X_BF) {
+  Read result;
+  Joint& joint = result.joint;
+  if (e.tag() == "freejoint") {
+    e.expect({"name"});
+    joint.type = JointType::kFloating;
+    return result;
+  }
+  e.expect({"name", "class", "type", "pos", "axis", "range", "limited", "ref", "damping", "armature", "frictionloss",
+            "actuatorfrcrange", "actuatorfrclimited", "stiffness", "springref", "springdamper"});
+  e.ignore({"solreflimit", "solimplimit", "solreffriction", "solimpfriction", "margin", "springdamper",
+            "actuatorgravcomp", "user"});
+  joint.type = type_of(e);
+  if (e.has("stiffness") && e.numbers("stiffness", 1, 3)[0] != 0) {
+    e.note(LoadAction::kIgnored, "a spring of stiffness " + e.text("stiffness") + " is not used");
+  }
+  joint.damping = linear_part(e, "damping");
+  joint.friction = linear_part(e, "frictionloss");
+  joint.armature = e.positive_or("armature", 0);
+  read_range(e, scene.settings, joint);
+  read_effort(e, joint);
+  if (joint.type == JointType::kFloating) return result;
+  result.anchor = X_BF * e.vec3_or("pos", Vec3<double>::zero());
+  if (joint.type == JointType::kSpherical) return result;
+  const Vec3<double> axis = e.vec3_or("axis", {0, 0, 1});
+  if (!(norm(axis) > 1e-10)) e.fail("its axis is 0; expected a direction such as \"0 0 1\"");
+  joint.axis = X_BF.R * ((1 / norm(axis)) * axis);
+  const double unit = joint.type == JointType::kPrismatic ? 1 : scene.settings.radians(1);
+  result.reference = unit * e.number_or("ref", 0);
+  return result;
+}
+
+/// A name for a part that MuJoCo does not have.
+template <class Part>
+std::string unused_name(const MjcfScene& scene, const std::vector<Part>& parts, std::string name) {
+  const auto is_this = [&](const Part& part) { return part.name == name; };
+  while (scene.reserved.contains(name) || std::ranges::any_of(parts, is_this)) name += '_';
+  return name;
+}
+
+/// The joint frame F in the parent: at q = 0, which is short of the file's pose by the reference.
+Transform<double> place(const Transform<double>& X_PB, const Read& read) {
+  const Transform<double> X_PF = X_PB * Transform<double>{Mat3<double>::identity(), read.anchor};
+  const Vec3<double> back = -read.reference * read.joint.axis;
+  if (read.joint.type == JointType::kPrismatic) return {X_PF.R, X_PF * back};
+  return {X_PF.R * to_matrix(quat_from_rotation_vector(back)), X_PF.p};
+}
+
+}  // namespace
+
+// MuJoCo lets joints of one body act in turn, each about its own anchor. Here each gets a link whose frame is the
+// joint's; the body's own link is the last of them, or is fixed to it where the anchor is not the body's origin.
+LinkId add_joints(MjcfScene& scene, MjcfBody& body, LinkId parent, const Transform<double>& X_PB,
+                  const std::vector<MjcfPlaced>& joints) {
+  ModelBuilder& builder = scene.builder;
+  const auto fixed = [&](LinkId to, const Transform<double>& X) {
+    const LinkId link = builder.add_link(body.name);
+    builder.add_joint({.name = unused_name(scene, builder.joints(), body.name + "_fixed"),
+                       .type = JointType::kFixed,
+                       .parent = to,
+                       .child = link,
+                       .X_PF = X});
+    return link;
+  };
+  if (joints.empty()) return fixed(parent, X_PB);
+  LinkId carrier = parent;
+  Transform<double> X_CB = X_PB;  // the body, as the file places it, in the carrier's frame at the joints' references
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const std::string name =
+        claim_name(scene.joint_names, joints[i].element, "joint", scene.joints.size(), scene.reserved);
+    const MjcfElement element = joints[i].element.named("joint '" + name + "'").with_defaults(scene.classes, "joint");
+    Read read = read_joint(scene, element, joints[i].X_BF);
+    if (read.joint.type == JointType::kFloating) {
+      if (body.parent != 0) element.fail("a free joint belongs to a body in <worldbody>, not to one inside another");
+      if (joints.size() > 1) element.fail("a free joint must be the only joint of its body");
+      const Quat<double> r = to_quat(X_CB.R);
+      const Vec3<double>& p = X_CB.p;
+      read.joint.initial = {p.x, p.y, p.z, r.x, r.y, r.z, r.w};
+    } else {
+      read.joint.X_PF = place(X_CB, read);
+      if (read.reference != 0) read.joint.initial = {read.reference};
+    }
+    const bool ends_in_body = i + 1 == joints.size() && squared_norm(read.anchor) == 0;
+    const LinkId link =
+        builder.add_link(ends_in_body ? body.name : unused_name(scene, builder.links(), body.name + "_" + name));
+    read.joint.name = name;
+    read.joint.parent = carrier;
+    read.joint.child = link;
+    const JointId id = checked(element, [&] { return builder.add_joint(read.joint); });
+    scene.joints.push_back({name, id, read.reference, static_cast<int>(scene.bodies.size()), body.X_WB * read.anchor,
+                            body.X_WB.R * read.joint.axis});
+    carrier = link;
+    X_CB = {Mat3<double>::identity(), -read.anchor};
+    if (ends_in_body) return link;
+  }
+  return fixed(carrier, X_CB);
+}
+
+}  // namespace manyhands::io

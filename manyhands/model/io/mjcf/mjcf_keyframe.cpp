@@ -1,0 +1,75 @@
+// <keyframe>: states with names.
+#include "manyhands/model/io/mjcf/mjcf_scene.h"
+
+namespace manyhands::io {
+
+namespace {
+
+/// qpos and qvel of MuJoCo become q and v: quaternions from wxyz to xyzw, angular velocities from body to joint axes.
+void turn_joints(const MjcfScene& scene, const MjcfElement& e, std::vector<double>& q, std::vector<double>& v) {
+  std::size_t iq = 0, iv = 0;
+  for (const MjcfJoint& joint : scene.joints) {
+    const JointType type = scene.builder.joints()[joint.id.index()].type;
+    const bool is_free = type == JointType::kFloating;
+    if (is_free || type == JointType::kSpherical) {
+      double* const r = &q[iq + (is_free ? 3 : 0)];
+      const Quat<double> turn = quat_from_wxyz(e, r);
+      r[0] = turn.x;
+      r[1] = turn.y;
+      r[2] = turn.z;
+      r[3] = turn.w;
+      double* const w = &v[iv];
+      const Vec3<double> linear{w[0], w[1], w[2]};
+      const Vec3<double> omega = to_matrix(turn) * (is_free ? Vec3<double>{w[3], w[4], w[5]} : linear);
+      w[0] = omega.x;
+      w[1] = omega.y;
+      w[2] = omega.z;
+      if (is_free) {
+        w[3] = linear.x;
+        w[4] = linear.y;
+        w[5] = linear.z;
+      }
+    }
+    iq += static_cast<std::size_t>(configuration_size(type));
+    iv += static_cast<std::size_t>(velocity_size(type));
+  }
+}
+
+void read_key(MjcfScene& scene, const MjcfElement& element, std::size_t index) {
+  const std::string given = element.text_or("name", "");
+  Keyframe key{.name = given.empty() ? "key_" + std::to_string(index) : given};
+  const MjcfElement e = element.named("key '" + key.name + "'");
+  e.expect({"name", "time", "qpos", "qvel", "ctrl"});
+  key.time = e.number_or("time", 0);
+  std::size_t nq = 0, nv = 0;
+  for (const MjcfJoint& joint : scene.joints) {
+    const JointType type = scene.builder.joints()[joint.id.index()].type;
+    nq += static_cast<std::size_t>(configuration_size(type));
+    nv += static_cast<std::size_t>(velocity_size(type));
+  }
+  if (e.has("qpos")) key.q = e.numbers("qpos", nq, nq);
+  key.v = e.has("qvel") ? e.numbers("qvel", nv, nv) : std::vector<double>(nv, 0.0);
+  if (!key.q.empty()) {
+    turn_joints(scene, e, key.q, key.v);
+  } else if (e.has("qvel")) {
+    e.note(LoadAction::kIgnored, "'qvel' without 'qpos' is not used");
+    key.v.assign(nv, 0.0);
+  }
+  const std::vector<double> ctrl = e.numbers("ctrl", scene.actuators.size(), scene.actuators.size());
+  for (std::size_t i = 0; i < ctrl.size(); ++i) {
+    if (scene.actuators[i] >= 0) key.ctrl.push_back(ctrl[i]);
+  }
+  scene.builder.add_keyframe(std::move(key));
+}
+
+}  // namespace
+
+void read_keyframes(MjcfScene& scene) {
+  std::size_t index = 0;
+  for (const MjcfElement& section : scene.root.children("keyframe")) {
+    section.named("keyframe").expect({}, {"key"});
+    for (const MjcfElement& element : section.children("key")) read_key(scene, element, index++);
+  }
+}
+
+}  // namespace manyhands::io

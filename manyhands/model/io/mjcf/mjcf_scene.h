@@ -1,0 +1,123 @@
+// A scene in the making: what is shared by the readers of the sections of an MJCF file.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "manyhands/model/io/mjcf/mjcf_assets.h"
+#include "manyhands/model/io/mjcf/mjcf_settings.h"
+#include "manyhands/model/model_builder.h"
+
+namespace manyhands::io {
+
+struct MjcfBody {
+  std::string name;
+  LinkId link;
+  Transform<double> X_WB;  ///< as the file places it: at qpos0
+  int parent = -1;         ///< index of the body around it; -1 for the world
+  int first_moving = 0;    ///< the body whose joints move it: itself, or one around it; 0 for what is fixed
+  bool has_joints = false;
+  bool has_chain = false;  ///< several joints, so that links without a name of their own lie between
+  std::optional<MjcfElement> source{};
+};
+
+struct MjcfJoint {
+  std::string name;
+  JointId id;
+  double reference = 0;               ///< qpos0, where it has one coordinate
+  int body = 0;                       ///< index of the body that it moves
+  Vec3<double> anchor_W{}, axis_W{};  ///< at qpos0
+};
+
+struct MjcfGeom {
+  std::string name;
+  std::optional<GeomId> id;  ///< none for what was left out
+  MjcfElement source;
+  int body = 0;  ///< index
+  int contype = 1, conaffinity = 1, condim = 3, priority = 0;
+  std::array<double, 3> friction{};  ///< sliding, spinning, rolling, whatever condim says
+  bool is_in_pair = false;
+};
+
+struct MjcfSite {
+  LinkId link;
+  Transform<double> X_LS;
+};
+
+/// Indices by name; a name comes once.
+using MjcfNames = std::map<std::string, int, std::less<>>;
+
+struct MjcfScene {
+  MjcfScene(const MjcfElement& root_element, bool load_meshes);
+
+  MjcfElement root;
+  MjcfSettings settings;
+  MjcfClasses classes;
+  MjcfAssets assets;
+  ModelBuilder builder;
+  std::vector<MjcfBody> bodies;  ///< MuJoCo's order and numbers; 0 is the world
+  std::vector<MjcfJoint> joints;
+  std::vector<MjcfGeom> geoms;
+  std::map<std::string, MjcfSite, std::less<>> sites;
+  MjcfNames body_names, joint_names, geom_names;
+  std::set<std::string, std::less<>> reserved;         ///< every name in the file: what is named here must differ
+  std::set<std::string, std::less<>> declared_bodies;  ///< the names of bodies among them
+  std::size_t num_sites = 0, num_equalities = 0;
+  std::map<std::array<double, 3>, MeshId> ellipsoids;  ///< hulls by half axes
+  std::set<std::pair<LinkId, LinkId>> exclusions;      ///< of <contact>, the lesser id first
+  std::set<std::pair<GeomId, GeomId>> pairs;           ///< the same
+  std::vector<int> actuators;                          ///< by their place in the file, the index here or -1
+
+  /// The part that an attribute names; fails if there is none.
+  [[nodiscard]] const MjcfBody& body(const MjcfElement& user, const char* attribute) const;
+  [[nodiscard]] const MjcfJoint& joint(const MjcfElement& user, const char* attribute) const;
+  [[nodiscard]] std::size_t geom(const MjcfElement& user, const char* attribute) const;
+};
+
+/// The name of an element, or kind_index, which is lengthened until nothing in the file bears it; fails if it is taken.
+[[nodiscard]] std::string claim_name(MjcfNames& names, const MjcfElement& element, const char* kind, std::size_t index,
+                                     const std::set<std::string, std::less<>>& reserved);
+
+/// What `make` gives; a part that the builder refuses becomes an error at the element.
+template <class Make>
+auto checked(const MjcfElement& element, Make make) {
+  try {
+    return make();
+  } catch (const ModelError& error) {
+    element.fail(error.what());
+  }
+}
+
+// The readers, in the order in which they run.
+void read_world(MjcfScene& scene);     ///< bodies, joints, geoms, sites
+void read_contacts(MjcfScene& scene);  ///< filters, pairs, exclusions and rules
+void read_equalities(MjcfScene& scene);
+void read_actuators(MjcfScene& scene);
+void read_keyframes(MjcfScene& scene);
+
+/// A geom's part in the mass of its body, about the body's frame.
+struct MjcfGeomMass {
+  Inertial inertial{};
+  int group = 0;
+};
+
+/// An element in a body, and the frame in which its pose is given.
+struct MjcfPlaced {
+  MjcfElement element;
+  Transform<double> X_BF;
+};
+
+/// Adds the joints between a parent link and a new body; returns the body's link.
+[[nodiscard]] LinkId add_joints(MjcfScene& scene, MjcfBody& body, LinkId parent, const Transform<double>& X_PB,
+                                const std::vector<MjcfPlaced>& joints);
+/// condim: 1, 3, 4 or 6.
+[[nodiscard]] int read_condim(const MjcfElement& element, int fallback);
+/// The frictions (sliding, spinning, rolling) of which contacts of so many dimensions know.
+[[nodiscard]] SurfaceMaterial surface_of(const std::array<double, 3>& friction, int condim);
+/// Adds a geom; its mass is that of its volume or what it is given.
+MjcfGeomMass add_geom(MjcfScene& scene, int body, const MjcfPlaced& placed);
+
+}  // namespace manyhands::io

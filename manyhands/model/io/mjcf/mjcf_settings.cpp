@@ -1,0 +1,198 @@
+#include "manyhands/model/io/mjcf/mjcf_settings.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include "manyhands/model/io/text_numbers.h"
+
+namespace manyhands::io {
+
+double MjcfSettings::radians(double angle) const { return degrees ? angle * std::numbers::pi / 180 : angle; }
+
+namespace {
+
+void read_compiler(const MjcfElement& e, MjcfSettings& settings) {
+  e.expect({"angle", "coordinate", "eulerseq", "autolimits", "meshdir", "texturedir", "assetdir", "strippath",
+            "inertiafromgeom", "inertiagrouprange", "balanceinertia", "boundmass", "boundinertia", "settotalmass",
+            "usethread", "fusestatic", "discardvisual", "alignfree"});
+  settings.degrees = e.word_or("angle", {"degree", "radian"}, settings.degrees ? "degree" : "radian") == "degree";
+  if (e.word_or("coordinate", {"local", "global"}, "local") == "global") {
+    e.fail("coordinate=\"global\" is not read, nor by MuJoCo since 2.3.4; expected local coordinates");
+  }
+  settings.euler_sequence = e.text_or("eulerseq", settings.euler_sequence);
+  const bool three = settings.euler_sequence.size() == 3;
+  if (!three || settings.euler_sequence.find_first_not_of("xyzXYZ") != std::string::npos) {
+    e.fail("attribute 'eulerseq' of <compiler> holds " + in_quotes(settings.euler_sequence) +
+           "; expected three of x, y, z, X, Y and Z");
+  }
+  settings.autolimits = e.boolean_or("autolimits", settings.autolimits);
+  settings.mesh_folder = e.text_or("meshdir", e.text_or("assetdir", settings.mesh_folder));
+  settings.texture_folder = e.text_or("texturedir", e.text_or("assetdir", settings.texture_folder));
+  settings.strip_path = e.boolean_or("strippath", settings.strip_path);
+  if (e.has("inertiafromgeom")) {
+    const std::string word = e.word_or("inertiafromgeom", {"false", "true", "auto"}, "auto");
+    using enum MjcfSettings::FromGeoms;
+    settings.inertia_from_geoms = word == "true" ? kAlways : word == "false" ? kNever : kWhereMissing;
+  }
+  if (e.has("inertiagrouprange")) {
+    const std::vector<double> range = e.numbers("inertiagrouprange", 2, 2);
+    settings.inertia_groups = {static_cast<int>(range[0]), static_cast<int>(range[1])};
+  }
+  settings.balance_inertia = e.boolean_or("balanceinertia", settings.balance_inertia);
+  settings.bound_mass = e.positive_or("boundmass", settings.bound_mass);
+  settings.bound_inertia = e.positive_or("boundinertia", settings.bound_inertia);
+  settings.total_mass = e.number_or("settotalmass", settings.total_mass);
+  if (e.boolean_or("fusestatic", false)) {
+    e.note(LoadAction::kIgnored, "fusestatic: bodies without joints keep their names; the motion is the same");
+  }
+  if (e.boolean_or("discardvisual", false)) {
+    e.note(LoadAction::kIgnored, "discardvisual: geoms that touch nothing are kept as visuals");
+  }
+  if (e.boolean_or("alignfree", false)) {
+    e.note(LoadAction::kIgnored, "alignfree: frames of free bodies stay where the file puts them");
+  }
+}
+
+void read_option(const MjcfElement& e, MjcfSettings& settings) {
+  e.expect({"timestep", "gravity"}, {"flag"});
+  settings.time_step = e.number_or("timestep", settings.time_step);
+  if (!(settings.time_step > 0)) e.fail("the time step must be above 0");
+  settings.gravity = e.vec3_or("gravity", settings.gravity);
+  for (const MjcfElement& child : e.children("flag")) {
+    const MjcfElement flag = child.named("option flag");
+    flag.expect({"gravity"});
+    settings.has_gravity =
+        flag.word_or("gravity", {"enable", "disable"}, settings.has_gravity ? "enable" : "disable") == "enable";
+  }
+}
+
+constexpr std::string_view kActuators[] = {"general",  "motor",  "position", "velocity", "intvelocity", "damper",
+                                           "cylinder", "muscle", "adhesion", "plugin",   "dcmotor"};
+
+void read_class(const MjcfElement& element, const std::string& name, const MjcfClass& above, MjcfClasses& classes) {
+  MjcfClass& own = classes.by_name[name];
+  for (const auto& [kind, values] : above.values) own.values[kind].insert(values.begin(), values.end());
+  const std::vector<MjcfElement> children = element.children();
+  for (const MjcfElement& child : children) {
+    if (child.tag() == "default") continue;
+    const bool is_actuator = std::ranges::find(kActuators, child.tag()) != std::ranges::end(kActuators);
+    auto& values = own.values[is_actuator ? "actuator" : std::string(child.tag())];
+    for (const auto& [attribute, value] : child.own_attributes()) values.insert_or_assign(attribute, value);
+  }
+  // A copy: deeper classes move the map's entries not, but may be this one again.
+  const MjcfClass whole = own;
+  for (const MjcfElement& child : children) {
+    if (child.tag() != "default") continue;
+    const std::string inner = child.text("class");
+    if (inner == name) child.fail("the default class " + in_quotes(inner) + " lies in itself; expected another name");
+    read_class(child, inner, whole, classes);
+  }
+}
+
+}  // namespace
+
+MjcfSettings read_settings(const MjcfElement& root) {
+  MjcfSettings settings;
+  for (const MjcfElement& e : root.children("compiler")) read_compiler(e.named("compiler"), settings);
+  for (const MjcfElement& e : root.children("option")) read_option(e.named("option"), settings);
+  return settings;
+}
+
+MjcfClasses read_classes(const MjcfElement& root) {
+  MjcfClasses classes;
+  for (const MjcfElement& e : root.children("default")) {
+    const MjcfElement element = e.named("default");
+    const std::string name = element.text_or("class", classes.main);
+    if (classes.by_name.empty()) classes.main = name;
+    const MjcfClass above = name == classes.main ? MjcfClass{} : classes.by_name.at(classes.main);
+    read_class(element, name, above, classes);
+  }
+  return classes;
+}
+
+Quat<double> quat_from_wxyz(const MjcfElement& element, const double* wxyz) {
+  const Quat<double> q{wxyz[1], wxyz[2], wxyz[3], wxyz[0]};
+  const double length2 = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
+  if (!(length2 > 1e-20)) element.fail("a quaternion of length 0; expected one such as \"1 0 0 0\"");
+  return normalized(q);
+}
+
+Mat3<double> rotation_from_z(const Vec3<double>& direction) {
+  const Vec3<double> d = (1 / norm(direction)) * direction;
+  const Vec3<double> across = cross({0, 0, 1}, d);
+  const double sine = norm(across);
+  const Vec3<double> axis = sine < 1e-10 ? Vec3<double>{1, 0, 0} : (1 / sine) * across;
+  return to_matrix(quat_from_rotation_vector(atan2(sine, d.z) * axis));
+}
+
+Mat3<double> rotation_from_euler(const Vec3<double>& angles, const MjcfSettings& settings) {
+  const std::array<double, 3> in_turn{angles.x, angles.y, angles.z};
+  Mat3<double> R = Mat3<double>::identity();
+  for (std::size_t i = 0; i < 3; ++i) {
+    const char letter = settings.euler_sequence[i];
+    const char axis = static_cast<char>(letter | 0x20);
+    const double angle = settings.radians(in_turn[i]);
+    const Vec3<double> turn{axis == 'x' ? angle : 0, axis == 'y' ? angle : 0, axis == 'z' ? angle : 0};
+    const Mat3<double> step = to_matrix(quat_from_rotation_vector(turn));
+    R = axis == letter ? R * step : step * R;  // lower case: about moving axes
+  }
+  return R;
+}
+
+namespace {
+
+constexpr std::array<const char*, 5> kRotations{"quat", "axisangle", "euler", "xyaxes", "zaxis"};
+
+Mat3<double> read_xyaxes(const MjcfElement& element) {
+  const std::vector<double> v = element.numbers("xyaxes", 6, 6);
+  Vec3<double> x{v[0], v[1], v[2]}, y{v[3], v[4], v[5]};
+  if (!(norm(x) > 1e-10)) element.fail("the x axis of 'xyaxes' is 0");
+  x = (1 / norm(x)) * x;
+  y = y - dot(x, y) * x;
+  if (!(norm(y) > 1e-10)) element.fail("the axes of 'xyaxes' are parallel, or y is 0");
+  y = (1 / norm(y)) * y;
+  return {x, y, cross(x, y)};
+}
+
+Mat3<double> read_rotation_as(const MjcfElement& element, std::string_view kind, const MjcfSettings& settings) {
+  if (kind == "quat") return to_matrix(quat_from_wxyz(element, element.numbers("quat", 4, 4).data()));
+  if (kind == "euler") return rotation_from_euler(element.vec3_or("euler", {}), settings);
+  if (kind == "xyaxes") return read_xyaxes(element);
+  if (kind == "zaxis") {
+    const Vec3<double> z = element.vec3_or("zaxis", {0, 0, 1});
+    if (!(norm(z) > 1e-10)) element.fail("the axis of 'zaxis' is 0");
+    return rotation_from_z(z);
+  }
+  const std::vector<double> v = element.numbers("axisangle", 4, 4);
+  const Vec3<double> axis{v[0], v[1], v[2]};
+  if (!(norm(axis) > 1e-10)) element.fail("the axis of 'axisangle' is 0");
+  return to_matrix(quat_from_rotation_vector((settings.radians(v[3]) / norm(axis)) * axis));
+}
+
+}  // namespace
+
+bool has_rotation(const MjcfElement& element) {
+  return std::ranges::any_of(kRotations, [&](const char* kind) { return element.has(kind); });
+}
+
+Mat3<double> read_rotation(const MjcfElement& element, const MjcfSettings& settings) {
+  // What the element says itself goes before what its class says in another way.
+  for (const bool own : {true, false}) {
+    const char* chosen = nullptr;
+    for (const char* const kind : kRotations) {
+      if (!(own ? element.has_own(kind) : element.has(kind))) continue;
+      if (chosen != nullptr) {
+        element.fail(std::string("both '") + chosen + "' and '" + kind + "' say how it is turned; expected one");
+      }
+      chosen = kind;
+    }
+    if (chosen != nullptr) return read_rotation_as(element, chosen, settings);
+  }
+  return Mat3<double>::identity();
+}
+
+Transform<double> read_pose(const MjcfElement& element, const MjcfSettings& settings) {
+  return {read_rotation(element, settings), element.vec3_or("pos", Vec3<double>::zero())};
+}
+
+}  // namespace manyhands::io

@@ -1,0 +1,49 @@
+// What <compiler> and <option> say, the default classes, and how poses are read under them.
+#pragma once
+
+#include <array>
+#include <string>
+
+#include "manyhands/math/quaternion.h"
+#include "manyhands/model/io/mjcf/mjcf_element.h"
+
+namespace manyhands::io {
+
+struct MjcfSettings {
+  bool degrees = true;
+  std::string euler_sequence = "xyz";
+  bool autolimits = true;
+  std::string mesh_folder, texture_folder;
+  bool strip_path = false;
+  enum class FromGeoms { kNever, kAlways, kWhereMissing } inertia_from_geoms = FromGeoms::kWhereMissing;
+  std::array<int, 2> inertia_groups{0, 5};
+  bool balance_inertia = false;
+  double bound_mass = 0, bound_inertia = 0;
+  double total_mass = -1;  ///< negative: as it comes
+  double time_step = 0.002;
+  Vec3<double> gravity{0, 0, -9.81};
+  bool has_gravity = true;
+
+  [[nodiscard]] double radians(double angle) const;
+};
+
+/// Reads all <compiler> and <option> sections; what they ask for and is not done is noted.
+[[nodiscard]] MjcfSettings read_settings(const MjcfElement& root);
+
+/// Reads all <default> sections.
+[[nodiscard]] MjcfClasses read_classes(const MjcfElement& root);
+
+/// Whether the element or its class says how it is turned.
+[[nodiscard]] bool has_rotation(const MjcfElement& element);
+/// quat (wxyz), axisangle, euler, xyaxes or zaxis; the identity without any. Fails on two of them.
+[[nodiscard]] Mat3<double> read_rotation(const MjcfElement& element, const MjcfSettings& settings);
+/// The rotation of three Euler angles, in the file's unit and sequence.
+[[nodiscard]] Mat3<double> rotation_from_euler(const Vec3<double>& angles, const MjcfSettings& settings);
+/// pos and rotation.
+[[nodiscard]] Transform<double> read_pose(const MjcfElement& element, const MjcfSettings& settings);
+/// The rotation of four numbers wxyz, which must not all be 0: the only place where MJCF's order is undone.
+[[nodiscard]] Quat<double> quat_from_wxyz(const MjcfElement& element, const double* wxyz);
+/// The smallest rotation that takes z along `direction`; half a turn about x if it is -z.
+[[nodiscard]] Mat3<double> rotation_from_z(const Vec3<double>& direction);
+
+}  // namespace manyhands::io

@@ -1,0 +1,232 @@
+// <worldbody>: its bodies, with the mass that they have or that follows from their geoms.
+#include <algorithm>
+
+#include "manyhands/model/io/inertia_repair.h"
+#include "manyhands/model/io/mjcf/mjcf_scene.h"
+#include "manyhands/model/io/text_numbers.h"
+#include "manyhands/model/part_checks.h"
+
+namespace manyhands::io {
+
+std::string claim_name(MjcfNames& names, const MjcfElement& element, const char* kind, std::size_t index,
+                       const std::set<std::string, std::less<>>& reserved) {
+  std::string name = element.text_or("name", "");
+  if (name.empty()) {
+    name = std::string(kind) + "_" + std::to_string(index);
+    while (reserved.contains(name) || names.contains(name)) name += '_';
+  }
+  const auto [entry, is_new] = names.emplace(name, static_cast<int>(index));
+  if (!is_new) {
+    element.fail("the name " + in_quotes(name) + " is taken by another " + kind + "; expected another name");
+  }
+  return name;
+}
+
+namespace {
+
+/// What lies in a body, by kind; the contents of <frame> elements belong to the body around them.
+struct Contents {
+  std::vector<MjcfPlaced> joints, geoms, sites, bodies;
+  std::vector<MjcfElement> inertials;
+};
+
+class WorldReader {
+ public:
+  explicit WorldReader(MjcfScene& scene) : scene_(scene) {}
+
+  void read() {
+    scene_.bodies.push_back({.name = "world", .link = scene_.builder.world(), .X_WB = Transform<double>::identity()});
+    scene_.body_names.emplace("world", 0);
+    Contents contents;
+    for (const MjcfElement& section : scene_.root.children("worldbody")) {
+      const MjcfElement world = section.named("worldbody");
+      world.expect({}, kContents);
+      collect(world, Transform<double>::identity(), contents);
+    }
+    if (!contents.joints.empty()) contents.joints[0].element.fail("the world cannot have joints");
+    read_contents(0, contents);
+  }
+
+ private:
+  static constexpr std::array<std::string_view, 8> kContents{"body",  "geom",      "site",     "frame",
+                                                             "joint", "freejoint", "inertial", "replicate"};
+  static constexpr int kMostReplicas = 100'000;
+
+  void collect(const MjcfElement& around, const Transform<double>& X_BF, Contents& contents) {
+    for (const MjcfElement& element : around.children()) {
+      const std::string_view tag = element.tag();
+      if (tag == "frame") {
+        const MjcfElement frame = element.named("frame in " + around.what());
+        frame.expect({"name", "childclass", "pos", "quat", "axisangle", "euler", "xyaxes", "zaxis"}, kContents);
+        collect(frame, X_BF * read_pose(frame, scene_.settings), contents);
+      } else if (tag == "replicate") {
+        replicate(element.named("replicate in " + around.what()), X_BF, contents);
+      } else if (tag == "joint" || tag == "freejoint") {
+        contents.joints.push_back({element, X_BF});
+      } else if (tag == "geom") {
+        contents.geoms.push_back({element, X_BF});
+      } else if (tag == "site") {
+        contents.sites.push_back({element, X_BF});
+      } else if (tag == "body") {
+        contents.bodies.push_back({element, X_BF});
+      } else if (tag == "inertial") {
+        contents.inertials.push_back(element);
+      }
+    }
+  }
+
+  /// Copies of what is in the element, numbers behind their names. Copy i is turned by i times the Euler angles; the
+  /// offset to the next is in its axes.
+  void replicate(const MjcfElement& element, const Transform<double>& X_BF, Contents& contents) {
+    element.expect({"count", "offset", "euler", "sep", "childclass"}, kContents);
+    const int count = element.integer_or("count", 0);
+    if (count < 1 || count > kMostReplicas)
+      element.fail("count is " + std::to_string(count) + "; expected 1 to 100000");
+    const Vec3<double> offset = element.vec3_or("offset", Vec3<double>::zero());
+    const Vec3<double> euler = element.vec3_or("euler", Vec3<double>::zero());
+    Vec3<double> place = Vec3<double>::zero();
+    for (int i = 0; i < count; ++i) {
+      if (++num_replicas_ > kMostReplicas) element.fail("more than 100000 replicas in all; expected fewer");
+      std::string number = std::to_string(i);
+      const Mat3<double> R = rotation_from_euler(static_cast<double>(i) * euler, scene_.settings);
+      number.insert(0, std::to_string(count).size() - number.size(), '0');
+      collect(element.with_suffix(element.text_or("sep", "") + number), X_BF * Transform<double>{R, place}, contents);
+      place = place + R * offset;
+    }
+  }
+
+  void read_body(int parent, const MjcfPlaced& placed) {
+    constexpr std::size_t kMostNested = 1000;
+    if (++depth_ > kMostNested) placed.element.fail("bodies are nested more than 1000 deep");
+    const std::size_t index = scene_.bodies.size();
+    const std::string name = claim_name(scene_.body_names, placed.element, "body", index, scene_.reserved);
+    const MjcfElement element = placed.element.named("body '" + name + "'");
+    element.expect({"name", "childclass", "pos", "quat", "axisangle", "euler", "xyaxes", "zaxis", "mocap", "gravcomp"},
+                   kContents);
+    if (element.boolean_or("mocap", false)) {
+      element.note(LoadAction::kIgnored, "mocap: the body stays where the file places it");
+    }
+    if (element.number_or("gravcomp", 0) != 0) element.note(LoadAction::kIgnored, "gravcomp is not used");
+    Contents contents;
+    collect(element, Transform<double>::identity(), contents);
+
+    const MjcfBody around = scene_.bodies[static_cast<std::size_t>(parent)];
+    const Transform<double> X_PB = placed.X_BF * read_pose(element, scene_.settings);
+    MjcfBody body{.name = name, .link = {}, .X_WB = around.X_WB * X_PB, .parent = parent, .source = element};
+    body.has_joints = !contents.joints.empty();
+    body.has_chain = contents.joints.size() > 1;
+    body.first_moving = body.has_joints ? static_cast<int>(index) : around.first_moving;
+    body.link = add_joints(scene_, body, around.link, X_PB, contents.joints);
+    scene_.bodies.push_back(std::move(body));
+    read_contents(index, contents);
+    --depth_;
+  }
+
+  void read_contents(std::size_t index, const Contents& contents) {
+    const MjcfSettings& settings = scene_.settings;
+    Inertial from_geoms;
+    for (const MjcfPlaced& geom : contents.geoms) {
+      const MjcfGeomMass mass = add_geom(scene_, static_cast<int>(index), geom);
+      if (mass.group < settings.inertia_groups[0] || mass.group > settings.inertia_groups[1]) continue;
+      from_geoms = sum(from_geoms, mass.inertial);
+    }
+    for (const MjcfPlaced& site : contents.sites) add_site(index, site);
+    if (index == 0 && !contents.inertials.empty()) contents.inertials[0].fail("the world cannot have an <inertial>");
+    if (index > 0) give_mass(index, contents, from_geoms);
+    for (const MjcfPlaced& body : contents.bodies) read_body(static_cast<int>(index), body);
+  }
+
+  void give_mass(std::size_t index, const Contents& contents, const Inertial& from_geoms) {
+    using enum MjcfSettings::FromGeoms;
+    const MjcfBody& body = scene_.bodies[index];
+    const MjcfSettings& settings = scene_.settings;
+    const bool is_given = !contents.inertials.empty() && settings.inertia_from_geoms != kAlways;
+    Inertial inertial = settings.inertia_from_geoms == kNever ? Inertial{} : from_geoms;
+    if (is_given) inertial = read_inertial(contents.inertials[0].named(body.source->what()));
+    for (std::size_t i = 1; i < contents.inertials.size(); ++i) {
+      contents.inertials[i].fail("a second <inertial>; expected one");
+    }
+    inertial.mass = std::max(inertial.mass, settings.bound_mass);
+    bound_principal_moments(inertial.inertia, settings.bound_inertia);
+    const MjcfElement& source = is_given ? contents.inertials[0] : *body.source;
+    if (settings.balance_inertia && !repairs_to_itself(inertial)) {
+      const double mean = (inertial.inertia.xx + inertial.inertia.yy + inertial.inertia.zz) / 3;
+      inertial.inertia = {mean, mean, mean, 0, 0, 0};
+    }
+    if (const auto repair = repair_inertial(inertial)) source.note(LoadAction::kRepaired, *repair);
+    checked(source, [&] { check_inertial(body.name, inertial); });
+    scene_.builder.link(body.link).inertial = inertial;
+  }
+
+  static bool repairs_to_itself(Inertial inertial) { return !repair_inertial(inertial).has_value(); }
+
+  Inertial read_inertial(const MjcfElement& e) const {
+    e.expect({"pos", "quat", "axisangle", "euler", "xyaxes", "zaxis", "mass", "diaginertia", "fullinertia"});
+    if (!e.has("mass")) e.fail("<inertial> has no 'mass'; expected one such as mass=\"1\"");
+    SymMat3<double> I = SymMat3<double>::zero();
+    if (e.has("fullinertia")) {
+      if (e.has("diaginertia")) e.fail("<inertial> has both 'diaginertia' and 'fullinertia'; expected one");
+      const std::vector<double> v = e.numbers("fullinertia", 6, 6);
+      I = {v[0], v[1], v[2], v[3], v[4], v[5]};
+    } else if (e.has("diaginertia")) {
+      const Vec3<double> d = e.vec3_or("diaginertia", Vec3<double>::zero());
+      I = {d.x, d.y, d.z, 0, 0, 0};
+    }
+    const Transform<double> X_BC = read_pose(e, scene_.settings);
+    return {e.positive_or("mass", 0), X_BC.p, rotated(X_BC.R, I)};
+  }
+
+  void add_site(std::size_t index, const MjcfPlaced& placed) {
+    const std::string given = placed.element.text_or("name", "");
+    const MjcfElement site = placed.element.named("site '" + given + "'").with_defaults(scene_.classes, "site");
+    site.expect({"name", "class", "pos", "quat", "axisangle", "euler", "xyaxes", "zaxis", "fromto"});
+    Transform<double> X_LS = placed.X_BF * read_pose(site, scene_.settings);
+    if (site.has("fromto")) {
+      const std::vector<double> v = site.numbers("fromto", 6, 6);
+      const Vec3<double> from{v[0], v[1], v[2]}, to{v[3], v[4], v[5]};
+      if (!(norm(from - to) > 1e-10)) site.fail("the ends of 'fromto' are one point");
+      X_LS = placed.X_BF * Transform<double>{rotation_from_z(from - to), 0.5 * (from + to)};
+    }
+    const MjcfBody& body = scene_.bodies[index];
+    const std::size_t number = scene_.num_sites++;
+    std::string name = given.empty() ? "site_" + std::to_string(number) : given;
+    const bool taken = !scene_.sites.emplace(name, MjcfSite{body.link, X_LS}).second;
+    if (taken) site.fail("the name is taken by another site; expected another name");
+    // Links and sites share the names of frames here; MuJoCo keeps them apart.
+    const std::string wanted = name;
+    while (is_link_name(name) || (name != given && scene_.reserved.contains(name))) name += "_site";
+    if (name != wanted)
+      site.note(LoadAction::kRepaired, "the frame is called " + in_quotes(name) + ", as a body has its name");
+    scene_.builder.add_frame(name, body.link, X_LS);
+  }
+
+  [[nodiscard]] bool is_link_name(const std::string& name) const {
+    return name == "world" || scene_.declared_bodies.contains(name) ||
+           std::ranges::any_of(scene_.builder.links(), [&](const Link& link) { return link.name == name; });
+  }
+
+  MjcfScene& scene_;
+  std::size_t depth_ = 0;
+  int num_replicas_ = 0;
+};
+
+/// Settles what <compiler> asks of all masses together.
+void scale_total_mass(MjcfScene& scene) {
+  if (scene.settings.total_mass <= 0) return;
+  double total = 0;
+  for (const Link& link : scene.builder.links()) total += link.inertial.mass;
+  if (!(total > 0)) return;
+  for (std::size_t i = 0; i < scene.builder.links().size(); ++i) {
+    Link& link = scene.builder.link(LinkId(i));
+    link.inertial = scaled(link.inertial, scene.settings.total_mass / total);
+  }
+}
+
+}  // namespace
+
+void read_world(MjcfScene& scene) {
+  WorldReader(scene).read();
+  scale_total_mass(scene);
+}
+
+}  // namespace manyhands::io

@@ -1,0 +1,132 @@
+// The shapes, colours and places of <visual> and <collision>.
+#include <algorithm>
+
+#include "manyhands/model/io/text_numbers.h"
+#include "manyhands/model/io/urdf/urdf_parts.h"
+
+namespace manyhands::io {
+
+namespace {
+
+/// The smallest rotation that takes z to the unit vector n.
+Mat3<double> rotation_to_normal(const Vec3<double>& n) {
+  const Vec3<double> side = std::abs(n.x) < 0.5 ? Vec3<double>{1, 0, 0} : Vec3<double>{0, 1, 0};
+  Vec3<double> y = cross(n, side);
+  y = (1 / norm(y)) * y;
+  return {cross(y, n), y, n};
+}
+
+void read_plane(const UrdfElement& element, Geom& geom) {
+  element.expect({"normal"});
+  const Vec3<double> normal = element.vec3_or("normal", {0, 0, 1});
+  const double length = norm(normal);
+  if (length < 1e-9) element.fail("the normal of <plane> is 0; expected a direction such as \"0 0 1\"");
+  if (normal.x != 0 || normal.y != 0 || normal.z < 0)
+    geom.X_LG.R = geom.X_LG.R * rotation_to_normal((1 / length) * normal);
+}
+
+/// PyBullet reads a single number as the scale of all axes, and files rely on it.
+Vec3<double> read_scale(const UrdfElement& mesh) {
+  if (!mesh.has("scale")) return {1, 1, 1};
+  if (split_blanks(mesh.text("scale")).size() != 1) return mesh.vec3("scale", "1 1 1");
+  const double s = mesh.number("scale");
+  mesh.note(LoadAction::kRepaired, "attribute 'scale' holds one number; " + format_number(s) + " taken for all axes");
+  return {s, s, s};
+}
+
+/// Reads the one shape element into `result`; false if its kind is not known, which is noted.
+bool read_shape(const UrdfElement& element, UrdfGeom& result) {
+  Shape& shape = result.geom.shape;
+  const std::string_view tag = element.tag();
+  if (tag == "box") {
+    element.expect({"size"});
+    shape = {ShapeType::kBox, 0.5 * element.vec3("size", "0.1 0.2 0.3"), {}};
+  } else if (tag == "sphere") {
+    element.expect({"radius"});
+    shape = {ShapeType::kSphere, {element.number("radius"), 0, 0}, {}};
+  } else if (tag == "cylinder" || tag == "capsule") {
+    element.expect({"radius", "length"});
+    shape = {tag == "cylinder" ? ShapeType::kCylinder : ShapeType::kCapsule,
+             {element.number("radius"), 0.5 * element.number("length"), 0},
+             {}};
+  } else if (tag == "plane") {
+    shape = {ShapeType::kPlane, Vec3<double>::zero(), {}};
+    read_plane(element, result.geom);
+  } else if (tag == "mesh") {
+    element.expect({"filename", "scale"});
+    shape = {ShapeType::kMesh, Vec3<double>::zero(), {}};
+    result.mesh_file = element.text("filename");
+    result.mesh_scale = read_scale(element);
+  } else {
+    element.note_serious(LoadAction::kIgnored,
+                         "the shape <" + std::string(tag) + "> is not known; the geom is left out");
+    return false;
+  }
+  return true;
+}
+
+/// Whether the shape has an extent along every axis.
+bool is_solid(const UrdfGeom& geom) {
+  const Vec3<double>& size = geom.geom.shape.size;
+  const Vec3<double>& scale = geom.mesh_scale;
+  switch (geom.geom.shape.type) {
+    case ShapeType::kSphere:
+      return size.x > 0;
+    case ShapeType::kCapsule:
+      return size.x > 0 && size.y >= 0;
+    case ShapeType::kCylinder:
+      return size.x > 0 && size.y > 0;
+    case ShapeType::kBox:
+      return size.x > 0 && size.y > 0 && size.z > 0;
+    case ShapeType::kMesh:
+    case ShapeType::kConvex:
+      return scale.x != 0 && scale.y != 0 && scale.z != 0;
+    case ShapeType::kPlane:
+    case ShapeType::kHeightField:
+      return true;
+  }
+  return false;
+}
+
+/// The visual's own material, or the one that it names.
+void wear_material(const UrdfElement& visual, const Materials& materials, UrdfGeom& result) {
+  const UrdfElement element = visual.child("material");
+  if (!element) return;
+  element.expect({"name"}, {"color", "texture"});
+  std::optional<UrdfMaterial> material = read_material(element);
+  const std::string_view name = element.text_or_empty("name");
+  if (const auto found = materials.find(name); !material && found != materials.end()) material = found->second;
+  if (!material) {
+    element.note(LoadAction::kDefaulted, "no colour for the material " + in_quotes(name) + "; grey taken");
+    return;
+  }
+  result.geom.rgba = material->rgba;
+  result.texture_file = material->texture_file;
+}
+
+}  // namespace
+
+std::optional<UrdfGeom> read_geom(const UrdfElement& element, GeomRole role, const Materials& materials) {
+  element.expect({"name"}, {"origin", "geometry", role == GeomRole::kVisual ? "material" : "geometry"});
+  const UrdfElement geometry = element.required_child("geometry", "<geometry> with a shape in it");
+  UrdfGeom result{.source = element, .geom = {}, .mesh_file = {}};
+  result.geom.name = element.text_or_empty("name");
+  result.geom.role = role;
+  result.geom.X_LG = element.origin();
+  const std::vector<UrdfElement> shapes = geometry.children();
+  if (shapes.empty()) geometry.fail("<geometry> is empty; expected a shape such as <box size=\"0.1 0.2 0.3\"/>");
+  for (std::size_t i = 1; i < shapes.size(); ++i) {
+    shapes[i].note(LoadAction::kIgnored,
+                   "<" + std::string(shapes[i].tag()) + "> in <geometry>; only the first shape counts");
+  }
+  if (!read_shape(shapes[0], result)) return std::nullopt;
+  if (role == GeomRole::kVisual) wear_material(element, materials, result);
+  if (!is_solid(result)) {
+    shapes[0].note_serious(LoadAction::kIgnored,
+                           "the <" + std::string(shapes[0].tag()) + "> has no size; the geom is left out");
+    return std::nullopt;
+  }
+  return result;
+}
+
+}  // namespace manyhands::io

@@ -1,0 +1,65 @@
+// Questions about a placed world: how far its links are from each other, and what a ray meets first.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "manyhands/physics/collision/broad/bounds_meet.h"
+#include "manyhands/physics/collision/queries/distance.h"
+#include "manyhands/physics/dynamics/workspace.h"
+
+namespace manyhands {
+
+/// The colliding geoms of one world, where they are; what it was made from outlives it.
+class PlacedGeoms {
+ public:
+  /// For the bodies as placed in `ws`, with the sizes in `params`.
+  PlacedGeoms(const Colliders<double>& colliders, const Params<double>& params, const Workspace<double>& ws);
+
+  [[nodiscard]] std::size_t size() const { return X_WG_.size(); }
+  [[nodiscard]] const Collider<double>& geom(std::size_t i) const { return colliders_.geoms[i]; }
+  [[nodiscard]] const Transform<double>& pose(std::size_t i) const { return X_WG_[i]; }
+  /// Of a ball about the geom's origin that holds it [m]; infinite for planes.
+  [[nodiscard]] double radius(std::size_t i) const { return radius_[i]; }
+  [[nodiscard]] ShapeView shape(std::size_t i) const;
+  /// Whether the model's rules let the two touch.
+  [[nodiscard]] bool may_touch(std::size_t a, std::size_t b) const { return colliders_.pair_of(a, b).has_value(); }
+
+ private:
+  const Colliders<double>& colliders_;
+  const Params<double>& params_;
+  std::vector<Transform<double>> X_WG_;
+  std::vector<double> radius_;
+};
+
+/// The nearest surfaces of two links, or the deepest where they overlap.
+struct LinkDistance {
+  LinkId link_a{}, link_b{};
+  GeomId geom_a{}, geom_b{};
+  ShapeDistance<double> surfaces{};  ///< world axes
+};
+
+/// Between any two links, whatever the rules of contact; none if one of them has no colliding geom. Margins of geoms
+/// are not added.
+[[nodiscard]] std::optional<LinkDistance> link_distance(const PlacedGeoms& geoms, LinkId a, LinkId b);
+
+/// Every two links that may touch and are less than d [m] apart, sorted by links, link_a < link_b.
+[[nodiscard]] std::vector<LinkDistance> links_within(const PlacedGeoms& geoms, double d);
+
+/// What a ray meets first.
+struct WorldRayHit {
+  LinkId link{};
+  GeomId geom{};
+  Vec3<double> point{};   ///< [m]
+  Vec3<double> normal{};  ///< unit, of the surface, against the ray
+  double distance{};      ///< along the ray [m]
+};
+
+/// Of each ray from origins[i] along the unit vector directions[i], no farther than `far` [m]; all in world axes. The
+/// spans are of one length.
+[[nodiscard]] std::vector<std::optional<WorldRayHit>> ray_cast(const PlacedGeoms& geoms,
+                                                               std::span<const Vec3<double>> origins,
+                                                               std::span<const Vec3<double>> directions, double far);
+
+}  // namespace manyhands

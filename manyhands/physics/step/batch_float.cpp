@@ -1,7 +1,0 @@
-#include "manyhands/physics/step/batch_lanes.inl"
-
-namespace manyhands {
-
-template std::unique_ptr<BatchLanes> make_batch_lanes<float>(const Model&, int, float, int);
-
-}  // namespace manyhands

@@ -1,0 +1,7 @@
+#include "manyhands/physics/world/batch_lanes.inl"
+
+namespace manyhands {
+
+template std::unique_ptr<BatchLanes> make_batch_lanes<float>(const Model&, int, float, int);
+
+}  // namespace manyhands

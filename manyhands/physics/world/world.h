@@ -1,0 +1,215 @@
+// One world in double precision, for scripting and tests: parts with names, a state, what drives it, and its clock.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <set>
+
+#include "manyhands/model/compose.h"
+#include "manyhands/physics/collision/queries/queries.h"
+#include "manyhands/physics/world/contact_report.h"
+#include "manyhands/physics/world/world_core.h"
+
+namespace manyhands {
+
+enum class Integrator {
+  kSemiImplicit,  ///< first order, implicit damping, motors, limits and contacts
+  kRungeKutta4,   ///< fourth order, without motors, limits and contacts
+};
+
+/// Motor commands, one number per dof (nv) each; see `World::set_motors`.
+struct MotorCommands {
+  std::span<const double> target_q;  ///< [rad or m]; read for dofs with one coordinate, not for rotations by quaternion
+  std::span<const double> target_v;  ///< [rad/s or m/s]
+  std::span<const double> kp;        ///< share of the position error that one step removes
+  std::span<const double> kd;        ///< share of the velocity error that one step removes
+  std::span<const double> max_force;  ///< [N m or N]; 0 switches the motor off
+};
+
+/// A step led to numbers that are not finite; the world is as it was before that step.
+class SimulationError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// A body to add: one shape.
+struct NewBody {
+  std::string name{};
+  Shape shape{};
+  Mesh mesh{};      ///< of ShapeType::kConvex and kMesh
+  double mass = 1;  ///< [kg], spread evenly over the shape; not read where `fixed`
+  Transform<double> X_WB = Transform<double>::identity();
+  SurfaceMaterial surface{};
+  std::array<float, 4> rgba{0.7f, 0.7f, 0.7f, 1.0f};
+  bool fixed = false;  ///< welded to the world; planes and triangle meshes must be
+};
+
+/// A model in motion. Arrays are copied in and out; setters throw std::invalid_argument if a length is not what the
+/// model asks for, a number is not finite, or a quaternion not of unit length (to 1e-6; it is normalised). Names that
+/// are not there throw std::out_of_range. Not to be shared by threads, its const members included.
+class World {
+ public:
+  /// Without parts; gravity is (0, 0, -9.81).
+  explicit World(double time_step = 0.002, Integrator integrator = Integrator::kSemiImplicit);
+  /// Starts at rest in the model's initial configuration, with motors off. Throws std::invalid_argument unless
+  /// time_step > 0.
+  explicit World(std::shared_ptr<const Model> model, double time_step = 0.002,
+                 Integrator integrator = Integrator::kSemiImplicit);
+  /// Loads a URDF file, base fixed, or an MJCF file, told by its root element, and keeps its report. Without time_step:
+  /// the file's, or 0.002 s. Throws what the loaders throw.
+  [[nodiscard]] static World from_file(const std::filesystem::path& path, std::optional<double> time_step = {},
+                                       Integrator integrator = Integrator::kSemiImplicit);
+
+  /// Advances by n steps. Throws SimulationError if a step leads to numbers that are not finite. With kRungeKutta4
+  /// throws std::runtime_error if a motor is on, something touches, or a joint with limits lies outside them: this
+  /// integrator would ignore these. The state stays as it was before that step; forces of `apply_force` are gone.
+  void step(int n = 1);
+
+  [[nodiscard]] const Model& model() const { return *core().model; }
+  [[nodiscard]] std::shared_ptr<const Model> shared_model() const { return core().model; }
+  [[nodiscard]] const LoadReport& report() const { return report_; }  ///< of `from_file` and files added since
+  [[nodiscard]] double time_step() const { return time_step_; }
+  [[nodiscard]] Integrator integrator() const { return integrator_; }
+  [[nodiscard]] double time() const { return static_cast<double>(steps_) * time_step_; }  ///< [s]
+
+  // ---- state (world.cpp) ---------------------------------------------------------------------------------------
+  [[nodiscard]] std::span<const double> q() const { return {core().state.q(), core().nq()}; }      ///< (nq)
+  [[nodiscard]] std::span<const double> v() const { return {core().state.v(), core().nv()}; }      ///< (nv)
+  [[nodiscard]] std::span<const double> tau() const { return {core().state.tau(), core().nv()}; }  ///< (nv) [N m or N]
+  [[nodiscard]] std::span<const double> ctrl() const { return {core().state.ctrl(), core().nu()}; }  ///< (nu)
+  void set_q(std::span<const double> q);
+  void set_v(std::span<const double> v);
+  void set_tau(std::span<const double> tau);  ///< acts in every step until it is set again
+  /// Commands of the actuators, see ActuatorType; each is kept within its actuator's range.
+  void set_ctrl(std::span<const double> ctrl);
+
+  /// Motors at the velocity level, as PyBullet's: per step a dof is driven towards the velocity
+  /// kp (target_q - q) / h + v' + kd (target_v - v') with at most max_force, where v' is what it would reach without.
+  /// Throws std::invalid_argument where a position or velocity actuator drives the dof already.
+  void set_motors(const MotorCommands& commands);
+
+  [[nodiscard]] Energy<double> energy() const;                   ///< [J]
+  [[nodiscard]] MassProperties<double> mass_properties() const;  ///< centre of mass, momentum about the world's origin
+
+  /// All that a run continues from, bit for bit, as plain numbers: state, contact memory, commands, forces applied,
+  /// parameters and clock; not the solver's settings.
+  [[nodiscard]] std::vector<double> snapshot() const;
+  /// Throws std::invalid_argument if the snapshot is of another model or time step. What the last step found
+  /// (contacts, reactions) is forgotten.
+  void restore(std::span<const double> snapshot);
+  /// Starts the clock anew and forgets what the solver remembers of the steps before: what follows depends on q, v,
+  /// forces and commands alone.
+  void forget();
+  /// FNV-1a of the snapshot's bytes.
+  [[nodiscard]] std::uint64_t state_hash() const;
+
+  // ---- bodies by name: links and frames (world_bodies.cpp) -----------------------------------------------------
+  [[nodiscard]] Transform<double> body_pose(std::string_view name) const;   ///< X_WL
+  [[nodiscard]] Motion<double> body_velocity(std::string_view name) const;  ///< of its origin, world axes
+  /// Puts a free body somewhere, or a link that is welded to the world. Throws std::invalid_argument for other links.
+  void set_body_pose(std::string_view name, const Transform<double>& X_WL);
+  /// Of a free body: of the link's origin, in world axes. Throws std::invalid_argument for other links.
+  void set_body_velocity(std::string_view name, const Motion<double>& V_WL);
+  /// A force [N] at `point` (world, default: the link's centre of mass) and a torque [N m], in world axes; acts in the
+  /// next step only. Forces add up.
+  void apply_force(std::string_view name, const Vec3<double>& force, const Vec3<double>& torque = Vec3<double>::zero(),
+                   const std::optional<Vec3<double>>& point = {});
+
+  // ---- what the last step found (world_contacts.cpp); empty or 0 before a step, after `restore` and other parts ----
+  [[nodiscard]] std::vector<Contact> contacts() const;
+  /// What contacts do to the link; only those with `other`, if it is named.
+  [[nodiscard]] ContactWrench contact_wrench(std::string_view link, std::string_view other = {}) const;
+  /// What the joint transmits to its child link, its motor's effort included: force and torque about the child's origin
+  /// as it was before the last step, in world axes. Fixed joints have one too. Throws std::runtime_error before a step,
+  /// with kRungeKutta4, or for a joint inside a closed loop.
+  [[nodiscard]] Force<double> joint_wrench(std::string_view joint) const;
+  [[nodiscard]] ContactResiduals residuals() const;
+  [[nodiscard]] double max_penetration() const;  ///< deepest contact before the last step [m]; 0 if none
+  [[nodiscard]] int solver_iterations() const { return core().has_stepped ? core().step.sweeps : 0; }
+  [[nodiscard]] const SolverSettings& solver() const { return solver_; }
+  /// Throws std::invalid_argument unless max_sweeps is 1 or more and the tolerance 0 or more.
+  void set_solver(const SolverSettings& settings);
+
+  // ---- where geoms are in the present state (world_queries.cpp) -------------------------------------------------
+  /// Between the surfaces of two links, whether or not they may touch; none if one of them has no colliding geom.
+  /// Throws std::invalid_argument for one link twice.
+  [[nodiscard]] std::optional<LinkDistance> distance(std::string_view link_a, std::string_view link_b) const;
+  /// Every two links that may touch and are less than d [m] apart.
+  [[nodiscard]] std::vector<LinkDistance> near_links(double d) const;
+  /// The first colliding geom on each ray from origins[i] along directions[i], no farther than max_distance [m]. World
+  /// axes; directions have any length above 0. Throws std::invalid_argument otherwise, or if the spans differ in
+  /// length.
+  [[nodiscard]] std::vector<std::optional<WorldRayHit>> ray_cast(std::span<const Vec3<double>> origins,
+                                                                 std::span<const Vec3<double>> directions,
+                                                                 double max_distance) const;
+
+  // ---- parts (world_edit.cpp): the model is made anew when it is next needed ------------------------------------
+  /// Adds a model at X_WM. With a name, its parts are called "name/part". Throws ModelError if a name is taken.
+  void add(const Model& model, const Transform<double>& X_WM = Transform<double>::identity(),
+           const std::string& name = {});
+  /// The same from a URDF or MJCF file.
+  void add_file(const std::filesystem::path& path, const Transform<double>& X_WM = Transform<double>::identity(),
+                const std::string& name = {});
+  /// Adds one body. Throws ModelError or std::invalid_argument on a taken name, a mass or size that is not above 0.
+  void add_body(const NewBody& body);
+  /// Removes what was added by that name, or the link and all that hangs on it. Throws std::out_of_range.
+  void remove(const std::string& name);
+  /// What `remove` takes as a whole: names of models and of links on the world.
+  [[nodiscard]] std::vector<std::string> names() const;
+
+  // ---- parameters of this world (world_params.cpp); the model keeps its own --------------------------------------
+  [[nodiscard]] Vec3<double> gravity() const { return core().params.gravity; }
+  void set_gravity(const Vec3<double>& gravity);
+  [[nodiscard]] double mass(std::string_view link) const;  ///< [kg]
+  void set_mass(std::string_view link, double mass);       ///< scales the inertia with it
+  /// Of a geom, or of all colliding geoms of a link.
+  [[nodiscard]] double friction(std::string_view name) const;
+  void set_friction(std::string_view name, double friction);
+  void set_spinning_friction(std::string_view name, double spinning);  ///< [m]
+  void set_rolling_friction(std::string_view name, double rolling);    ///< [m]
+  [[nodiscard]] double restitution(std::string_view name) const;
+  void set_restitution(std::string_view name, double restitution);
+  [[nodiscard]] double damping(std::string_view joint) const;  ///< [N m s/rad or N s/m]
+  void set_damping(std::string_view joint, double damping);
+  void set_joint_friction(std::string_view joint, double friction);   ///< dry [N m or N]
+  void set_armature(std::string_view joint, double armature);         ///< [kg m^2 or kg]
+  [[nodiscard]] Vec3<double> geom_size(std::string_view geom) const;  ///< see Shape [m]
+  void set_geom_size(std::string_view geom, const Vec3<double>& size);
+  [[nodiscard]] std::pair<double, double> gains(std::string_view actuator) const;  ///< kp, kd, see Actuator
+  void set_gains(std::string_view actuator, double kp, double kd);
+
+ private:
+  struct Edit {
+    ModelBuilder builder{"world"};
+    PartMap map;             // from the present model to the builder
+    std::set<int> left_out;  // links of the builder that will be removed
+  };
+
+  [[nodiscard]] const WorldCore& core() const {
+    if (edit_) apply_edit();
+    return core_;
+  }
+  [[nodiscard]] WorldCore& core() {
+    if (edit_) apply_edit();
+    return core_;
+  }
+  void apply_edit() const;
+  Edit& edit();
+  void drop_left_out();
+  void step_once(WorldCore& core);
+  void runge_kutta_step_or_throw(WorldCore& core);
+  void require_apart(WorldCore& core) const;
+  void require_within_limits(const WorldCore& core, const char* when) const;
+  [[nodiscard]] const Body& free_body(const WorldCore& core, const Link& link, const char* what) const;
+
+  double time_step_;
+  Integrator integrator_;
+  std::int64_t steps_ = 0;
+  SolverSettings solver_;
+  LoadReport report_;
+  mutable WorldCore core_;            // of the parts before `edit_`
+  mutable std::optional<Edit> edit_;  // parts added and removed since
+};
+
+}  // namespace manyhands

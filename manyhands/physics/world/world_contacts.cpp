@@ -1,0 +1,155 @@
+// World: contacts, net forces and reactions of the last step.
+#include <algorithm>
+
+#include "manyhands/physics/world/world.h"
+
+namespace manyhands {
+
+namespace {
+
+Contact report_of(const WorldCore& core, const ContactPoint<double>& point, double inverse_h) {
+  const Colliders<double>& colliders = core.system.colliders;
+  const auto [a, b] = core.colliders_of(point);
+  Contact contact{.geom_a = GeomId(colliders.geoms[a].geom),
+                  .geom_b = GeomId(colliders.geoms[b].geom),
+                  .position = point.p,
+                  .normal = point.normal,
+                  .distance = point.phi,
+                  .normal_force = inverse_h * point.impulse.x};
+  contact.link_a = core.model->geoms()[contact.geom_a.index()].link;
+  contact.link_b = core.model->geoms()[contact.geom_b.index()].link;
+  const Vec3<double> friction = point.impulse.y * point.e_1 + point.impulse.z * point.e_2;
+  contact.friction_force = inverse_h * friction;
+  contact.impulse = point.impulse.x * point.normal + friction;
+  contact.force = inverse_h * contact.impulse;
+  return contact;
+}
+
+/// The pose of a link before the last step.
+Transform<double> pose_before(const Link& link, const Workspace<double>& ws) {
+  return frame_pose(link.body, link.X_BL, ws);
+}
+
+}  // namespace
+
+std::vector<Contact> World::contacts() const {
+  const WorldCore& now = core();
+  std::vector<Contact> found;
+  if (!now.has_stepped) return found;
+  const ContactSet<double>& set = now.step.contacts;
+  std::vector<std::size_t> torsion_of(set.points.size(), set.torsions.size());
+  for (std::size_t k = 0; k < set.torsions.size(); ++k) torsion_of[set.torsions[k].point] = k;
+  for (std::size_t i = 0; i < set.points.size(); ++i) {
+    const ContactPoint<double>& point = set.points[i];
+    if (!is_finite(point.phi) || (point.phi > 0 && !(point.impulse.x > 0))) continue;
+    found.push_back(report_of(now, point, 1 / time_step_));
+    if (torsion_of[i] == set.torsions.size()) continue;
+    const ContactTorsion<double>& torsion = set.torsions[torsion_of[i]];
+    const Vec3<double>& y = torsion.impulse;
+    found.back().moment = (1 / time_step_) * (y.x * point.normal + y.y * torsion.t_1 + y.z * torsion.t_2);
+  }
+  return found;
+}
+
+ContactWrench World::contact_wrench(std::string_view link_name, std::string_view other_name) const {
+  const WorldCore& now = core();
+  const LinkId link = now.model->link_id(link_name);
+  const LinkId other = other_name.empty() ? LinkId() : now.model->link_id(other_name);
+  ContactWrench sum;
+  const Vec3<double> origin = pose_before(now.model->link(link), now.step.dynamics).p;
+  for (const Contact& contact : contacts()) {
+    if (contact.link_a != link && contact.link_b != link) continue;
+    const bool is_b = contact.link_b == link;
+    if (other.is_valid() && (is_b ? contact.link_a : contact.link_b) != other) continue;
+    const double sign = is_b ? 1 : -1;
+    const Vec3<double> arm = contact.position - origin;
+    const Vec3<double> normal = (sign * contact.normal_force) * contact.normal;
+    const Vec3<double> friction = sign * contact.friction_force;
+    sum.normal = sum.normal + Force<double>{cross(arm, normal), normal};
+    sum.friction = sum.friction + Force<double>{cross(arm, friction) + sign * contact.moment, friction};
+  }
+  return sum;
+}
+
+ContactResiduals World::residuals() const {
+  const WorldCore& now = core();
+  return now.has_stepped ? contact_residuals(now.system.tree, now.step) : ContactResiduals{};
+}
+
+double World::max_penetration() const {
+  const WorldCore& now = core();
+  double deepest = 0;
+  for (const ContactPoint<double>& point : now.step.contacts.points) deepest = std::max(deepest, -point.phi);
+  return deepest;
+}
+
+namespace {
+
+/// What of the tree hangs on a link, the link included: 1 for each such link.
+std::vector<std::uint8_t> subtree_of(const Model& model, LinkId root) {
+  std::vector<std::uint8_t> inside(model.links().size(), 0);
+  for (std::size_t i = 0; i < inside.size(); ++i) {
+    for (LinkId id(i); id.is_valid(); id = model.link(id).parent) {
+      if (id == root) inside[i] = 1;
+    }
+  }
+  return inside;
+}
+
+/// Rate of change of the links' momentum less gravity's part, about the world's origin, in the step from `before`.
+Force<double> inertial_force(const WorldCore& core, const std::vector<std::uint8_t>& inside, double h) {
+  const Tree<double>& tree = core.system.tree;
+  const Model& model = *core.model;
+  std::vector<double> a(core.nv());
+  for (std::size_t i = 0; i < a.size(); ++i) a[i] = core.state.dv()[i] / h;
+  Workspace<double>& ws = core.scratch;
+  core.is_placed = false;
+  internal::newton_euler_pass(tree, core.params, core.before.q(), core.before.v(), a.data(), ws);
+  Force<double> sum = Force<double>::zero();
+  for (std::size_t i = 1; i < inside.size(); ++i) {
+    const Link& link = model.links()[i];
+    if (inside[i] == 0 || !(link.inertial.mass > 0)) continue;
+    const double factor = core.link_mass[i] / link.inertial.mass;
+    const std::size_t b = link.body.index();
+    const Transform<double> X_OL = Transform<double>{ws.R_WB[b], ws.p_OB[b]} * link.X_BL;
+    const RigidInertia<double> I = transformed(X_OL, link.inertial.about_origin());
+    const Force<double> F = factor * (I * ws.A[b] + cross(ws.V[b], I * ws.V[b]));
+    sum = sum + Force<double>{F.n + cross(ws.p_WO[b], F.f), F.f};
+  }
+  return sum;
+}
+
+}  // namespace
+
+Force<double> World::joint_wrench(std::string_view joint_name) const {
+  const WorldCore& now = core();
+  const Joint& joint = now.model->joint(now.model->joint_id(joint_name));
+  if (!now.has_stepped) {
+    throw std::runtime_error("joint_wrench tells of the last step, and there is none yet" +
+                             std::string(integrator_ == Integrator::kRungeKutta4 ? ": rk4 has no reactions" : ""));
+  }
+  const std::vector<std::uint8_t> inside = subtree_of(*now.model, joint.child);
+  for (const LoopConstraint& loop : now.model->loops()) {
+    const bool joints = loop.type == LoopType::kJoint || loop.type == LoopType::kGear;
+    const LinkId a = joints ? now.model->joint(loop.joint_a).child : loop.link_a;
+    const LinkId b = joints ? now.model->joint(loop.joint_b).child : loop.link_b;
+    if (joints || inside[a.index()] == inside[b.index()]) continue;
+    throw std::runtime_error("joint '" + joint.name + "' lies within the closed loop '" + loop.name +
+                             "', whose forces share its load");
+  }
+  Force<double> F = inertial_force(now, inside, time_step_);
+  for (std::size_t i = 0; i < inside.size(); ++i) {
+    if (inside[i] != 0) F = F - now.external_before[i];
+  }
+  for (const Contact& contact : contacts()) {
+    const double on_subtree =
+        (inside[contact.link_b.index()] != 0 ? 1.0 : 0.0) - (inside[contact.link_a.index()] != 0 ? 1.0 : 0.0);
+    if (on_subtree == 0) continue;
+    const Force<double> on_b{cross(contact.position, contact.force) + contact.moment, contact.force};
+    F = F - on_subtree * on_b;
+  }
+  const Vec3<double> origin = pose_before(now.model->link(joint.child), now.step.dynamics).p;
+  return {F.n - cross(origin, F.f), F.f};
+}
+
+}  // namespace manyhands

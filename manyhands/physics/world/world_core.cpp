@@ -1,0 +1,217 @@
+#include "manyhands/physics/world/world_core.h"
+
+#include <algorithm>
+#include <map>
+
+namespace manyhands {
+
+namespace {
+
+std::shared_ptr<const Model> required(std::shared_ptr<const Model> model) {
+  if (model == nullptr) throw std::invalid_argument("a world needs a model; got none");
+  return model;
+}
+
+/// Beyond so many colliding geoms a broad phase is faster than a list of all pairs.
+constexpr std::ptrdiff_t kMostListed = 60;
+
+PairSearch search_of(const Model& model) {
+  const auto count = std::ranges::count(model.geoms(), GeomRole::kCollision, &Geom::role);
+  return count > kMostListed ? PairSearch::kSwept : PairSearch::kListed;
+}
+
+/// The two colliders, lower index first, and the number of the manifold between them that a large world's key tells.
+struct ManifoldOf {
+  std::size_t low, high, number;
+};
+
+ManifoldOf manifold_of(const Colliders<double>& colliders, double key) {
+  const auto whole = static_cast<std::size_t>(key);
+  const std::size_t pair = whole / kManifoldPoints;
+  return {pair / colliders.geoms.size(), pair % colliders.geoms.size(), whole % kManifoldPoints};
+}
+
+double key_of(const Colliders<double>& colliders, const ManifoldOf& m) {
+  return static_cast<double>(kManifoldPoints * (m.low * colliders.geoms.size() + m.high) + m.number);
+}
+
+}  // namespace
+
+WorldCore::WorldCore(std::shared_ptr<const Model> shared_model)
+    : model(required(std::move(shared_model))),
+      system(*model, search_of(*model)),
+      params(*model),
+      state(*model, system.contact_numbers()),
+      before(state),
+      step(system),
+      runge_kutta(system.tree),
+      external(model->links().size(), Force<double>::zero()),
+      external_before(external),
+      scratch(system.tree) {
+  std::ranges::copy(model->initial_configuration(), state.q());
+  for (const Link& link : model->links()) link_mass.push_back(link.inertial.mass);
+}
+
+const Workspace<double>& WorldCore::placed() const {
+  if (is_placed) return scratch;
+  for (std::size_t b = 1; b < system.tree.bodies.size(); ++b) {
+    place(system.tree, b, state.q(), scratch);
+    move(system.tree, b, state.v(), scratch);
+  }
+  is_placed = true;
+  return scratch;
+}
+
+std::pair<std::size_t, std::size_t> WorldCore::colliders_of(const ContactPoint<double>& point) const {
+  const Colliders<double>& colliders = system.colliders;
+  if (colliders.search == PairSearch::kListed) {
+    const ColliderPair& pair = colliders.pairs[point.pair];
+    return {pair.a, pair.b};
+  }
+  const std::size_t first = point.manifold * kManifoldNumbers<double>;
+  const ManifoldOf m = manifold_of(colliders, state.contacts()[first]);
+  const std::optional<ColliderPair> pair = colliders.pair_of(m.low, m.high);
+  return {pair->a, pair->b};
+}
+
+void WorldCore::forget_step() {
+  has_stepped = false;
+  step.contacts.points.clear();
+  step.contacts.torsions.clear();
+}
+
+namespace {
+
+void copy_dofs(const double* from, int i, double* to, int k, int count) { std::copy_n(from + i, count, to + k); }
+
+void carry_joint(const WorldCore& from, const Joint& a, const Joint& b, WorldCore& to) {
+  const int nq = configuration_size(a.type), nv = velocity_size(a.type);
+  if (nv == 0) return;
+  const State<double>& old = from.state;
+  State<double>& state = to.state;
+  copy_dofs(old.q(), a.iq, state.q(), b.iq, nq);
+  copy_dofs(old.v(), a.iv, state.v(), b.iv, nv);
+  copy_dofs(old.tau(), a.iv, state.tau(), b.iv, nv);
+  copy_dofs(old.target_q(), a.iv, state.target_q(), b.iv, nv);
+  copy_dofs(old.target_v(), a.iv, state.target_v(), b.iv, nv);
+  copy_dofs(old.stance(), a.iv, state.stance(), b.iv, nv);
+  copy_dofs(old.dv(), a.iv, state.dv(), b.iv, nv);
+  copy_dofs(old.hold(), a.iv, state.hold(), b.iv, nv);
+  for (const auto field : {&Params<double>::damping, &Params<double>::armature, &Params<double>::lower,
+                           &Params<double>::upper, &Params<double>::motor_kp, &Params<double>::motor_kd,
+                           &Params<double>::motor_max_force, &Params<double>::friction}) {
+    copy_dofs((from.params.*field).data(), a.iv, (to.params.*field).data(), b.iv, nv);
+  }
+}
+
+void carry_links(const WorldCore& from, const std::vector<int>& links, WorldCore& to) {
+  const ParamsView<double> params = view(to.params, 0);
+  const Strided<double> masses = lane_of<double>(to.link_mass, 0, 1);
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    if (links[i] < 0) continue;
+    const auto k = static_cast<std::size_t>(links[i]);
+    to.external[k] = from.external[i];
+    if (to.link_mass[k] != from.link_mass[i]) set_link_mass(*to.model, LinkId(k), from.link_mass[i], masses, params);
+  }
+  to.pushed = from.pushed;
+}
+
+void carry_geoms(const WorldCore& from, const std::vector<int>& geoms, WorldCore& to) {
+  for (std::size_t i = 0; i < geoms.size(); ++i) {
+    if (geoms[i] < 0) continue;
+    const auto k = static_cast<std::size_t>(geoms[i]);
+    to.params.geom_size[k] = from.params.geom_size[i];
+    for (const auto field :
+         {&Params<double>::geom_friction, &Params<double>::geom_friction_y, &Params<double>::geom_spinning,
+          &Params<double>::geom_rolling, &Params<double>::geom_restitution}) {
+      (to.params.*field)[k] = (from.params.*field)[i];
+    }
+  }
+}
+
+void carry_actuators(const WorldCore& from, const std::vector<int>& actuators, WorldCore& to) {
+  for (std::size_t i = 0; i < actuators.size(); ++i) {
+    if (actuators[i] < 0) continue;
+    const auto k = static_cast<std::size_t>(actuators[i]);
+    to.state.ctrl()[k] = from.state.ctrl()[i];
+    for (const auto field : {&Params<double>::gear, &Params<double>::drive_kp, &Params<double>::drive_kd,
+                             &Params<double>::drive_max_force}) {
+      (to.params.*field)[k] = (from.params.*field)[i];
+    }
+  }
+}
+
+/// Calls visit(which, its numbers) for every manifold in a core's memory.
+template <class Visit>
+void visit_memory(const WorldCore& core, Visit&& visit) {
+  const Colliders<double>& colliders = core.system.colliders;
+  const std::span<const double> memory = core.state.contacts();
+  const auto numbers = [&](std::size_t i) {
+    return memory.subspan(i * kManifoldNumbers<double>, kManifoldNumbers<double>);
+  };
+  if (colliders.search == PairSearch::kSwept) {
+    for (std::size_t i = 0; i < memory.size() / kManifoldNumbers<double>; ++i) {
+      visit(manifold_of(colliders, numbers(i)[0]), numbers(i));
+    }
+    return;
+  }
+  for (const ColliderPair& pair : colliders.pairs) {
+    for (std::size_t k = 0; k < pair.manifolds; ++k) {
+      visit(ManifoldOf{std::min(pair.a, pair.b), std::max(pair.a, pair.b), k}, numbers(pair.manifold + k));
+    }
+  }
+}
+
+/// Impulses of pairs whose geoms are both still there.
+void carry_contacts(const WorldCore& from, const std::vector<int>& geoms, WorldCore& to) {
+  const Colliders<double>&before = from.system.colliders, &now = to.system.colliders;
+  std::vector<std::size_t> collider_of(to.model->geoms().size(), now.geoms.size());
+  for (std::size_t i = 0; i < now.geoms.size(); ++i) collider_of[now.geoms[i].geom] = i;
+  const auto carried = [&](std::size_t old) {
+    const int geom = geoms[before.geoms[old].geom];
+    return geom < 0 ? now.geoms.size() : collider_of[static_cast<std::size_t>(geom)];
+  };
+  std::map<double, std::vector<double>> kept;  // by key: the order in which a large world remembers
+  visit_memory(from, [&](const ManifoldOf& m, std::span<const double> numbers) {
+    const std::size_t a = carried(m.low), b = carried(m.high);
+    const bool used = numbers[1] != 0;
+    if (!used || std::max(a, b) >= now.geoms.size()) return;
+    const double key = key_of(now, {std::min(a, b), std::max(a, b), m.number});
+    kept[key].assign(numbers.begin(), numbers.end());
+  });
+  if (now.search == PairSearch::kSwept) {
+    to.state.resize_contacts(kept.size() * kManifoldNumbers<double>);
+    auto next = to.state.contacts().begin();
+    for (auto& [key, numbers] : kept) {
+      numbers[0] = key;
+      next = std::ranges::copy(numbers, next).out;
+    }
+    return;
+  }
+  for (const ColliderPair& pair : now.pairs) {
+    for (std::size_t k = 0; k < pair.manifolds; ++k) {
+      const auto found = kept.find(key_of(now, {std::min(pair.a, pair.b), std::max(pair.a, pair.b), k}));
+      if (found == kept.end()) continue;
+      found->second[0] = 0;
+      const auto first = static_cast<std::ptrdiff_t>((pair.manifold + k) * kManifoldNumbers<double>);
+      std::ranges::copy(found->second, to.state.contacts().begin() + first);
+    }
+  }
+}
+
+}  // namespace
+
+void carry(const WorldCore& from, const PartMap& map, WorldCore& to) {
+  to.params.gravity = from.params.gravity;
+  for (std::size_t i = 0; i < map.joints.size(); ++i) {
+    if (map.joints[i] < 0) continue;
+    carry_joint(from, from.model->joints()[i], to.model->joints()[static_cast<std::size_t>(map.joints[i])], to);
+  }
+  carry_links(from, map.links, to);
+  carry_geoms(from, map.geoms, to);
+  carry_actuators(from, map.actuators, to);
+  carry_contacts(from, map.geoms, to);
+  let_resist_turning(view(to.params, 0), to.system.colliders);
+}
+
+}  // namespace manyhands

@@ -1,0 +1,53 @@
+// World: how far links are from each other, and what rays meet.
+#include <cmath>
+
+#include "manyhands/physics/world/world.h"
+#include "manyhands/physics/world/world_checks.h"
+
+namespace manyhands {
+
+namespace {
+
+PlacedGeoms placed_geoms(const WorldCore& core) { return {core.system.colliders, core.params, core.placed()}; }
+
+}  // namespace
+
+std::optional<LinkDistance> World::distance(std::string_view link_a, std::string_view link_b) const {
+  const WorldCore& now = core();
+  const LinkId a = now.model->link_id(link_a), b = now.model->link_id(link_b);
+  if (a == b) {
+    throw std::invalid_argument("the distance of link '" + std::string(link_a) +
+                                "' from itself was asked for; name two links");
+  }
+  return link_distance(placed_geoms(now), a, b);
+}
+
+std::vector<LinkDistance> World::near_links(double d) const {
+  if (std::isnan(d)) throw std::invalid_argument("the distance is not a number; expected one in metres");
+  return links_within(placed_geoms(core()), d);
+}
+
+std::vector<std::optional<WorldRayHit>> World::ray_cast(std::span<const Vec3<double>> origins,
+                                                        std::span<const Vec3<double>> directions,
+                                                        double max_distance) const {
+  if (origins.size() != directions.size()) {
+    throw std::invalid_argument("there are " + std::to_string(origins.size()) + " origins and " +
+                                std::to_string(directions.size()) + " directions of rays; expected as many of both");
+  }
+  if (!(max_distance >= 0)) {
+    throw std::invalid_argument("max_distance is " + std::to_string(max_distance) + " m; expected 0 or more");
+  }
+  std::vector<Vec3<double>> unit(directions.begin(), directions.end());
+  for (std::size_t i = 0; i < unit.size(); ++i) {
+    internal::require_vector("origin", origins[i]);
+    const double length = norm(unit[i]);
+    if (!(length > 1e-150 && is_finite(length))) {
+      throw std::invalid_argument("direction " + std::to_string(i) + " has a length of " + std::to_string(length) +
+                                  "; expected a finite one above 0");
+    }
+    unit[i] = (1 / length) * unit[i];
+  }
+  return manyhands::ray_cast(placed_geoms(core()), origins, unit, max_distance);
+}
+
+}  // namespace manyhands
