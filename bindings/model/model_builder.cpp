@@ -215,35 +215,36 @@ void bind_shapes(nb::class_<ModelBuilder>& builder) {
 void bind_couplings(nb::class_<ModelBuilder>& builder) {
   builder
       .def(
-          "add_loop",
+          "add_equality",
           [](ModelBuilder& self, const std::string& name, const std::string& type, const std::string& a,
              const std::string& b, const Numbers3& position_a, const Numbers4& quaternion_a, const Numbers3& position_b,
              const Numbers4& quaternion_b, double ratio, double offset, double max_force) {
-            LoopConstraint loop{.name = name, .type = named("loop type", type, bindings::kLoops)};
-            if (loop.type == LoopType::kJoint || loop.type == LoopType::kGear) {
-              loop.joint_a = joint_of(self, a);
-              loop.joint_b = joint_of(self, b);
+            EqualityConstraint equality{.name = name, .type = named("equality type", type, bindings::kEqualities)};
+            if (equality.type == EqualityType::kJoint || equality.type == EqualityType::kGear) {
+              equality.joint_a = joint_of(self, a);
+              equality.joint_b = joint_of(self, b);
             } else {
-              loop.link_a = link_of(self, a);
-              loop.link_b = link_of(self, b);
+              equality.link_a = link_of(self, a);
+              equality.link_b = link_of(self, b);
             }
-            loop.X_LA = transform("loop '" + name + "'", position_a, quaternion_a);
-            loop.X_LB = transform("loop '" + name + "'", position_b, quaternion_b);
-            loop.ratio = ratio;
-            loop.offset = offset;
-            loop.max_force = max_force;
-            self.add_loop(std::move(loop));
+            equality.X_LA = transform("equality '" + name + "'", position_a, quaternion_a);
+            equality.X_LB = transform("equality '" + name + "'", position_b, quaternion_b);
+            equality.ratio = ratio;
+            equality.offset = offset;
+            equality.max_force = max_force;
+            self.add_equality(std::move(equality));
           },
           "name"_a, "type"_a, "a"_a, "b"_a, nb::kw_only(), "position_a"_a = Numbers3{},
           "quaternion_a"_a = Numbers4{0, 0, 0, 1}, "position_b"_a = Numbers3{}, "quaternion_b"_a = Numbers4{0, 0, 0, 1},
           "ratio"_a = 1.0, "offset"_a = 0.0, "max_force"_a = kInfinity,
           nb::sig(
-              "def add_loop(self, name: str, type: typing.Literal['point', 'hinge', 'fixed', 'prismatic', 'slider', "
+              "def add_equality(self, name: str, type: typing.Literal['point', 'hinge', 'fixed', 'prismatic', "
+              "'slider', "
               "'joint', 'gear'], a: str, b: str, *, position_a: numpy.typing.ArrayLike = (0, 0, 0), "
               "quaternion_a: numpy.typing.ArrayLike = (0, 0, 0, 1), position_b: numpy.typing.ArrayLike = (0, 0, 0), "
               "quaternion_b: numpy.typing.ArrayLike = (0, 0, 0, 1), ratio: float = 1.0, offset: float = 0.0, "
               "max_force: float = ...) -> None"),
-          "Closes a loop: frame B on link b coincides with frame A on link a ('point': in its origin; 'hinge': may "
+          "Holds two parts together: frame B on link b coincides with frame A on link a ('point': in its origin; 'hinge': may "
           "turn "
           "about z; 'fixed'; 'prismatic': may slide along z; 'slider': both); or joints a and b move as q_b = ratio "
           "q_a "
@@ -265,7 +266,7 @@ void bind_couplings(nb::class_<ModelBuilder>& builder) {
           "name"_a, "type"_a, "joint"_a, nb::kw_only(), "gear"_a = 1.0, "kp"_a = 0.0, "kd"_a = 0.0,
           "ctrl_range"_a = std::pair{-kInfinity, kInfinity}, "max_force"_a = kInfinity,
           nb::sig(
-              "def add_actuator(self, name: str, type: typing.Literal['motor', 'position', 'velocity'], joint: str, "
+              "def add_actuator(self, name: str, type: typing.Literal['force', 'position', 'velocity'], joint: str, "
               "*, gear: float = 1.0, kp: float = 0.0, kd: float = 0.0, ctrl_range: tuple[float, float] = ..., "
               "max_force: float = ...) -> None"),
           "Drives a joint of one degree of freedom; `Actuator` says what its numbers mean.")

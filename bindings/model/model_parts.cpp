@@ -184,7 +184,7 @@ void bind_couplings(nb::module_& m) {
            })
       .def_prop_ro(
           "type", [](const Actuator& a) { return name_of(a.type, bindings::kActuators); },
-          "'motor': force = gear ctrl; 'position': gear (kp (ctrl - gear q) - kd gear v); 'velocity': gear kd (ctrl - "
+          "'force': force = gear ctrl; 'position': gear (kp (ctrl - gear q) - kd gear v); 'velocity': gear kd (ctrl - "
           "gear v).")
       .def_prop_ro(
           "joint", [](const Actuator& a) { return a.joint.value(); }, "Index of the joint.")
@@ -195,36 +195,39 @@ void bind_couplings(nb::module_& m) {
       .def_ro("max_ctrl", &Actuator::max_ctrl)
       .def_ro("max_force", &Actuator::max_force, "At the joint [N m or N]; inf without a limit.");
 
-  nb::class_<LoopConstraint>(m, "Loop", "An equation between two links or two joints that closes a loop of the tree.")
-      .def_ro("name", &LoopConstraint::name)
+  nb::class_<EqualityConstraint>(m, "EqualityConstraint",
+                                 "An equation between two links or two joints that always holds.")
+      .def_ro("name", &EqualityConstraint::name)
       .def("__repr__",
-           [](const LoopConstraint& l) { return "<Loop '" + l.name + "': " + name_of(l.type, bindings::kLoops) + ">"; })
+           [](const EqualityConstraint& l) {
+             return "<EqualityConstraint '" + l.name + "': " + name_of(l.type, bindings::kEqualities) + ">";
+           })
       .def_prop_ro(
-          "type", [](const LoopConstraint& l) { return name_of(l.type, bindings::kLoops); },
+          "type", [](const EqualityConstraint& l) { return name_of(l.type, bindings::kEqualities); },
           "'point', 'hinge', 'fixed', 'prismatic' or 'slider', of links; 'joint' or 'gear', of joints.")
       .def_prop_ro(
-          "link_a", [](const LoopConstraint& l) { return l.link_a.value(); }, "Index; -1 where joints are coupled.")
+          "link_a", [](const EqualityConstraint& l) { return l.link_a.value(); }, "Index; -1 where joints are coupled.")
       .def_prop_ro(
-          "link_b", [](const LoopConstraint& l) { return l.link_b.value(); }, "Index; -1 where joints are coupled.")
+          "link_b", [](const EqualityConstraint& l) { return l.link_b.value(); }, "Index; -1 where joints are coupled.")
       .def_prop_ro(
-          "position_a", [](const LoopConstraint& l) { return vector3(l.X_LA.p); },
+          "position_a", [](const EqualityConstraint& l) { return vector3(l.X_LA.p); },
           nb::sig(returns_array("position_a").c_str()), "Of frame A on link_a, (3) [m].")
       .def_prop_ro(
-          "quaternion_a", [](const LoopConstraint& l) { return quaternion(l.X_LA.R); },
+          "quaternion_a", [](const EqualityConstraint& l) { return quaternion(l.X_LA.R); },
           nb::sig(returns_array("quaternion_a").c_str()), "xyzw (4).")
       .def_prop_ro(
-          "position_b", [](const LoopConstraint& l) { return vector3(l.X_LB.p); },
+          "position_b", [](const EqualityConstraint& l) { return vector3(l.X_LB.p); },
           nb::sig(returns_array("position_b").c_str()), "Of frame B on link_b, (3) [m].")
       .def_prop_ro(
-          "quaternion_b", [](const LoopConstraint& l) { return quaternion(l.X_LB.R); },
+          "quaternion_b", [](const EqualityConstraint& l) { return quaternion(l.X_LB.R); },
           nb::sig(returns_array("quaternion_b").c_str()), "xyzw (4).")
       .def_prop_ro(
-          "joint_a", [](const LoopConstraint& l) { return l.joint_a.value(); }, "Index; -1 where links are joined.")
+          "joint_a", [](const EqualityConstraint& l) { return l.joint_a.value(); }, "Index; -1 where links are joined.")
       .def_prop_ro(
-          "joint_b", [](const LoopConstraint& l) { return l.joint_b.value(); }, "Index; -1 where links are joined.")
-      .def_ro("ratio", &LoopConstraint::ratio, "'joint': q_b = ratio q_a + offset; 'gear': v_b = ratio v_a.")
-      .def_ro("offset", &LoopConstraint::offset, "[rad or m]")
-      .def_ro("max_force", &LoopConstraint::max_force, "Of each row [N or N m]; inf without a limit.");
+          "joint_b", [](const EqualityConstraint& l) { return l.joint_b.value(); }, "Index; -1 where links are joined.")
+      .def_ro("ratio", &EqualityConstraint::ratio, "'joint': q_b = ratio q_a + offset; 'gear': v_b = ratio v_a.")
+      .def_ro("offset", &EqualityConstraint::offset, "[rad or m]")
+      .def_ro("max_force", &EqualityConstraint::max_force, "Of each row [N or N m]; inf without a limit.");
 
   nb::class_<ContactPair>(m, "ContactPair", "Two geoms that may touch whatever their groups, masks and links say.")
       .def_prop_ro(

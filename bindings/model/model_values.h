@@ -99,16 +99,17 @@ inline constexpr std::array<std::pair<const char*, ShapeType>, 8> kShapes{{{"sph
                                                                            {"convex", ShapeType::kConvex},
                                                                            {"height_field", ShapeType::kHeightField}}};
 
-inline constexpr std::array<std::pair<const char*, LoopType>, 7> kLoops{{{"point", LoopType::kPoint},
-                                                                         {"hinge", LoopType::kHinge},
-                                                                         {"fixed", LoopType::kFixed},
-                                                                         {"prismatic", LoopType::kPrismatic},
-                                                                         {"slider", LoopType::kSlider},
-                                                                         {"joint", LoopType::kJoint},
-                                                                         {"gear", LoopType::kGear}}};
+inline constexpr std::array<std::pair<const char*, EqualityType>, 7> kEqualities{
+    {{"point", EqualityType::kPoint},
+     {"hinge", EqualityType::kHinge},
+     {"fixed", EqualityType::kFixed},
+     {"prismatic", EqualityType::kPrismatic},
+     {"slider", EqualityType::kSlider},
+     {"joint", EqualityType::kJoint},
+     {"gear", EqualityType::kGear}}};
 
 inline constexpr std::array<std::pair<const char*, ActuatorType>, 3> kActuators{
-    {{"motor", ActuatorType::kMotor}, {"position", ActuatorType::kPosition}, {"velocity", ActuatorType::kVelocity}}};
+    {{"force", ActuatorType::kForce}, {"position", ActuatorType::kPosition}, {"velocity", ActuatorType::kVelocity}}};
 
 inline constexpr std::array<std::pair<const char*, CombineRule>, 4> kCombineRules{
     {{"product", CombineRule::kProduct},

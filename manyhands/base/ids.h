@@ -33,6 +33,6 @@ using GeomId = Id<struct GeomTag>;
 using MeshId = Id<struct MeshTag>;
 using HeightFieldId = Id<struct HeightFieldTag>;
 using ActuatorId = Id<struct ActuatorTag>;
-using LoopId = Id<struct LoopTag>;
+using EqualityId = Id<struct EqualityTag>;
 
 }  // namespace manyhands

@@ -32,7 +32,7 @@ class Appender {
     add_links();
     add_joints();
     add_geoms();
-    add_loops();
+    add_equalities();
     add_actuators();
     add_contact_exceptions();
     add_frames();
@@ -127,27 +127,27 @@ class Appender {
     }
   }
 
-  /// Loops that the model was given; those of mimic joints come from the joints again.
-  void add_loops() {
-    const auto is_mimic = [&](const LoopConstraint& loop) {
-      return loop.type == LoopType::kJoint && model_.joint(loop.joint_b).mimic &&
-             loop.name == model_.joint(loop.joint_b).name + "_mimic";
+  /// Equality constraints that the model was given; those of mimic joints come from the joints again.
+  void add_equalities() {
+    const auto is_mimic = [&](const EqualityConstraint& equality) {
+      return equality.type == EqualityType::kJoint && model_.joint(equality.joint_b).mimic &&
+             equality.name == model_.joint(equality.joint_b).name + "_mimic";
     };
-    for (LoopConstraint loop : model_.loops()) {
-      if (is_mimic(loop)) continue;
-      loop.name = named(loop.name);
-      if (loop.type == LoopType::kJoint || loop.type == LoopType::kGear) {
-        loop.joint_a = JointId(map_.joints[loop.joint_a.index()]);
-        loop.joint_b = JointId(map_.joints[loop.joint_b.index()]);
-        if (!loop.joint_a.is_valid() || !loop.joint_b.is_valid()) continue;
+    for (EqualityConstraint equality : model_.equalities()) {
+      if (is_mimic(equality)) continue;
+      equality.name = named(equality.name);
+      if (equality.type == EqualityType::kJoint || equality.type == EqualityType::kGear) {
+        equality.joint_a = JointId(map_.joints[equality.joint_a.index()]);
+        equality.joint_b = JointId(map_.joints[equality.joint_b.index()]);
+        if (!equality.joint_a.is_valid() || !equality.joint_b.is_valid()) continue;
       } else {
-        if (!has(loop.link_a) || !has(loop.link_b)) continue;
-        if (loop.link_a.value() == 0) loop.X_LA = moved() * loop.X_LA;
-        if (loop.link_b.value() == 0) loop.X_LB = moved() * loop.X_LB;
-        loop.link_a = link(loop.link_a);
-        loop.link_b = link(loop.link_b);
+        if (!has(equality.link_a) || !has(equality.link_b)) continue;
+        if (equality.link_a.value() == 0) equality.X_LA = moved() * equality.X_LA;
+        if (equality.link_b.value() == 0) equality.X_LB = moved() * equality.X_LB;
+        equality.link_a = link(equality.link_a);
+        equality.link_b = link(equality.link_b);
       }
-      builder_.add_loop(std::move(loop));
+      builder_.add_equality(std::move(equality));
     }
   }
 

@@ -23,8 +23,8 @@ struct AppendOptions {
 
 /// Adds copies of the model's parts; its world becomes the builder's. What hangs on the world is moved by X_WM: bases,
 /// geoms and joint frames, and for free bodies where they start, so that their q stays a pose in the world. A link that
-/// is left out takes along its joint, geoms, loops, actuators and what hangs on it; keyframes stay behind too. Gravity,
-/// time step and the rules of contact are the builder's. Throws ModelError if a name is taken.
+/// is left out takes along its joint, geoms, equality constraints, actuators and what hangs on it; keyframes stay
+/// behind too. Gravity, time step and the rules of contact are the builder's. Throws ModelError if a name is taken.
 PartMap append(ModelBuilder& builder, const Model& model, const AppendOptions& options = {});
 
 /// A builder that holds the model, its gravity, time step and rules of contact.

@@ -1,4 +1,4 @@
-// What acts between parts beyond joints: loops, actuators, and exceptions to the rules of collision.
+// What acts between parts beyond joints: equality constraints, actuators, and exceptions to the rules of collision.
 #pragma once
 
 #include <limits>
@@ -9,7 +9,7 @@
 
 namespace manyhands {
 
-enum class LoopType {
+enum class EqualityType {
   kPoint,      ///< the origins of A and B coincide
   kHinge,      ///< kPoint, and B turns in A about z only
   kFixed,      ///< A and B coincide
@@ -19,10 +19,10 @@ enum class LoopType {
   kGear,       ///< joints: v_b = ratio v_a
 };
 
-/// An equation between two links or two joints that closes a loop of the tree.
-struct LoopConstraint {
+/// An equation between two links or two joints that always holds: it closes a loop of the tree, or couples joints.
+struct EqualityConstraint {
   std::string name{};
-  LoopType type = LoopType::kPoint;
+  EqualityType type = EqualityType::kPoint;
   LinkId link_a{}, link_b{};                               ///< of kPoint to kSlider; link 0 is the world
   Transform<double> X_LA = Transform<double>::identity();  ///< frame A on link_a
   Transform<double> X_LB = Transform<double>::identity();  ///< frame B on link_b
@@ -33,7 +33,7 @@ struct LoopConstraint {
 };
 
 enum class ActuatorType {
-  kMotor,     ///< force = gear ctrl
+  kForce,     ///< force = gear ctrl
   kPosition,  ///< force = gear (kp (ctrl - gear q) - kd gear v)
   kVelocity,  ///< force = gear kd (ctrl - gear v)
 };
@@ -41,7 +41,7 @@ enum class ActuatorType {
 /// A drive on a joint of one degree of freedom, commanded by one number, `ctrl`.
 struct Actuator {
   std::string name{};
-  ActuatorType type = ActuatorType::kMotor;
+  ActuatorType type = ActuatorType::kForce;
   JointId joint{};
   double gear = 1;
   double kp = 0;  ///< [N m/rad or N/m]

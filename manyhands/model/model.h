@@ -55,7 +55,9 @@ class Model {
   [[nodiscard]] std::span<const Geom> geoms() const { return geoms_; }
   [[nodiscard]] std::span<const Mesh> meshes() const { return meshes_; }
   [[nodiscard]] std::span<const HeightField> height_fields() const { return height_fields_; }
-  [[nodiscard]] std::span<const LoopConstraint> loops() const { return loops_; }  ///< mimic joints' included
+  [[nodiscard]] std::span<const EqualityConstraint> equalities() const {
+    return equalities_;
+  }  ///< mimic joints' included
   [[nodiscard]] std::span<const Actuator> actuators() const { return actuators_; }
   [[nodiscard]] int nu() const { return static_cast<int>(actuators_.size()); }  ///< length of ctrl
   [[nodiscard]] std::span<const ContactExclusion> exclusions() const { return exclusions_; }
@@ -108,7 +110,7 @@ class Model {
   std::vector<Geom> geoms_;
   std::vector<Mesh> meshes_;
   std::vector<HeightField> height_fields_;
-  std::vector<LoopConstraint> loops_;
+  std::vector<EqualityConstraint> equalities_;
   std::vector<Actuator> actuators_;
   std::vector<ContactExclusion> exclusions_;
   std::vector<ContactPair> contact_pairs_;

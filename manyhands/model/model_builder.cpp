@@ -115,21 +115,22 @@ HeightFieldId ModelBuilder::add_height_field(HeightField field) {
   return HeightFieldId(height_fields_.size() - 1);
 }
 
-LoopId ModelBuilder::add_loop(LoopConstraint loop) {
-  const std::string what = "loop '" + loop.name + "'";
-  if (loop.type == LoopType::kJoint || loop.type == LoopType::kGear) {
-    require_single_dof(what, loop.joint_a);
-    require_single_dof(what, loop.joint_b);
-    if (loop.joint_a == loop.joint_b) throw ModelError(what + " couples a joint with itself");
-    if (!finite(loop.ratio) || !finite(loop.offset)) throw ModelError(what + ": ratio and offset must be finite");
+EqualityId ModelBuilder::add_equality(EqualityConstraint equality) {
+  const std::string what = "equality '" + equality.name + "'";
+  if (equality.type == EqualityType::kJoint || equality.type == EqualityType::kGear) {
+    require_single_dof(what, equality.joint_a);
+    require_single_dof(what, equality.joint_b);
+    if (equality.joint_a == equality.joint_b) throw ModelError(what + " couples a joint with itself");
+    if (!finite(equality.ratio) || !finite(equality.offset))
+      throw ModelError(what + ": ratio and offset must be finite");
   } else {
-    require_link(what, loop.link_a);
-    require_link(what, loop.link_b);
-    if (loop.link_a == loop.link_b) throw ModelError(what + " joins a link to itself");
+    require_link(what, equality.link_a);
+    require_link(what, equality.link_b);
+    if (equality.link_a == equality.link_b) throw ModelError(what + " joins a link to itself");
   }
-  if (!(loop.max_force >= 0)) throw ModelError(what + ": max_force must be 0 or more");
-  loops_.push_back(std::move(loop));
-  return LoopId(loops_.size() - 1);
+  if (!(equality.max_force >= 0)) throw ModelError(what + ": max_force must be 0 or more");
+  equalities_.push_back(std::move(equality));
+  return EqualityId(equalities_.size() - 1);
 }
 
 ActuatorId ModelBuilder::add_actuator(Actuator actuator) {
@@ -198,7 +199,7 @@ Model ModelBuilder::compile() const {
   model.geoms_ = geoms_;
   model.meshes_ = meshes_;
   model.height_fields_ = height_fields_;
-  model.loops_ = loops_;
+  model.equalities_ = equalities_;
   model.actuators_ = actuators_;
   model.exclusions_ = exclusions_;
   model.contact_pairs_ = contact_pairs_;
@@ -309,19 +310,19 @@ std::vector<JointId> ModelBuilder::joints_without_inertia() const {
   return found;
 }
 
-/// A mimic joint is a loop between its driver and itself, where both have one degree of freedom.
-void ModelBuilder::add_mimic_loops(Model& model) const {
+/// A mimic joint is an equality constraint between its driver and itself, where both have one degree of freedom.
+void ModelBuilder::add_mimic_equalities(Model& model) const {
   for (std::size_t i = 0; i < joints_.size(); ++i) {
     const Joint& joint = joints_[i];
     if (!joint.mimic) continue;
     const JointId driver(joint_names_.find(joint.mimic->joint)->second);
     if (velocity_size(joint.type) != 1 || velocity_size(joints_[driver.index()].type) != 1) continue;
-    model.loops_.push_back({.name = joint.name + "_mimic",
-                            .type = LoopType::kJoint,
-                            .joint_a = driver,
-                            .joint_b = JointId(i),
-                            .ratio = joint.mimic->multiplier,
-                            .offset = joint.mimic->offset});
+    model.equalities_.push_back({.name = joint.name + "_mimic",
+                                 .type = EqualityType::kJoint,
+                                 .joint_a = driver,
+                                 .joint_b = JointId(i),
+                                 .ratio = joint.mimic->multiplier,
+                                 .offset = joint.mimic->offset});
   }
 }
 
@@ -344,7 +345,7 @@ Model ModelBuilder::build() const {
     }
   }
   Model model = compile();
-  add_mimic_loops(model);
+  add_mimic_equalities(model);
   add_keyframes(model);
   const std::vector<JointId> massless = joints_without_inertia();
   if (!massless.empty()) {

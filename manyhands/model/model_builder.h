@@ -38,7 +38,7 @@ class ModelBuilder {
   /// Throws ModelError unless the grid has 2 x 2 finite heights or more.
   HeightFieldId add_height_field(HeightField field);
   /// Throws ModelError unless the links, or the joints of one degree of freedom, were added before.
-  LoopId add_loop(LoopConstraint loop);
+  EqualityId add_equality(EqualityConstraint equality);
   /// Throws ModelError unless the joint was added before and has one degree of freedom.
   ActuatorId add_actuator(Actuator actuator);
   void exclude_contact(LinkId a, LinkId b);
@@ -79,7 +79,7 @@ class ModelBuilder {
   void add_keyframes(Model& model) const;
   void require_link(const std::string& what, LinkId link) const;
   void require_single_dof(const std::string& what, JointId joint) const;
-  void add_mimic_loops(Model& model) const;
+  void add_mimic_equalities(Model& model) const;
   static void compile_link(Model& model, LinkId id);
   static void compile_dofs(Model& model);
 
@@ -89,7 +89,7 @@ class ModelBuilder {
   std::vector<Geom> geoms_;
   std::vector<Mesh> meshes_;
   std::vector<HeightField> height_fields_;
-  std::vector<LoopConstraint> loops_;
+  std::vector<EqualityConstraint> equalities_;
   std::vector<Actuator> actuators_;
   std::vector<ContactExclusion> exclusions_;
   std::vector<ContactPair> contact_pairs_;

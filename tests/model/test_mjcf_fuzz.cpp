@@ -48,7 +48,8 @@ void expect_whole(const Model& model) {
     ASSERT_TRUE(!has_mesh || geom.shape.mesh.index() < model.meshes().size());
     ASSERT_NEAR(norm(geom.X_LG.R.x), 1, 1e-9);
   }
-  for (const LoopConstraint& loop : model.loops()) ASSERT_TRUE(std::isfinite(loop.X_LB.p.x + loop.ratio + loop.offset));
+  for (const EqualityConstraint& loop : model.equalities())
+    ASSERT_TRUE(std::isfinite(loop.X_LB.p.x + loop.ratio + loop.offset));
   for (const Body& body : model.bodies()) ASSERT_TRUE(std::isfinite(body.inertia.I.xx + body.X_PF.p.x));
   for (const double q : model.initial_configuration()) ASSERT_TRUE(std::isfinite(q));
   for (const Keyframe& key : model.keyframes()) ASSERT_EQ(std::ssize(key.q), model.nq());

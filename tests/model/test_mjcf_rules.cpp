@@ -255,8 +255,8 @@ TEST(MjcfRules, EqualitiesThatCannotBeLoopsAreNoted) {
       load_scene(one_body("<joint name=\"j\"/><joint name=\"k\" axis=\"1 0 0\"/>",
                           "<equality><joint name=\"a\" joint1=\"j\"/><joint name=\"b\" joint1=\"j\" joint2=\"k\" "
                           "polycoef=\"0 2 3 0 0\"/><weld name=\"c\" body1=\"b\" active=\"false\"/></equality>"));
-  ASSERT_EQ(model.loops().size(), 1u);
-  EXPECT_EQ(model.loops()[0].ratio, 2);
+  ASSERT_EQ(model.equalities().size(), 1u);
+  EXPECT_EQ(model.equalities()[0].ratio, 2);
   EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "equality 'a'", "held at one place"), 1);
   EXPECT_EQ(count_notes(report, LoadAction::kRepaired, "equality 'b'", "the quadratic to quartic"), 1);
   EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "equality 'c'", "not active"), 1);
@@ -268,7 +268,7 @@ TEST(MjcfRules, RelativePosesOfWeldsCount) {
                                         "<equality><weld body1=\"a\" body2=\"b\" relpose=\"1 2 3 0 1 0 0\" "
                                         "anchor=\"0 1 0\"/></equality>"))
                           .model;
-  const LoopConstraint& loop = model.loops()[0];
+  const EqualityConstraint& loop = model.equalities()[0];
   EXPECT_EQ(loop.X_LB.p.y, 1);
   EXPECT_EQ(loop.X_LA.p.y, 2 - 1);  // half a turn about x
   EXPECT_EQ(loop.X_LA.R.y.y, -1);

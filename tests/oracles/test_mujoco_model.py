@@ -136,7 +136,7 @@ def test_actuators(source: str | Path) -> None:
         a = ours[name]
         assert scene.names("joint", model.njnt)[model.actuator_trnid[i, 0]] == scene.ours.joints[a.joint].name
         gear, gain, bias = model.actuator_gear[i, 0], model.actuator_gainprm[i, 0], model.actuator_biasprm[i, :3]
-        if a.type == "motor":
+        if a.type == "force":
             found = [a.gear, 0, 0]
         else:
             found = [a.gear * (a.kp if a.type == "position" else a.kd), -(a.gear**2) * a.kp, -(a.gear**2) * a.kd]

@@ -79,8 +79,8 @@ def test_meshes_and_height_fields_read_back(tmp_path: Path) -> None:
 
 def test_couplings_read_back() -> None:
     builder = two_hinges()
-    builder.add_loop("pin", "point", "b", "world", position_a=(0, 0, 1), position_b=(1, 0, 0), max_force=9.0)
-    builder.add_loop("ratio", "gear", "hinge_a", "hinge_b", ratio=-2.0)
+    builder.add_equality("pin", "point", "b", "world", position_a=(0, 0, 1), position_b=(1, 0, 0), max_force=9.0)
+    builder.add_equality("ratio", "gear", "hinge_a", "hinge_b", ratio=-2.0)
     builder.add_actuator("servo", "position", "hinge_b", kp=30, kd=2, gear=3, ctrl_range=(-1, 2), max_force=5)
     builder.exclude_contact("a", "world")
     builder.set_contact_rules(friction="maximum", self_collision=False)
@@ -88,7 +88,7 @@ def test_couplings_read_back() -> None:
     builder.add_keyframe("here")
     builder.add_keyframe("there", q=[0.5, 0.6], ctrl=[1.0], time=2.0)
     model = builder.build()
-    pin, ratio = model.loops
+    pin, ratio = model.equalities
     assert (pin.type, pin.link_a, pin.link_b, pin.joint_a, pin.max_force) == ("point", 2, 0, -1, 9.0)
     assert np.array_equal(pin.position_b, [1, 0, 0])
     assert (ratio.type, ratio.joint_a, ratio.joint_b, ratio.ratio) == ("gear", 0, 1, -2.0)
@@ -112,9 +112,9 @@ def test_couplings_read_back() -> None:
         (lambda b: b.add_geom("a", "convex"), "needs a mesh added before"),
         (lambda b: b.add_mesh_arrays(TETRAHEDRON, FACES + 1), "a triangle names vertex 4 of 4"),
         (lambda b: b.add_height_field(np.zeros((1, 3)), dx=1.0, dy=1.0), "2 x 2 or more"),
-        (lambda b: b.add_loop("l", "rope", "a", "b"), "there is no loop type 'rope'"),
-        (lambda b: b.add_loop("l", "fixed", "a", "a"), "loop 'l' joins a link to itself"),
-        (lambda b: b.add_actuator("m", "motor", "hinge_a", gear=0.0), "actuator 'm': gear"),
+        (lambda b: b.add_equality("l", "rope", "a", "b"), "there is no equality type 'rope'"),
+        (lambda b: b.add_equality("l", "fixed", "a", "a"), "equality 'l' joins a link to itself"),
+        (lambda b: b.add_actuator("m", "force", "hinge_a", gear=0.0), "actuator 'm': gear"),
         (lambda b: b.set_contact_rules(friction="mean"), "there is no rule 'mean'"),
         (lambda b: b.add_contact_pair(0, 1), "a contact pair needs two geoms"),
     ],
@@ -124,7 +124,7 @@ def test_errors_name_the_part(call, message: str) -> None:
         call(two_hinges())
 
 
-@pytest.mark.parametrize("call", [lambda b: b.add_geom("c", "plane"), lambda b: b.add_actuator("m", "motor", "c")])
+@pytest.mark.parametrize("call", [lambda b: b.add_geom("c", "plane"), lambda b: b.add_actuator("m", "force", "c")])
 def test_unknown_names_are_key_errors(call) -> None:
     with pytest.raises(KeyError, match="'c' has not been added"):
         call(two_hinges())

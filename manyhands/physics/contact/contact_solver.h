@@ -253,7 +253,7 @@ MANYHANDS_INLINE int solve_constraints(const Tree<real_t<T>>& tree, const Solver
     moved = active & wrong & (pivots < most);
     active = moved | (active & (!settled) & (left > zero));
     if (none(active)) {
-      internal::remember_loops(loops, state.loops());
+      internal::remember_loops(loops, state.equality_impulses());
       return sweeps;
     }
     if (none(moved)) continue;

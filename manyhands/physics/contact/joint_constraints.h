@@ -108,7 +108,7 @@ MANYHANDS_INLINE void prepare_drives(const Tree<real_t<T>>& tree, const Params<P
     const T gear = broadcast<T>(params.gear[k]), kp = broadcast<T>(params.drive_kp[k]);
     const T kd = broadcast<T>(params.drive_kd[k]), force = broadcast<T>(params.drive_max_force[k]);
     const T ctrl = state.ctrl()[k];
-    if (actuator.type == ActuatorType::kMotor) {
+    if (actuator.type == ActuatorType::kForce) {
       jc.smooth[i] = fma(step, clamp(gear * ctrl, -force, force), jc.smooth[i]);
       continue;
     }

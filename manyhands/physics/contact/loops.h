@@ -26,8 +26,11 @@ struct LoopRows {
 template <Number T>
 struct LoopSet {
   explicit LoopSet(const Tree<real_t<T>>& tree)
-      : store(tree.nv), K(tree.loop_rows * tree.loop_rows), pivot_inverse(tree.loop_rows), x(tree.loop_rows) {
-    blocks.reserve(tree.loop_rows / 3);
+      : store(tree.nv),
+        K(tree.equality_rows * tree.equality_rows),
+        pivot_inverse(tree.equality_rows),
+        x(tree.equality_rows) {
+    blocks.reserve(tree.equality_rows / 3);
   }
 
   std::vector<LoopRows<T>> blocks;
@@ -66,14 +69,14 @@ MANYHANDS_INLINE Vec3<T> masked(const Vec3<T>& a, const std::array<bool, 3>& kee
 template <Number T>
 MANYHANDS_INLINE void add_frame_rows(const Tree<real_t<T>>& tree, const Workspace<T>& ws, real_t<T> h,
                                      std::size_t index, LoopSet<T>& set) {
-  const TreeLoop<real_t<T>>& loop = tree.loops[index];
+  const TreeEquality<real_t<T>>& loop = tree.equalities[index];
   const std::size_t a = loop.body_a, b = loop.body_b;
   const auto pose = [&](std::size_t body, const Transform<real_t<T>>& X) {
     return Transform<T>{ws.R_WB[body], ws.p_OB[body] + ws.p_WO[body]} * broadcast<T>(X);
   };
   const Transform<T> X_A = pose(a, loop.X_BA), X_B = pose(b, loop.X_BB);
-  const bool slides = loop.type == LoopType::kPrismatic || loop.type == LoopType::kSlider;
-  const bool turns_about_z = loop.type == LoopType::kHinge || loop.type == LoopType::kSlider;
+  const bool slides = loop.type == EqualityType::kPrismatic || loop.type == EqualityType::kSlider;
+  const bool turns_about_z = loop.type == EqualityType::kHinge || loop.type == EqualityType::kSlider;
   const std::array<bool, 3> linear{true, true, !slides}, angular{true, true, !turns_about_z};
   const auto axes = [&](const std::array<bool, 3>& keep) {
     const Vec3<T> none = Vec3<T>::zero();
@@ -117,11 +120,11 @@ template <Number T>
 MANYHANDS_INLINE void add_joint_row(const Tree<real_t<T>>& tree, const State<T>& state, real_t<T> h, std::size_t index,
                                     const JointConstraints<T>& jc, LoopSet<T>& set) {
   using R = real_t<T>;
-  const TreeLoop<R>& loop = tree.loops[index];
+  const TreeEquality<R>& loop = tree.equalities[index];
   const T zero(R(0)), ratio(loop.ratio);
   T u = state.v()[loop.dof_b] - ratio * state.v()[loop.dof_a];
   T error = zero;
-  if (loop.type == LoopType::kJoint) error = state.q()[loop.q_b] - fma(ratio, state.q()[loop.q_a], T(loop.offset));
+  if (loop.type == EqualityType::kJoint) error = state.q()[loop.q_b] - fma(ratio, state.q()[loop.q_a], T(loop.offset));
   const T most(static_cast<R>(kFastestClosing));
   const T offset = u + clamp(T(R(1) / h) * error, -most, most);
   const T held_apart = fma(ratio, -jc.target[loop.dof_a], jc.target[loop.dof_b]) + offset;
@@ -203,15 +206,15 @@ MANYHANDS_INLINE void prepare_loops(const Tree<real_t<T>>& tree, real_t<T> h, St
                                     JointConstraints<T>& jc, LoopSet<T>& set) {
   set.blocks.clear();
   set.store.clear();
-  for (std::size_t i = 0; i < tree.loops.size(); ++i) {
-    if (tree.loops[i].type == LoopType::kJoint || tree.loops[i].type == LoopType::kGear) {
+  for (std::size_t i = 0; i < tree.equalities.size(); ++i) {
+    if (tree.equalities[i].type == EqualityType::kJoint || tree.equalities[i].type == EqualityType::kGear) {
       internal::add_joint_row(tree, state, h, i, jc, set);
     } else {
       internal::add_frame_rows(tree, ws, h, i, set);
     }
   }
   set.x.clear();
-  const std::span<T> memory = state.loops();
+  const std::span<T> memory = state.equality_impulses();
   for (LoopRows<T>& block : set.blocks) {
     block.first = set.x.size();
     set.x.resize(block.first + block.count());

@@ -69,7 +69,7 @@ MANYHANDS_INLINE RowBlock rows_between(const Tree<real_t<T>>& tree, std::size_t 
     rows.common = a;
   }
   // What both bodies share answers too, and loops spread an impulse over their whole cluster.
-  if (joined || !tree.loops.empty()) {
+  if (joined || !tree.equalities.empty()) {
     rows.answer_a = all(rows.begin_a, rows.end_a);
     rows.answer_b = all(rows.begin_b, rows.end_b);
   }

@@ -16,7 +16,7 @@ class State {
       : nq_(static_cast<std::size_t>(model.nq())),
         nv_(static_cast<std::size_t>(model.nv())),
         nu_(static_cast<std::size_t>(model.nu())),
-        nl_(loop_rows(model)),
+        nl_(equality_rows(model)),
         numbers_(nq_ + 7 * nv_ + nu_ + nl_ + contact_numbers, T(real_t<T>(0))) {
     const std::vector<double> initial = model.initial_configuration();
     for (std::size_t i = 0; i < nq_; ++i) numbers_[i] = T(static_cast<real_t<T>>(initial[i]));
@@ -31,7 +31,9 @@ class State {
   [[nodiscard]] T* dv() { return stance() + nv_; }          ///< (nv) change of v in the last step: a hint to the next
   [[nodiscard]] T* hold() { return dv() + nv_; }            ///< (nv) impulse of motor and limit in the last step
   [[nodiscard]] T* ctrl() { return hold() + nv_; }          ///< (nu) commands of the actuators
-  [[nodiscard]] std::span<T> loops() { return numbers().subspan(nq_ + 7 * nv_ + nu_, nl_); }  ///< warm start: impulses
+  [[nodiscard]] std::span<T> equality_impulses() {
+    return numbers().subspan(nq_ + 7 * nv_ + nu_, nl_);
+  }  ///< warm start: impulses
   [[nodiscard]] std::span<T> contacts() {
     return numbers().subspan(nq_ + 7 * nv_ + nu_ + nl_);
   }  ///< what they remember
@@ -58,7 +60,7 @@ class State {
 
  private:
   std::size_t nq_, nv_, nu_, nl_;
-  std::vector<T> numbers_;  // q, v, tau, target_q, target_v, stance, dv, hold, ctrl, loops, contacts
+  std::vector<T> numbers_;  // q, v, tau, target_q, target_v, stance, dv, hold, ctrl, equalities, contacts
 };
 
 /// Copies lane `from_lane` of one state into lane `to_lane` of another of the same model.

@@ -27,21 +27,21 @@ void set_turn(const Mat3<double>& m, TreeBody<R>& body) {
                                                                  : Turn::kQuarters;
 }
 
-/// Whether the loop also holds rotations.
-bool turns(LoopType type) {
-  return type == LoopType::kHinge || type == LoopType::kFixed || type == LoopType::kPrismatic ||
-         type == LoopType::kSlider;
+/// Whether the equality also holds rotations.
+bool turns(EqualityType type) {
+  return type == EqualityType::kHinge || type == EqualityType::kFixed || type == EqualityType::kPrismatic ||
+         type == EqualityType::kSlider;
 }
 
 template <Real R>
-TreeLoop<R> tree_loop(const Model& model, const LoopConstraint& loop) {
-  TreeLoop<R> result{.type = loop.type,
-                     .ratio = static_cast<R>(loop.ratio),
-                     .offset = static_cast<R>(loop.offset),
-                     .max_force = static_cast<R>(loop.max_force),
-                     .turns = turns(loop.type)};
-  if (loop.type == LoopType::kJoint || loop.type == LoopType::kGear) {
-    const Joint &a = model.joint(loop.joint_a), &b = model.joint(loop.joint_b);
+TreeEquality<R> tree_equality(const Model& model, const EqualityConstraint& equality) {
+  TreeEquality<R> result{.type = equality.type,
+                         .ratio = static_cast<R>(equality.ratio),
+                         .offset = static_cast<R>(equality.offset),
+                         .max_force = static_cast<R>(equality.max_force),
+                         .turns = turns(equality.type)};
+  if (equality.type == EqualityType::kJoint || equality.type == EqualityType::kGear) {
+    const Joint &a = model.joint(equality.joint_a), &b = model.joint(equality.joint_b);
     result.body_a = model.link(a.child).body.index();
     result.body_b = model.link(b.child).body.index();
     result.dof_a = static_cast<std::size_t>(a.iv);
@@ -49,16 +49,16 @@ TreeLoop<R> tree_loop(const Model& model, const LoopConstraint& loop) {
     result.q_a = static_cast<std::size_t>(a.iq);
     result.q_b = static_cast<std::size_t>(b.iq);
   } else {
-    const Link &a = model.link(loop.link_a), &b = model.link(loop.link_b);
+    const Link &a = model.link(equality.link_a), &b = model.link(equality.link_b);
     result.body_a = a.body.index();
     result.body_b = b.body.index();
-    result.X_BA = broadcast<R>(a.X_BL * loop.X_LA);
-    result.X_BB = broadcast<R>(b.X_BL * loop.X_LB);
+    result.X_BA = broadcast<R>(a.X_BL * equality.X_LA);
+    result.X_BB = broadcast<R>(b.X_BL * equality.X_LB);
   }
   return result;
 }
 
-/// Widens the ranges of dofs until no loop leaves its own and no two overlap in part.
+/// Widens the ranges of dofs until no equality leaves its own and no two overlap in part.
 template <Real R>
 void join_clusters(Tree<R>& tree) {
   tree.cluster_begin = tree.root_dof;
@@ -78,8 +78,8 @@ void join_clusters(Tree<R>& tree) {
   };
   for (bool grew = true; grew;) {
     grew = false;
-    for (const TreeLoop<R>& loop : tree.loops) {
-      const int a = tree.last_dof[loop.body_a], b = tree.last_dof[loop.body_b];
+    for (const TreeEquality<R>& equality : tree.equalities) {
+      const int a = tree.last_dof[equality.body_a], b = tree.last_dof[equality.body_b];
       grew = join(a, b) || grew;
       for (const int end : {a, b}) {
         if (end < 0) continue;
@@ -99,9 +99,9 @@ std::vector<T> broadcast_all(std::span<const double> values) {
 
 }  // namespace
 
-std::size_t loop_rows(const Model& model) {
+std::size_t equality_rows(const Model& model) {
   std::size_t rows = 0;
-  for (const LoopConstraint& loop : model.loops()) rows += turns(loop.type) ? 6 : 3;
+  for (const EqualityConstraint& equality : model.equalities()) rows += turns(equality.type) ? 6 : 3;
   return rows;
 }
 
@@ -141,16 +141,16 @@ Tree<R>::Tree(const Model& model)
     for (int i = last_dof.back(); i >= 0; i = dof_parent[static_cast<std::size_t>(i)]) path.push_back(i);
   }
   path_begin.push_back(path.size());
-  for (const LoopConstraint& loop : model.loops()) {
-    loops.push_back(tree_loop<R>(model, loop));
-    loops.back().row = loop_rows;
-    loop_rows += loops.back().turns ? 6 : 3;
+  for (const EqualityConstraint& equality : model.equalities()) {
+    equalities.push_back(tree_equality<R>(model, equality));
+    equalities.back().row = equality_rows;
+    equality_rows += equalities.back().turns ? 6 : 3;
   }
   join_clusters(*this);
   dof_drive.assign(static_cast<std::size_t>(nv), -1);
   for (const Actuator& actuator : model.actuators()) {
     const Joint& joint = model.joint(actuator.joint);
-    if (actuator.type != ActuatorType::kMotor) {
+    if (actuator.type != ActuatorType::kForce) {
       dof_drive[static_cast<std::size_t>(joint.iv)] = static_cast<int>(actuators.size());
     }
     actuators.push_back({actuator.type, static_cast<std::size_t>(joint.iv), static_cast<std::size_t>(joint.iq)});

@@ -35,10 +35,10 @@ struct TreeActuator {
   std::size_t q{};  ///< the coordinate it measures
 };
 
-/// A loop of the model between two bodies, or two dofs, as kernels read it.
+/// An equality constraint of the model between two bodies, or two dofs, as kernels read it.
 template <Real R>
-struct TreeLoop {
-  LoopType type{};
+struct TreeEquality {
+  EqualityType type{};
   std::size_t body_a{}, body_b{};                                                 ///< of joints: the bodies they move
   Transform<R> X_BA = Transform<R>::identity(), X_BB = Transform<R>::identity();  ///< the frames on their bodies
   std::size_t dof_a{}, dof_b{}, q_a{}, q_b{};                                     ///< of kJoint and kGear
@@ -68,15 +68,16 @@ struct Tree {
   std::vector<int> dof_q;                 ///< (nv) the coordinate that the dof integrates, or -1
   std::vector<std::uint8_t> dof_limited;  ///< (nv) whether the joint has position limits
   std::vector<TreeActuator> actuators;    ///< (nu)
-  std::vector<TreeLoop<R>> loops;
-  std::size_t loop_rows{};         ///< three for every loop, six where it holds rotations
-  std::vector<int> cluster_begin;  ///< (nv) first dof of the trees that loops join to the dof's, as one range
-  std::vector<int> cluster_end;    ///< (nv) one past their last
-  std::vector<int> dof_drive;      ///< (nv) the position or velocity actuator of the dof, or -1
+  std::vector<TreeEquality<R>> equalities;
+  std::size_t equality_rows{};  ///< three for every equality constraint, six where it holds rotations
+  std::vector<int>
+      cluster_begin;  ///< (nv) first dof of the trees that equality constraints join to the dof's, as one range
+  std::vector<int> cluster_end;  ///< (nv) one past their last
+  std::vector<int> dof_drive;    ///< (nv) the position or velocity actuator of the dof, or -1
 };
 
-/// Rows of all loops of a model: three each, six where they hold rotations.
-[[nodiscard]] std::size_t loop_rows(const Model& model);
+/// Rows of all equality constraints of a model: three each, six where they hold rotations.
+[[nodiscard]] std::size_t equality_rows(const Model& model);
 
 /// What may differ from world to world: set from the model, then randomised at will. Kernels take P = T, numbers of
 /// their own for every lane, or P = real_t<T>, the same for all: that is smaller and stays in the nearest cache.

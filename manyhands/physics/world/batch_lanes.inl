@@ -151,7 +151,7 @@ class BatchLanesOf final : public BatchLanes {
     if (all(good)) return;
     block.frozen = select(good, zero(), one());
     for (std::size_t i = 0; i < worker.kept.size(); ++i) numbers[i] = select(good, numbers[i], worker.kept[i]);
-    for (T& number : block.state.loops()) number = select(good, number, zero());
+    for (T& number : block.state.equality_impulses()) number = select(good, number, zero());
     for (T& number : block.state.contacts()) number = select(good, number, zero());
   }
 

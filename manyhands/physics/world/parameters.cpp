@@ -66,7 +66,7 @@ void require_at_least(const std::string& what, double least, double value) {
 }
 
 void require_gains(const Actuator& actuator, double kp) {
-  if (actuator.type == ActuatorType::kMotor) {
+  if (actuator.type == ActuatorType::kForce) {
     throw std::invalid_argument("actuator '" + actuator.name + "' is a motor: it has no gains");
   }
   if (actuator.type == ActuatorType::kVelocity && kp != 0) {

@@ -109,7 +109,7 @@ void require_undriven(const Model& model, std::span<const R> max_force) {
   std::string names;
   for (const Actuator& actuator : model.actuators()) {
     const Joint& joint = model.joint(actuator.joint);
-    const bool drives = actuator.type != ActuatorType::kMotor && max_force[static_cast<std::size_t>(joint.iv)] > 0;
+    const bool drives = actuator.type != ActuatorType::kForce && max_force[static_cast<std::size_t>(joint.iv)] > 0;
     if (drives) names += (names.empty() ? "'" : ", '") + joint.name + "' (by '" + actuator.name + "')";
   }
   if (names.empty()) return;

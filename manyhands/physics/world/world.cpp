@@ -292,7 +292,7 @@ void World::forget() {
   WorldCore& now = core();
   State<double>& state = now.state;
   for (double* first : {state.stance(), state.dv(), state.hold()}) std::fill_n(first, now.nv(), 0.0);
-  std::ranges::fill(state.loops(), 0.0);
+  std::ranges::fill(state.equality_impulses(), 0.0);
   std::ranges::fill(state.contacts(), 0.0);
   steps_ = 0;
   now.moved();

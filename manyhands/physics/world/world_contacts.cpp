@@ -129,8 +129,8 @@ Force<double> World::joint_wrench(std::string_view joint_name) const {
                              std::string(integrator_ == Integrator::kRungeKutta4 ? ": rk4 has no reactions" : ""));
   }
   const std::vector<std::uint8_t> inside = subtree_of(*now.model, joint.child);
-  for (const LoopConstraint& loop : now.model->loops()) {
-    const bool joints = loop.type == LoopType::kJoint || loop.type == LoopType::kGear;
+  for (const EqualityConstraint& loop : now.model->equalities()) {
+    const bool joints = loop.type == EqualityType::kJoint || loop.type == EqualityType::kGear;
     const LinkId a = joints ? now.model->joint(loop.joint_a).child : loop.link_a;
     const LinkId b = joints ? now.model->joint(loop.joint_b).child : loop.link_b;
     if (joints || inside[a.index()] == inside[b.index()]) continue;

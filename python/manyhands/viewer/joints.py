@@ -145,14 +145,14 @@ class JointDrive:
     def _coupled(self, targets: dict[str, float]) -> dict[str, float]:
         """With those of the joints that loops couple to them."""
         model, wanted = self._world.model, dict(targets)
-        for loop in model.loops:
-            if loop.type != "joint" or loop.ratio == 0:
+        for equality in model.equalities:
+            if equality.type != "joint" or equality.ratio == 0:
                 continue
-            a, b = model.joints[loop.joint_a].name, model.joints[loop.joint_b].name
+            a, b = model.joints[equality.joint_a].name, model.joints[equality.joint_b].name
             if a in targets and b in self._knobs:
-                wanted[b] = loop.ratio * targets[a] + loop.offset
+                wanted[b] = equality.ratio * targets[a] + equality.offset
             elif b in targets and a in self._knobs:
-                wanted[a] = (targets[b] - loop.offset) / loop.ratio
+                wanted[a] = (targets[b] - equality.offset) / equality.ratio
         return wanted
 
     def _send(self) -> None:

@@ -125,12 +125,12 @@ inline Model contact_scene(int which) {
       s.builder.joint(JointId(2)).X_PF.R = {{0, 0, 1}, {0, 1, 0}, {-1, 0, 0}};  // to the right
       s.builder.exclude_contact(bar, right);
       s.builder.exclude_contact(left, right);
-      s.builder.add_loop({.name = "pin",
-                          .type = LoopType::kPoint,
-                          .link_a = right,
-                          .link_b = bar,
-                          .X_LA = {Mat3<double>::identity(), {0, 0, -0.2}},
-                          .X_LB = {Mat3<double>::identity(), {0, 0, -0.2}}});
+      s.builder.add_equality({.name = "pin",
+                              .type = EqualityType::kPoint,
+                              .link_a = right,
+                              .link_b = bar,
+                              .X_LA = {Mat3<double>::identity(), {0, 0, -0.2}},
+                              .X_LB = {Mat3<double>::identity(), {0, 0, -0.2}}});
       s.add("box", {ShapeType::kBox, {0.03, 0.03, 0.03}}, 0.3, {0.05, 0, 0.035});
       break;
     }

@@ -198,7 +198,7 @@ TEST(ContactLaws, DeepOverlapComesApartSlowly) {
 /// How far the pin of the four-bar linkage is from its hole.
 double pin_error(Bench& world) {
   bias_and_mass_matrix(world.system.tree, world.params, world.state.q(), world.state.v(), world.ws.dynamics);
-  const TreeLoop<double>& loop = world.system.tree.loops[0];
+  const TreeEquality<double>& loop = world.system.tree.equalities[0];
   const Workspace<double>& ws = world.ws.dynamics;
   const auto place = [&](std::size_t b, const Vec3<double>& p) { return ws.R_WB[b] * p + ws.p_OB[b] + ws.p_WO[b]; };
   return norm(place(loop.body_a, loop.X_BA.p) - place(loop.body_b, loop.X_BB.p));
@@ -224,12 +224,12 @@ TEST(ContactLaws, AGearTurnsItsJointsTogetherAndSlipsAtItsLimit) {
     s.builder.set_gravity({0, 0, 0});
     s.add_hinge("a", s.builder.world(), {0, 0, 1}, 0.1, 1);
     s.add_hinge("b", s.builder.world(), {1, 0, 1}, 0.1, 1);
-    s.builder.add_loop({.name = "gear",
-                        .type = LoopType::kGear,
-                        .joint_a = JointId(0),
-                        .joint_b = JointId(1),
-                        .ratio = -2,
-                        .max_force = limit});
+    s.builder.add_equality({.name = "gear",
+                            .type = EqualityType::kGear,
+                            .joint_a = JointId(0),
+                            .joint_b = JointId(1),
+                            .ratio = -2,
+                            .max_force = limit});
     Bench world(s.builder.build());
     world.state.tau()[0] = 3;
     world.run(0.2);

@@ -83,7 +83,7 @@ bool apply(const Law& law, Actuator& actuator) {
   const auto& [b0, b1, b2] = law.bias;
   if (law.gain == 0 || b0 != 0 || b1 > 0 || b2 > 0) return false;
   if (b1 == 0 && b2 == 0) {
-    actuator.type = ActuatorType::kMotor;
+    actuator.type = ActuatorType::kForce;
     actuator.gear *= law.gain;
     return true;
   }

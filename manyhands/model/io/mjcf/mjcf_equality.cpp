@@ -1,4 +1,4 @@
-// <equality>: connect, weld and joint as loops.
+// <equality>: connect, weld and joint as equalities.
 #include "manyhands/model/io/mjcf/mjcf_scene.h"
 #include "manyhands/model/io/text_numbers.h"
 
@@ -6,7 +6,7 @@ namespace manyhands::io {
 
 namespace {
 
-void read_sites(const MjcfScene& scene, const MjcfElement& e, LoopConstraint& loop) {
+void read_sites(const MjcfScene& scene, const MjcfElement& e, EqualityConstraint& equality) {
   const auto site = [&](const char* attribute) {
     const std::string name = e.text(attribute);
     const auto found = scene.sites.find(name);
@@ -14,47 +14,47 @@ void read_sites(const MjcfScene& scene, const MjcfElement& e, LoopConstraint& lo
     return found->second;
   };
   const MjcfSite a = site("site1"), b = site("site2");
-  loop.link_a = a.link;
-  loop.link_b = b.link;
-  loop.X_LA = a.X_LS;
-  loop.X_LB = b.X_LS;
+  equality.link_a = a.link;
+  equality.link_b = b.link;
+  equality.X_LA = a.X_LS;
+  equality.X_LB = b.X_LS;
 }
 
 const MjcfBody& second_body(const MjcfScene& scene, const MjcfElement& e) {
   return e.has("body2") ? scene.body(e, "body2") : scene.bodies[0];
 }
 
-void read_connect(const MjcfScene& scene, const MjcfElement& e, LoopConstraint& loop) {
-  loop.type = LoopType::kPoint;
-  if (e.has("site1")) return read_sites(scene, e, loop);
+void read_connect(const MjcfScene& scene, const MjcfElement& e, EqualityConstraint& equality) {
+  equality.type = EqualityType::kPoint;
+  if (e.has("site1")) return read_sites(scene, e, equality);
   if (!e.has("anchor")) e.fail("attribute 'anchor' of <connect> is missing");
   const MjcfBody &a = scene.body(e, "body1"), &b = second_body(scene, e);
-  loop.link_a = a.link;
-  loop.link_b = b.link;
+  equality.link_a = a.link;
+  equality.link_b = b.link;
   // The point is given on the first body; on the second it is where the file's poses put it.
-  loop.X_LA.p = e.vec3_or("anchor", Vec3<double>::zero());
-  loop.X_LB.p = inverse(b.X_WB) * (a.X_WB * loop.X_LA.p);
+  equality.X_LA.p = e.vec3_or("anchor", Vec3<double>::zero());
+  equality.X_LB.p = inverse(b.X_WB) * (a.X_WB * equality.X_LA.p);
 }
 
-void read_weld(const MjcfScene& scene, const MjcfElement& e, LoopConstraint& loop) {
-  loop.type = LoopType::kFixed;
-  if (e.has("site1")) return read_sites(scene, e, loop);
+void read_weld(const MjcfScene& scene, const MjcfElement& e, EqualityConstraint& equality) {
+  equality.type = EqualityType::kFixed;
+  if (e.has("site1")) return read_sites(scene, e, equality);
   const MjcfBody &a = scene.body(e, "body1"), &b = second_body(scene, e);
-  loop.link_a = a.link;
-  loop.link_b = b.link;
+  equality.link_a = a.link;
+  equality.link_b = b.link;
   Transform<double> X_AB = inverse(a.X_WB) * b.X_WB;
   if (e.has("relpose")) {
     const std::vector<double> v = e.numbers("relpose", 7, 7);
     const bool has_quaternion = v[3] != 0 || v[4] != 0 || v[5] != 0 || v[6] != 0;  // else the file's poses count
     if (has_quaternion) X_AB = {to_matrix(quat_from_wxyz(e, &v[3])), {v[0], v[1], v[2]}};
   }
-  loop.X_LB.p = e.vec3_or("anchor", Vec3<double>::zero());
-  loop.X_LA = X_AB * loop.X_LB;
+  equality.X_LB.p = e.vec3_or("anchor", Vec3<double>::zero());
+  equality.X_LA = X_AB * equality.X_LB;
 }
 
-/// q1 - q1_0 = a0 + a1 (q2 - q2_0) + ...; false if it cannot be a loop, which is noted.
-bool read_joints(const MjcfScene& scene, const MjcfElement& e, LoopConstraint& loop) {
-  loop.type = LoopType::kJoint;
+/// q1 - q1_0 = a0 + a1 (q2 - q2_0) + ...; false if it cannot be an equality constraint, which is noted.
+bool read_joints(const MjcfScene& scene, const MjcfElement& e, EqualityConstraint& equality) {
+  equality.type = EqualityType::kJoint;
   const MjcfJoint& driven = scene.joint(e, "joint1");
   if (!e.has("joint2")) {
     e.note_serious(LoadAction::kIgnored, "a joint held at one place is not read; give it a range instead");
@@ -71,10 +71,10 @@ bool read_joints(const MjcfScene& scene, const MjcfElement& e, LoopConstraint& l
   if (c[2] != 0 || c[3] != 0 || c[4] != 0) {
     e.note(LoadAction::kRepaired, "the quadratic to quartic coefficients are not used; the linear ones are");
   }
-  loop.joint_a = driver.id;
-  loop.joint_b = driven.id;
-  loop.ratio = c[1];
-  loop.offset = driven.reference + c[0] - c[1] * driver.reference;
+  equality.joint_a = driver.id;
+  equality.joint_b = driven.id;
+  equality.ratio = c[1];
+  equality.offset = driven.reference + c[0] - c[1] * driver.reference;
   return true;
 }
 
@@ -92,11 +92,11 @@ void read_equality(MjcfScene& scene, const MjcfElement& element) {
     e.note(LoadAction::kIgnored, "it is not active, and left out");
     return;
   }
-  LoopConstraint loop{.name = name};
-  if (kind == "connect") read_connect(scene, e, loop);
-  if (kind == "weld") read_weld(scene, e, loop);
-  if (kind == "joint" && !read_joints(scene, e, loop)) return;
-  checked(e, [&] { scene.builder.add_loop(loop); });
+  EqualityConstraint equality{.name = name};
+  if (kind == "connect") read_connect(scene, e, equality);
+  if (kind == "weld") read_weld(scene, e, equality);
+  if (kind == "joint" && !read_joints(scene, e, equality)) return;
+  checked(e, [&] { scene.builder.add_equality(equality); });
 }
 
 }  // namespace
