@@ -154,7 +154,7 @@ void bind_clock(nb::class_<Batch>& batch) {
           "set_solver",
           [](Batch& self, std::optional<int> max_iterations, std::optional<double> tolerance) {
             SolverSettings settings = self.solver();
-            if (max_iterations) settings.max_sweeps = *max_iterations;
+            if (max_iterations) settings.max_iterations = *max_iterations;
             if (tolerance) settings.tolerance = *tolerance;
             self.set_solver(settings);
           },

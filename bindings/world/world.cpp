@@ -148,14 +148,14 @@ void bind_solver(nb::class_<World>& world) {
           "set_solver",
           [](World& self, std::optional<int> max_iterations, std::optional<double> tolerance) {
             SolverSettings settings = self.solver();
-            if (max_iterations) settings.max_sweeps = *max_iterations;
+            if (max_iterations) settings.max_iterations = *max_iterations;
             if (tolerance) settings.tolerance = *tolerance;
             self.set_solver(settings);
           },
           nb::kw_only(), "max_iterations"_a = nb::none(), "tolerance"_a = nb::none(),
           "How hard the contact solver works: at most max_iterations sweeps over all contacts, until none changes a "
           "velocity by more than tolerance [m/s]. What is None stays.")
-      .def_prop_ro("max_iterations", [](const World& self) { return self.solver().max_sweeps; })
+      .def_prop_ro("max_iterations", [](const World& self) { return self.solver().max_iterations; })
       .def_prop_ro(
           "tolerance", [](const World& self) { return self.solver().tolerance; }, "[m/s]")
       .def_prop_ro("solver_iterations", &World::solver_iterations, "Sweeps that the last step took.");

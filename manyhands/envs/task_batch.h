@@ -114,7 +114,7 @@ class TaskBatch final : public EnvBatch {
   [[nodiscard]] mask_t<T> is_sound(const Block& block, const View& view) const;
   void put_back(Block& block, mask_t<T> sound);
   [[nodiscard]] View look(Block& block, StepWorkspace<T>& ws) const;
-  static void note_touching(const ContactSet<T>& contacts, Block& block);
+  static void note_touching(const ContactSolver<T>& contact, Block& block);
   void write_row(int world, int lane, const View& view, const Block& block);
   [[nodiscard]] std::size_t bytes_of_world() const;
 

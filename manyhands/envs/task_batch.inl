@@ -80,8 +80,8 @@ TaskBatch<T, Task>::TaskBatch(EnvSpec spec, const ArmSpec& arm, ArmControl contr
       pool_(std::min(choose_num_threads(options.num_threads), blocks_of(num_envs))) {
   spec_ = internal::complete<Task>(std::move(spec), arm_, options);
   spec_.randomized = randomizer_.names();
-  // A block waits for its slowest world, and what these sweeps leave the next step's continue.
-  system_.solver.max_sweeps = 8;
+  // A block waits for its slowest world, and what these iterations leave the next step's continue.
+  system_.solver.max_iterations = 8;
   if (!room_.empty()) {
     require_clear(arm_, scene_, options.obstacles.size());
     room_.require([this, random = NumpyRandom(0)]() mutable { return conflict(task_.draw(random), 1); });
@@ -203,16 +203,17 @@ void TaskBatch<T, Task>::gather() {
 
 template <Number T, TaskLike Task>
 void TaskBatch<T, Task>::swap_lanes(Block& a, int lane_a, Block& b, int lane_b) {
-  constexpr std::size_t kUsed = offsetof(RememberedManifold<T>, used) / sizeof(T);
+  constexpr std::size_t kUsed = offsetof(CachedManifold<T>, used) / sizeof(T);
   const auto swap_numbers = [&](T& x, T& y) {
     const R kept = lane(x, lane_a);
     set_lane(x, lane_a, lane(y, lane_b));
     set_lane(y, lane_b, kept);
   };
-  const std::size_t memory = a.state.numbers().size() - a.state.contacts().size();
+  const std::size_t memory = a.state.numbers().size() - a.state.contact_cache().size();
   for (std::size_t i = 0; i < memory; ++i) swap_numbers(a.state.numbers()[i], b.state.numbers()[i]);
-  for (std::size_t i = 0; i < a.state.contacts().size(); i += kManifoldNumbers<T>) {
-    T *in_a = &a.state.contacts()[i], *in_b = &b.state.contacts()[i];  // a manifold that is not used is all zeros
+  for (std::size_t i = 0; i < a.state.contact_cache().size(); i += kManifoldNumbers<T>) {
+    T *in_a = &a.state.contact_cache()[i],
+      *in_b = &b.state.contact_cache()[i];  // a manifold that is not used is all zeros
     if (lane(in_a[kUsed], lane_a) == 0 && lane(in_b[kUsed], lane_b) == 0) continue;
     for (std::size_t k = 0; k < kManifoldNumbers<T>; ++k) swap_numbers(in_a[k], in_b[k]);
   }
@@ -231,11 +232,11 @@ void TaskBatch<T, Task>::swap_lanes(Block& a, int lane_a, Block& b, int lane_b) 
 /// Notes what each world touched in the last substep, or nearly did: a bit for each manifold, and the lowest one if
 /// that was not soon settled.
 template <Number T, TaskLike Task>
-void TaskBatch<T, Task>::note_touching(const ContactSet<T>& contacts, Block& block) {
+void TaskBatch<T, Task>::note_touching(const ContactSolver<T>& contact, Block& block) {
   constexpr R kSoon = 2;
-  for (int k = 0; k < W; ++k) block.touching[static_cast<std::size_t>(k)] = lane(contacts.sweeps, k) > kSoon;
-  for (const ContactPoint<T>& point : contacts.points) {
-    const auto bit = std::uint64_t{2} << (point.manifold % 63);
+  for (int k = 0; k < W; ++k) block.touching[static_cast<std::size_t>(k)] = lane(contact.iterate.iterations, k) > kSoon;
+  for (const ContactPoint<T>& point : contact.problem.points) {
+    const auto bit = std::uint64_t{2} << (contact.problem.patches[point.patch].manifold % 63);
     for_lanes<T>(is_finite(point.phi), [&](int k) { block.touching[static_cast<std::size_t>(k)] |= bit; });
   }
 }
@@ -261,7 +262,7 @@ void TaskBatch<T, Task>::simulate(Block& block, StepWorkspace<T>& ws, int subste
   } else {
     simulate(block, params_, ws, substeps);
   }
-  if constexpr (W > 1) note_touching(ws.contacts, block);
+  if constexpr (W > 1) note_touching(ws.contact, block);
 }
 
 template <Number T, TaskLike Task>

@@ -48,6 +48,12 @@ inline constexpr int width_v = NumberTraits<T>::width;
 template <class R>
 concept Real = std::same_as<R, double> || std::same_as<R, float>;
 
+/// A number of the code, rounded to the precision of T, in every lane.
+template <Number T>
+[[nodiscard]] MANYHANDS_INLINE T constant(double value) {
+  return T(static_cast<real_t<T>>(value));
+}
+
 // ---- selection and order -------------------------------------------------------------------------------------
 
 /// a where the mask holds, else b.

@@ -2,9 +2,18 @@
 #pragma once
 
 #include "manyhands/physics/collision/colliders.h"
-#include "manyhands/physics/contact/contact_points.h"
 
 namespace manyhands {
+
+/// A touching surface's numbers, those of its two geoms combined.
+template <Number T>
+struct CombinedSurface {
+  T friction_1, friction_2;  ///< along t_1 and t_2
+  Vec3<T> t_1, t_2;
+  T restitution, spinning, rolling;
+  T radius_A, radius_B;  ///< by which each side is curved at the contact [m]; 0 where it is flat or a corner
+  T softness, push;      ///< of a soft surface, see `combine_surfaces`; 0 where it is hard
+};
 
 namespace internal {
 
@@ -25,7 +34,7 @@ MANYHANDS_INLINE T combined(CombineRule rule, T a, T b) {
 /// Two unit vectors across the unit vector n (Duff et al. 2017, Building an Orthonormal Basis, Revisited).
 template <Number T>
 MANYHANDS_INLINE void tangents(const Vec3<T>& n, Vec3<T>& t_1, Vec3<T>& t_2) {
-  const T one(real_t<T>(1));
+  const T one = constant<T>(1);
   const T sign = copysign(one, n.z);
   const T a = -one / (sign + n.z), b = n.x * n.y * a;
   t_1 = {fma(sign * (n.x * n.x), a, one), sign * b, -(sign * n.x)};
@@ -38,8 +47,8 @@ MANYHANDS_INLINE void tangents_along(const Vec3<T>& axis, const Vec3<T>& n, Vec3
   tangents(n, t_1, t_2);
   const Vec3<T> along = fma(-dot(axis, n), n, axis);
   const T length = norm(along);
-  const auto flat = length > T(real_t<T>(1e-4));
-  const T inverse = T(real_t<T>(1)) / select(flat, length, T(real_t<T>(1)));
+  const auto flat = length > constant<T>(1e-4);
+  const T inverse = constant<T>(1) / select(flat, length, constant<T>(1));
   t_1 = select(flat, inverse * along, t_1);
   t_2 = select(flat, cross(n, t_1), t_2);
 }
@@ -48,13 +57,13 @@ MANYHANDS_INLINE void tangents_along(const Vec3<T>& axis, const Vec3<T>& n, Vec3
 template <Number T>
 MANYHANDS_INLINE T curvature_radius(const Collider<real_t<T>>& geom, const Vec3<T>& size, const Vec3<T>& normal,
                                     const Transform<T>& X_WG) {
-  const T zero(real_t<T>(0));
+  const T zero = constant<T>(0);
   switch (geom.type) {
     case ShapeType::kSphere:
     case ShapeType::kCapsule:
       return size.x;
     case ShapeType::kCylinder:
-      return select(abs(dot(normal, X_WG.R.z)) < T(real_t<T>(0.5)), size.x, zero);
+      return select(abs(dot(normal, X_WG.R.z)) < constant<T>(0.5), size.x, zero);
     default:
       return zero;
   }
@@ -74,13 +83,12 @@ template <Number T, Number P>
 MANYHANDS_INLINE CombinedSurface<T> combine_surfaces(const Colliders<real_t<T>>& colliders, const ColliderPair& pair,
                                                      const Params<P>& params, real_t<T> h, const Vec3<T>& normal,
                                                      const std::vector<Transform<T>>& X_WG) {
-  using R = real_t<T>;
-  const Collider<R>&a = colliders.geoms[pair.a], &b = colliders.geoms[pair.b];
+  const Collider<real_t<T>>&a = colliders.geoms[pair.a], &b = colliders.geoms[pair.b];
   CombinedSurface<T> surface;
   std::optional<double> stiffness, damping;
   if (pair.surface >= 0) {
     const SurfaceMaterial& own = colliders.surfaces[static_cast<std::size_t>(pair.surface)];
-    const auto number = [](double value) { return T(static_cast<R>(value)); };
+    const auto number = [](double value) { return constant<T>(value); };
     surface.friction_1 = number(own.lateral_friction);
     surface.friction_2 = number(own.friction_y.value_or(own.lateral_friction));
     surface.restitution = number(own.restitution);
@@ -109,11 +117,11 @@ MANYHANDS_INLINE CombinedSurface<T> combine_surfaces(const Colliders<real_t<T>>&
   }
   surface.radius_A = internal::curvature_radius(a, broadcast<T>(params.geom_size[a.geom]), normal, X_WG[pair.a]);
   surface.radius_B = internal::curvature_radius(b, broadcast<T>(params.geom_size[b.geom]), normal, X_WG[pair.b]);
-  surface.softness = surface.push = T(R(0));
+  surface.softness = surface.push = constant<T>(0);
   if (stiffness) {
     const double softness = 1 / (h * (h * *stiffness + damping.value_or(0)));
-    surface.softness = T(static_cast<R>(softness));
-    surface.push = T(static_cast<R>(softness * h * *stiffness));
+    surface.softness = constant<T>(softness);
+    surface.push = constant<T>(softness * h * *stiffness);
   }
   return surface;
 }

@@ -1,50 +1,15 @@
 // One contact point, solved exactly: Signorini's law, Coulomb's cone and maximum dissipation, given all other impulses.
 //
-// In the basis of README.md (tangent rows scaled by friction), turned until what resists sliding is diagonal, a change
-// of the impulse changes the contact's velocity by
-//     du_n = G_nn (dn + slope . dy),    du_t = sigma dy + slope du_n,
-// and the impulse (n, y) must satisfy  u_n >= 0, n >= 0, u_n n = 0, |y| <= n, and u_t = -kappa y with kappa >= 0 where
-// |y| = n, u_t = 0 where |y| < n.
+// In the basis of README.md, where tangent rows are scaled by friction and turned as in delassus.h, the impulse (n, y)
+// and the velocity u must satisfy
+//     u_n >= 0, n >= 0, u_n n = 0, |y| <= n, and u_t = -kappa y with kappa >= 0 where |y| = n, u_t = 0 where |y| < n.
 #pragma once
 
 #include "manyhands/math/control_flow.h"
-#include "manyhands/math/vec3.h"
+#include "manyhands/physics/contact/delassus.h"
+#include "manyhands/physics/contact/settings.h"
 
 namespace manyhands {
-
-/// How one contact point gives way to its own impulse.
-template <Number T>
-struct ContactStiffness {
-  T normal;                ///< G_nn [1/kg]
-  T normal_inverse;        ///< 1 / G_nn
-  T slope_1, slope_2;      ///< g / G_nn, where g couples the normal with the tangents
-  T sigma_1, sigma_2;      ///< G_tt - g g^T / G_nn, diagonal [1/kg]
-  T inverse_1, inverse_2;  ///< 1 / sigma
-  T c, s;                  ///< of the angle by which the tangents are turned for that
-
-  /// From the contact's tangents to those in which the above is given, and back.
-  MANYHANDS_INLINE Vec3<T> turned(const Vec3<T>& a) const {
-    return {a.x, fma(c, a.y, s * a.z), fma(c, a.z, -(s * a.y))};
-  }
-  MANYHANDS_INLINE Vec3<T> turned_back(const Vec3<T>& a) const {
-    return {a.x, fma(c, a.y, -(s * a.z)), fma(c, a.z, s * a.y)};
-  }
-};
-
-namespace internal {
-
-/// Steps towards the root in one visit of a sliding point. In float one is enough: the next visit goes on from there.
-template <Number T>
-inline constexpr int kMostSlideSteps = std::same_as<real_t<T>, float> ? 1 : 20;
-
-/// By how much |y| may miss the rim, as a part of it.
-inline constexpr double kSlideTolerance = 1e-14;
-
-/// The least that 1 + slope . direction counts for: below 0 friction wedges the contact, and no impulse on the cone
-/// keeps u_n at 0.
-inline constexpr double kLeastWedge = 0.05;
-
-}  // namespace internal
 
 /// A tangential impulse y on the rim of its cone: (sigma_i + kappa) y_i = h_i, |y| = rest - slope . y. Newton's method
 /// on 1 / |y|, which is nearly linear in kappa (Moré and Sorensen 1983), one number whatever the anisotropy. Written in
@@ -52,11 +17,11 @@ inline constexpr double kLeastWedge = 0.05;
 /// x of the last visit, or, where that is 0, where an isotropic contact ends. Lanes outside `slides` keep their x and
 /// y.
 template <Number T>
-MANYHANDS_INLINE void slide(const ContactStiffness<T>& G, T h_1, T h_2, T rest, mask_t<T> slides, T& x, T& y_1, T& y_2,
+MANYHANDS_INLINE void slide(const DelassusBlock<T>& G, T h_1, T h_2, T rest, mask_t<T> slides, T& x, T& y_1, T& y_2,
                             T& radius) {
   using R = real_t<T>;
-  const T zero(R(0)), one(R(1)), tiny(std::numeric_limits<R>::min() * R(16)),
-      wedge(static_cast<R>(internal::kLeastWedge)), tolerance(static_cast<R>(internal::kSlideTolerance));
+  const T zero = constant<T>(0), one = constant<T>(1), tiny = constant<T>(16 * std::numeric_limits<R>::min());
+  const T wedge = constant<T>(contact_settings::kMinWedge), tolerance = constant<T>(contact_settings::kSlideTolerance);
   const auto squeeze = [&](T d_1, T d_2) { return max(fma(G.slope_1, d_1, fma(G.slope_2, d_2, one)), wedge); };
   const T least = min(G.sigma_1, G.sigma_2), more_1 = G.sigma_1 - least, more_2 = G.sigma_2 - least;
   x = select(slides, min(x, max(G.inverse_1, G.inverse_2)), x);
@@ -68,7 +33,7 @@ MANYHANDS_INLINE void slide(const ContactStiffness<T>& G, T h_1, T h_2, T rest, 
     x = select(begins, rest / max(max(fma(pull, squeeze(d_1, d_2), -(more * rest)), least * rest), tiny), x);
   });
   T d_1 = zero, d_2 = zero, squeezed = one;
-  iterate(slides, internal::kMostSlideSteps<T>, [&](mask_t<T> active) {
+  iterate(slides, SolverTraits<R>::kSlideSteps, [&](mask_t<T> active) {
     const T w_1 = fma(more_1, x, one), w_2 = fma(more_2, x, one);
     const T a_1 = h_1 * w_2, a_2 = h_2 * w_1;  // along y
     const T length = max(sqrt(fma(a_1, a_1, a_2 * a_2)), tiny), inverse_length = one / length;
@@ -89,9 +54,8 @@ MANYHANDS_INLINE void slide(const ContactStiffness<T>& G, T h_1, T h_2, T rest, 
 /// The contact's impulse (n, y_1, y_2) that obeys its law, where the present one gives the velocity u; along the turned
 /// tangents. x is what `slide` goes on from.
 template <Number T>
-MANYHANDS_INLINE Vec3<T> solve_coulomb(const ContactStiffness<T>& G, const Vec3<T>& u, const Vec3<T>& impulse, T& x) {
-  using R = real_t<T>;
-  const T zero(R(0));
+MANYHANDS_INLINE Vec3<T> solve_coulomb(const DelassusBlock<T>& G, const Vec3<T>& u, const Vec3<T>& impulse, T& x) {
+  const T zero = constant<T>(0);
   // n if y were 0; at or below it the surfaces part.
   const T rest = impulse.x - fma(u.x, G.normal_inverse, -fma(G.slope_1, impulse.y, G.slope_2 * impulse.z));
   // sigma y of the y at which sliding would stop.
@@ -108,7 +72,7 @@ MANYHANDS_INLINE Vec3<T> solve_coulomb(const ContactStiffness<T>& G, const Vec3<
 /// y, along the turned tangents, within a disc of the given radius that stops a rotation if it can: torsional or
 /// rolling friction. x is what `slide` goes on from.
 template <Number T>
-MANYHANDS_INLINE void solve_disc(const ContactStiffness<T>& G, T u_1, T u_2, T radius, T& x, T& y_1, T& y_2) {
+MANYHANDS_INLINE void solve_disc(const DelassusBlock<T>& G, T u_1, T u_2, T radius, T& x, T& y_1, T& y_2) {
   const T h_1 = fma(G.sigma_1, y_1, -u_1), h_2 = fma(G.sigma_2, y_2, -u_2);
   y_1 = h_1 * G.inverse_1;
   y_2 = h_2 * G.inverse_2;

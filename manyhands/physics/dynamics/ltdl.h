@@ -10,6 +10,12 @@
 
 namespace manyhands {
 
+/// Row i of a packed lower triangle: entry (i, j) is row[j], for j from the tree's first dof to i.
+template <Real R, class T>
+[[nodiscard]] MANYHANDS_INLINE T* tree_row(const Tree<R>& tree, T* triangle, std::size_t i) {
+  return triangle + tree.M_row[i];
+}
+
 /// Factors the packed lower triangle `L` in place: L below the diagonal, 1 / D on it.
 template <Number T>
 MANYHANDS_INLINE void factor_ltdl(std::span<const int> dofs_from_leaves, const int* parent, const std::ptrdiff_t* rows,

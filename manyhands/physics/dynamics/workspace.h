@@ -26,9 +26,7 @@ struct Workspace {
         D_inverse(size(tree.nv)),
         u(size(tree.nv)),
         bias(size(tree.nv)),
-        M(tree.M_size, T(real_t<T>(0))),
-        L(tree.M_size, T(real_t<T>(0))),
-        root(size(tree.nv)) {}
+        M(tree.M_size, T(real_t<T>(0))) {}
 
   std::vector<Mat3<T>> R_WB;               ///< (nb)
   std::vector<Vec3<T>> p_OB;               ///< (nb) body origin from its tree's origin O [m]
@@ -43,8 +41,6 @@ struct Workspace {
   std::vector<T> D_inverse, u;             ///< (nv)
   std::vector<T> bias;                     ///< (nv) C(q, v) v + g(q) [N m or N]
   std::vector<T> M;                        ///< (nv, nv) lower triangle of each tree, packed by rows (see Tree::M_row)
-  std::vector<T> L;                        ///< (nv, nv) its factors
-  std::vector<T> root;                     ///< (nv) of 1 / D of those factors, where contacts need it
 
  private:
   static std::size_t size(int n) { return static_cast<std::size_t>(n); }

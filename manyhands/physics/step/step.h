@@ -3,7 +3,8 @@
 
 #include "manyhands/math/instantiate.h"
 #include "manyhands/physics/collision/broad/pair_finder.h"
-#include "manyhands/physics/contact/contact_solver.h"
+#include "manyhands/physics/contact/assemble.h"
+#include "manyhands/physics/contact/warm_start.h"
 #include "manyhands/physics/dynamics/aba.h"
 #include "manyhands/physics/dynamics/crba.h"
 
@@ -12,19 +13,17 @@ namespace manyhands {
 /// What steps share: the model as kernels read it, and how hard the solver works. Uniform.
 template <Real R>
 struct System {
-  explicit System(const Model& model, PairSearch search = PairSearch::kListed) : tree(model), colliders(model, search) {
-    // A few warm sweeps serve batches; one world can afford to be exact.
-    if constexpr (std::same_as<R, float>) solver = {.max_sweeps = 10, .tolerance = 1e-6};
-  }
+  explicit System(const Model& model, PairSearch search = PairSearch::kListed)
+      : tree(model), colliders(model, search) {}
   /// One in which nothing collides.
   explicit System(Tree<R> alone) : tree(std::move(alone)) {}
 
-  /// The numbers that a state needs for the memory of contacts.
+  /// The numbers that a state needs for the contact cache.
   [[nodiscard]] std::size_t contact_numbers() const { return colliders.num_manifolds * kManifoldNumbers<R>; }
 
   Tree<R> tree;
   Colliders<R> colliders;
-  SolverSettings solver;
+  SolverSettings solver = SolverTraits<R>::kDefaults;
 };
 
 /// All that a step derives: allocated once, never saved.
@@ -32,10 +31,8 @@ template <Number T>
 struct StepWorkspace {
   explicit StepWorkspace(const System<real_t<T>>& system)
       : dynamics(system.tree),
-        joints(system.tree.nv),
         collision(system.colliders),
-        loops(system.tree),
-        contacts(system.colliders, system.tree.nv),
+        contact(system.tree, system.colliders),
         resting(static_cast<std::size_t>(system.tree.nb)) {
     if constexpr (Real<T>) {
       if (system.colliders.search == PairSearch::kSwept) finder.emplace(system.colliders);
@@ -43,14 +40,11 @@ struct StepWorkspace {
   }
 
   Workspace<T> dynamics;
-  JointConstraints<T> joints;
   CollisionWorkspace<T> collision;
   std::optional<PairFinder<real_t<T>>> finder;  ///< of a large world
-  std::vector<real_t<T>> old_memory;            ///< scratch of a large world
-  LoopSet<T> loops;
-  ContactSet<T> contacts;
+  std::vector<real_t<T>> old_cache;             ///< scratch of a large world
+  ContactSolver<T> contact;
   std::vector<T> resting;  ///< (nb) 1 where something holds the body up
-  int sweeps = 0;          ///< that the solver took
 };
 
 /// q := q moved by the velocity v (nv) for `time` [s].
@@ -81,32 +75,35 @@ MANYHANDS_INLINE void integrate_configuration(const Tree<real_t<T>>& tree, const
   }
 }
 
-/// v := v + dv, which the state keeps, as well as the impulses that held the joints.
+/// v := v + dv.
 template <Number T>
-MANYHANDS_INLINE void add_velocity_change(const JointConstraints<T>& joints, State<T>& state) {
-  const T zero(real_t<T>(0));  // added, because a zero's sign would tell what other worlds have solved
-  for (std::size_t i = 0; i < joints.dv.size(); ++i) {
-    state.v()[i] += joints.dv[i] + zero;
-    state.dv()[i] = joints.dv[i] + zero;
-    state.hold()[i] = joints.impulse[i] + zero;
+MANYHANDS_INLINE void add_velocity_change(State<T>& state, std::size_t nv) {
+  for (std::size_t i = 0; i < nv; ++i) state.v()[i] += state.dv()[i];
+}
+
+/// The bodies that contacts or equality constraints hold up: 1, else 0.
+template <Number T>
+MANYHANDS_INLINE void find_resting(const ContactSolver<T>& contact, std::vector<T>& resting) {
+  const T zero = constant<T>(0), one = constant<T>(1);
+  for (T& body : resting) body = zero;
+  for (std::size_t i = 0; i < contact.problem.points.size(); ++i) {
+    const ContactPoint<T>& point = contact.problem.points[i];
+    const ContactPatch<T>& patch = contact.problem.patches[point.patch];
+    const auto holds = (contact.iterate.points[i].impulse.x > zero) & (point.bounces == zero);
+    for (const std::size_t body : {patch.body_a(), patch.body_b()}) resting[body] = select(holds, one, resting[body]);
   }
+  for (const EqualityRows<T>& block : contact.problem.equalities)
+    resting[block.rows.body_a] = resting[block.rows.body_b] = one;
 }
 
 /// Free bodies fall on parabolas: takes back the h^2 / 2 a by which the last velocity of a step overshoots, except for
 /// bodies that rest on something.
 template <Number T, Number P>
 MANYHANDS_INLINE void correct_free_fall(const Tree<real_t<T>>& tree, const Params<P>& params, real_t<T> h,
-                                        const ContactSet<T>& contacts, const LoopSet<T>& loops, std::vector<T>& resting,
-                                        State<T>& state) {
+                                        const ContactSolver<T>& contact, std::vector<T>& resting, State<T>& state) {
   using R = real_t<T>;
-  const T zero(R(0)), one(R(1)), overshoot(R(-0.5) * h * h);
-  for (T& body : resting) body = zero;
-  for (const ContactPoint<T>& point : contacts.points) {
-    const auto holds = (point.impulse.x > zero) & (point.bounces == zero);
-    for (const std::size_t body : {point.rows.body_a, point.rows.body_b})
-      resting[body] = select(holds, one, resting[body]);
-  }
-  for (const LoopRows<T>& loop : loops.blocks) resting[loop.rows.body_a] = resting[loop.rows.body_b] = one;
+  const T one = constant<T>(1), overshoot(R(-0.5) * h * h);
+  find_resting(contact, resting);
   for (std::size_t b = 1; b < tree.bodies.size(); ++b) {
     const TreeBody<R>& body = tree.bodies[b];
     const bool free = body.type == JointType::kFloating && body.parent == 0 &&
@@ -141,7 +138,7 @@ MANYHANDS_INLINE std::span<const ColliderPair> look_for_touches(const Colliders<
   return pairs;
 }
 
-/// The same in a step, whose memory of contacts follows what touches.
+/// The same in a step, whose contact cache follows what touches.
 template <Number T, Number P>
 MANYHANDS_INLINE std::span<const ColliderPair> find_touches(const Colliders<real_t<T>>& colliders,
                                                             const Params<P>& params, real_t<T> h, State<T>& state,
@@ -150,7 +147,7 @@ MANYHANDS_INLINE std::span<const ColliderPair> find_touches(const Colliders<real
   if (colliders.pairs.empty() && !ws.finder) return {};
   const std::span<const ColliderPair> pairs = look_for_touches(colliders, params, h, ws.dynamics, ws);
   if constexpr (Real<T>) {
-    if (ws.finder) carry_memory(ws.collision.touches, state, ws.old_memory);
+    if (ws.finder) carry_contact_cache(ws.collision.touches, state, ws.old_cache);
   }
   return pairs;
 }
@@ -164,15 +161,14 @@ void step(const System<real_t<T>>& system, const Params<P>& params, real_t<T> h,
   const Colliders<real_t<T>>& colliders = system.colliders;
   bias_and_mass_matrix(tree, params, state.q(), state.v(), ws.dynamics);                      // 1 dynamics
   const std::span<const ColliderPair> pairs = find_touches(colliders, params, h, state, ws);  // 2 collision
-  const std::span<RememberedManifold<T>> memory = remembered(state.contacts());
-  prepare_joint_constraints(tree, params, h, state, ws.dynamics, ws.joints);  // 3 what motors and limits want,
-  prepare_contacts(tree, colliders, pairs, params, h, memory, ws.collision, ws.dynamics, ws.joints, ws.contacts);
-  prepare_loops(tree, h, state, ws.dynamics, ws.joints, ws.loops);
-  ws.sweeps = solve_constraints(tree, system.solver, state, ws.dynamics, ws.joints, ws.loops, ws.contacts);  // 4
-  remember(ws.contacts, memory);                              // 5 where the next step begins
-  add_velocity_change(ws.joints, state);                      // 6 velocities
-  integrate_configuration(tree, state.v(), T(h), state.q());  // 7 positions
-  correct_free_fall(tree, params, h, ws.contacts, ws.loops, ws.resting, state);
+  ContactSolver<T>& contact = ws.contact;
+  assemble(tree, colliders, pairs, params, h, state, ws.collision, ws.dynamics, contact);  // 3 the constrained problem
+  warm_start(contact.problem, std::span<const Touch<T>>(ws.collision.touches), state, contact.iterate);  // 4
+  solve(system.solver, contact);                                  // 5 velocities and impulses
+  store_warm_start(contact.problem, contact.iterate, state);      // 6 for the next step
+  add_velocity_change(state, static_cast<std::size_t>(tree.nv));  // 7
+  integrate_configuration(tree, state.v(), T(h), state.q());      // 8 positions
+  correct_free_fall(tree, params, h, contact, ws.resting, state);
 }
 
 // Compiled once for each number type, with parameters of its own for every world or the same for all.

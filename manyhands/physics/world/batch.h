@@ -48,7 +48,7 @@ class Batch {
   [[nodiscard]] double time_step() const { return time_step_; }
   [[nodiscard]] std::vector<double> time() const;  ///< (n) [s] since each world began
   [[nodiscard]] const SolverSettings& solver() const { return lanes_->solver(); }
-  /// Throws std::invalid_argument unless max_sweeps is 1 or more and the tolerance 0 or more.
+  /// Throws std::invalid_argument unless max_iterations is 1 or more and the tolerance 0 or more.
   void set_solver(const SolverSettings& settings);
 
   // ---- state ---------------------------------------------------------------------------------------------------

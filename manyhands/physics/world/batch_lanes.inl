@@ -152,12 +152,12 @@ class BatchLanesOf final : public BatchLanes {
     block.frozen = select(good, zero(), one());
     for (std::size_t i = 0; i < worker.kept.size(); ++i) numbers[i] = select(good, numbers[i], worker.kept[i]);
     for (T& number : block.state.equality_impulses()) number = select(good, number, zero());
-    for (T& number : block.state.contacts()) number = select(good, number, zero());
+    for (T& number : block.state.contact_cache()) number = select(good, number, zero());
   }
 
   void note_step(Block& block, const StepWorkspace<T>& ws) {
     block.penetration = zero();
-    for (const ContactPoint<T>& point : ws.contacts.points) {
+    for (const ContactPoint<T>& point : ws.contact.problem.points) {
       block.penetration = max(block.penetration, select(is_finite(point.phi), -point.phi, zero()));
     }
     block.penetration = select(block.frozen > zero(), zero(), block.penetration);
@@ -170,24 +170,30 @@ class BatchLanesOf final : public BatchLanes {
     const auto lives = block.frozen == zero();
     for (Wrench& wrench : block.wrench) wrench = {Force<T>::zero(), Force<T>::zero()};
     block.contacts = zero();
-    for (const ContactPoint<T>& point : ws.contacts.points) {
-      const auto touches = lives & is_finite(point.phi) & ((point.impulse.x > zero()) | (point.phi <= zero()));
+    const ContactSolver<T>& contact = ws.contact;
+    for (std::size_t i = 0; i < contact.problem.points.size(); ++i) {
+      const ContactPoint<T>& point = contact.problem.points[i];
+      const ContactPatch<T>& patch = contact.problem.patches[point.patch];
+      const Vec3<T>& impulse = contact.iterate.points[i].impulse;
+      const auto touches = lives & is_finite(point.phi) & ((impulse.x > zero()) | (point.phi <= zero()));
       block.contacts = block.contacts + select(touches, one(), zero());
-      const T n = inverse_h * select(touches, point.impulse.x, zero());
-      const T y_1 = inverse_h * select(touches, point.impulse.y, zero());
-      const T y_2 = inverse_h * select(touches, point.impulse.z, zero());
-      const Vec3<T> normal = n * point.normal, friction = fma(y_1, point.e_1, y_2 * point.e_2);
-      visit_sides(point, ws, [&](std::size_t link, const Vec3<T>& arm, R sign) {
+      const T n = inverse_h * select(touches, impulse.x, zero());
+      const T y_1 = inverse_h * select(touches, impulse.y, zero());
+      const T y_2 = inverse_h * select(touches, impulse.z, zero());
+      const Vec3<T> normal = n * patch.normal, friction = fma(y_1, patch.e_1, y_2 * patch.e_2);
+      visit_sides(patch, point, ws, [&](std::size_t link, const Vec3<T>& arm, R sign) {
         Wrench& wrench = block.wrench[link];
         wrench.normal = fma(T(sign), Force<T>{cross(arm, normal), normal}, wrench.normal);
         wrench.friction = fma(T(sign), Force<T>{cross(arm, friction), friction}, wrench.friction);
       });
     }
-    for (const ContactTorsion<T>& torsion : ws.contacts.torsions) {
-      const ContactPoint<T>& point = ws.contacts.points[torsion.point];
-      const Vec3<T> y = select(lives & is_finite(point.phi), inverse_h * torsion.impulse, Vec3<T>::zero());
-      const Vec3<T> moment = fma(y.x, point.normal, fma(y.y, torsion.t_1, y.z * torsion.t_2));
-      visit_sides(point, ws, [&](std::size_t link, const Vec3<T>&, R sign) {
+    for (std::size_t j = 0; j < contact.problem.torsions.size(); ++j) {
+      const ContactPoint<T>& point = contact.problem.points[contact.problem.torsions[j].point];
+      const ContactPatch<T>& patch = contact.problem.patches[point.patch];
+      const Vec3<T> y =
+          select(lives & is_finite(point.phi), inverse_h * contact.iterate.torsions[j].impulse, Vec3<T>::zero());
+      const Vec3<T> moment = fma(y.x, patch.normal, fma(y.y, patch.t_1, y.z * patch.t_2));
+      visit_sides(patch, point, ws, [&](std::size_t link, const Vec3<T>&, R sign) {
         Vec3<T>& sum = block.wrench[link].friction.n;
         sum = fma(T(sign), moment, sum);
       });
@@ -196,8 +202,9 @@ class BatchLanesOf final : public BatchLanes {
 
   /// Calls visit(link, the point from its origin, sign) for the links A (-1) and B (+1) of a contact point.
   template <class Visit>
-  void visit_sides(const ContactPoint<T>& point, const StepWorkspace<T>& ws, Visit&& visit) const {
-    const ColliderPair& pair = system_.colliders.pairs[point.pair];
+  void visit_sides(const ContactPatch<T>& patch, const ContactPoint<T>& point, const StepWorkspace<T>& ws,
+                   Visit&& visit) const {
+    const ColliderPair& pair = system_.colliders.pairs[patch.pair];
     for (const auto& [collider, sign] : {std::pair{pair.a, R(-1)}, std::pair{pair.b, R(1)}}) {
       const std::size_t link = link_of_geom_[system_.colliders.geoms[collider].geom];
       const Frame& frame = frames_[link];

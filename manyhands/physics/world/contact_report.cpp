@@ -2,10 +2,10 @@
 
 namespace manyhands {
 
-ContactResiduals contact_residuals(const Tree<double>& tree, const StepWorkspace<double>& ws) {
+ContactResiduals contact_residuals(const StepWorkspace<double>& ws) {
   ContactResiduals largest;
-  for (const ContactPoint<double>& point : ws.contacts.points) {
-    const PointResiduals<double> r = point_residuals(tree, ws, point);
+  for (std::size_t i = 0; i < ws.contact.problem.points.size(); ++i) {
+    const PointResiduals<double> r = point_residuals(ws.contact, i);
     largest.signorini = max(largest.signorini, r.signorini);
     largest.penetration_rate = max(largest.penetration_rate, r.penetration_rate);
     largest.cone = max(largest.cone, r.cone);

@@ -242,7 +242,7 @@ std::size_t whole(double x) { return x >= 0 && x < 1e12 ? static_cast<std::size_
 std::vector<double> World::snapshot() const {
   const WorldCore& now = core();
   std::vector<double> numbers{fingerprint(*now.model), time_step_, static_cast<double>(steps_), now.pushed ? 1.0 : 0.0,
-                              static_cast<double>(now.state.contacts().size())};
+                              static_cast<double>(now.state.contact_cache().size())};
   visit_pieces(now,
                [&](const double* first, std::size_t count) { numbers.insert(numbers.end(), first, first + count); });
   view(const_cast<Params<double>&>(now.params), 0).for_each([&](const Strided<double>& field) {
@@ -255,8 +255,8 @@ void World::restore(std::span<const double> snapshot) {
   WorldCore& now = core();
   // A large world remembers as many contacts as it has.
   const bool grows = now.system.colliders.search == PairSearch::kSwept && snapshot.size() >= kSnapshotHead;
-  const std::size_t contacts = grows ? whole(snapshot[4]) : now.state.contacts().size();
-  std::size_t expected = kSnapshotHead + contacts - now.state.contacts().size();
+  const std::size_t contacts = grows ? whole(snapshot[4]) : now.state.contact_cache().size();
+  std::size_t expected = kSnapshotHead + contacts - now.state.contact_cache().size();
   visit_pieces(now, [&](double*, std::size_t count) { expected += count; });
   const ParamsView<double> params = view(now.params, 0);
   params.for_each([&](const Strided<double>& field) { expected += field.count; });
@@ -275,7 +275,7 @@ void World::restore(std::span<const double> snapshot) {
   }
   steps_ = static_cast<std::int64_t>(snapshot[2]);
   now.pushed = snapshot[3] != 0;
-  now.state.resize_contacts(contacts);
+  now.state.resize_contact_cache(contacts);
   const double* next = snapshot.data() + kSnapshotHead;
   const auto take = [&](double* first, std::size_t count) {
     std::copy_n(next, count, first);
@@ -291,9 +291,9 @@ void World::restore(std::span<const double> snapshot) {
 void World::forget() {
   WorldCore& now = core();
   State<double>& state = now.state;
-  for (double* first : {state.stance(), state.dv(), state.hold()}) std::fill_n(first, now.nv(), 0.0);
+  for (double* first : {state.active_set(), state.dv(), state.joint_impulse()}) std::fill_n(first, now.nv(), 0.0);
   std::ranges::fill(state.equality_impulses(), 0.0);
-  std::ranges::fill(state.contacts(), 0.0);
+  std::ranges::fill(state.contact_cache(), 0.0);
   steps_ = 0;
   now.moved();
   now.forget_step();

@@ -126,9 +126,9 @@ class World {
   [[nodiscard]] Force<double> joint_wrench(std::string_view joint) const;
   [[nodiscard]] ContactResiduals residuals() const;
   [[nodiscard]] double max_penetration() const;  ///< deepest contact before the last step [m]; 0 if none
-  [[nodiscard]] int solver_iterations() const { return core().has_stepped ? core().step.sweeps : 0; }
+  [[nodiscard]] int solver_iterations() const { return core().has_stepped ? core().step.contact.iterations : 0; }
   [[nodiscard]] const SolverSettings& solver() const { return solver_; }
-  /// Throws std::invalid_argument unless max_sweeps is 1 or more and the tolerance 0 or more.
+  /// Throws std::invalid_argument unless max_iterations is 1 or more and the tolerance 0 or more.
   void set_solver(const SolverSettings& settings);
 
   // ---- where geoms are in the present state (world_queries.cpp) -------------------------------------------------

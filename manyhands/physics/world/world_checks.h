@@ -53,10 +53,11 @@ inline void require_time_step(double time_step) {
   throw std::invalid_argument("time_step is " + std::to_string(time_step) + " s; expected a finite number above 0");
 }
 
-/// Throws std::invalid_argument unless max_sweeps is 1 or more and the tolerance 0 or more.
+/// Throws std::invalid_argument unless max_iterations is 1 or more and the tolerance 0 or more.
 inline void require_solver(const SolverSettings& settings) {
-  if (settings.max_sweeps < 1) {
-    throw std::invalid_argument("max_iterations is " + std::to_string(settings.max_sweeps) + "; expected 1 or more");
+  if (settings.max_iterations < 1) {
+    throw std::invalid_argument("max_iterations is " + std::to_string(settings.max_iterations) +
+                                "; expected 1 or more");
   }
   if (!(settings.tolerance >= 0) || !is_finite(settings.tolerance)) {
     throw std::invalid_argument("tolerance is " + std::to_string(settings.tolerance) + "; expected 0 or more");

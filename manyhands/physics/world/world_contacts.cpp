@@ -7,20 +7,21 @@ namespace manyhands {
 
 namespace {
 
-Contact report_of(const WorldCore& core, const ContactPoint<double>& point, double inverse_h) {
+Contact report_of(const WorldCore& core, const ContactPatch<double>& patch, const ContactPoint<double>& point,
+                  const Vec3<double>& y, double inverse_h) {
   const Colliders<double>& colliders = core.system.colliders;
-  const auto [a, b] = core.colliders_of(point);
+  const auto [a, b] = core.colliders_of(patch);
   Contact contact{.geom_a = GeomId(colliders.geoms[a].geom),
                   .geom_b = GeomId(colliders.geoms[b].geom),
                   .position = point.p,
-                  .normal = point.normal,
+                  .normal = patch.normal,
                   .distance = point.phi,
-                  .normal_force = inverse_h * point.impulse.x};
+                  .normal_force = inverse_h * y.x};
   contact.link_a = core.model->geoms()[contact.geom_a.index()].link;
   contact.link_b = core.model->geoms()[contact.geom_b.index()].link;
-  const Vec3<double> friction = point.impulse.y * point.e_1 + point.impulse.z * point.e_2;
+  const Vec3<double> friction = y.y * patch.e_1 + y.z * patch.e_2;
   contact.friction_force = inverse_h * friction;
-  contact.impulse = point.impulse.x * point.normal + friction;
+  contact.impulse = y.x * patch.normal + friction;
   contact.force = inverse_h * contact.impulse;
   return contact;
 }
@@ -36,17 +37,17 @@ std::vector<Contact> World::contacts() const {
   const WorldCore& now = core();
   std::vector<Contact> found;
   if (!now.has_stepped) return found;
-  const ContactSet<double>& set = now.step.contacts;
-  std::vector<std::size_t> torsion_of(set.points.size(), set.torsions.size());
-  for (std::size_t k = 0; k < set.torsions.size(); ++k) torsion_of[set.torsions[k].point] = k;
-  for (std::size_t i = 0; i < set.points.size(); ++i) {
-    const ContactPoint<double>& point = set.points[i];
-    if (!is_finite(point.phi) || (point.phi > 0 && !(point.impulse.x > 0))) continue;
-    found.push_back(report_of(now, point, 1 / time_step_));
-    if (torsion_of[i] == set.torsions.size()) continue;
-    const ContactTorsion<double>& torsion = set.torsions[torsion_of[i]];
-    const Vec3<double>& y = torsion.impulse;
-    found.back().moment = (1 / time_step_) * (y.x * point.normal + y.y * torsion.t_1 + y.z * torsion.t_2);
+  const double inverse_h = 1 / time_step_;
+  const ContactSolver<double>& contact = now.step.contact;
+  for (std::size_t i = 0; i < contact.problem.points.size(); ++i) {
+    const ContactPoint<double>& point = contact.problem.points[i];
+    const ContactPatch<double>& patch = contact.problem.patches[point.patch];
+    const Vec3<double>& y = contact.iterate.points[i].impulse;
+    if (!is_finite(point.phi) || (point.phi > 0 && !(y.x > 0))) continue;
+    found.push_back(report_of(now, patch, point, y, inverse_h));
+    if (point.torsion < 0) continue;
+    const Vec3<double>& m = contact.iterate.torsions[static_cast<std::size_t>(point.torsion)].impulse;
+    found.back().moment = inverse_h * (m.x * patch.normal + m.y * patch.t_1 + m.z * patch.t_2);
   }
   return found;
 }
@@ -73,13 +74,13 @@ ContactWrench World::contact_wrench(std::string_view link_name, std::string_view
 
 ContactResiduals World::residuals() const {
   const WorldCore& now = core();
-  return now.has_stepped ? contact_residuals(now.system.tree, now.step) : ContactResiduals{};
+  return now.has_stepped ? contact_residuals(now.step) : ContactResiduals{};
 }
 
 double World::max_penetration() const {
   const WorldCore& now = core();
   double deepest = 0;
-  for (const ContactPoint<double>& point : now.step.contacts.points) deepest = std::max(deepest, -point.phi);
+  for (const ContactPoint<double>& point : now.step.contact.problem.points) deepest = std::max(deepest, -point.phi);
   return deepest;
 }
 

@@ -62,22 +62,22 @@ const Workspace<double>& WorldCore::placed() const {
   return scratch;
 }
 
-std::pair<std::size_t, std::size_t> WorldCore::colliders_of(const ContactPoint<double>& point) const {
+std::pair<std::size_t, std::size_t> WorldCore::colliders_of(const ContactPatch<double>& patch) const {
   const Colliders<double>& colliders = system.colliders;
   if (colliders.search == PairSearch::kListed) {
-    const ColliderPair& pair = colliders.pairs[point.pair];
+    const ColliderPair& pair = colliders.pairs[patch.pair];
     return {pair.a, pair.b};
   }
-  const std::size_t first = point.manifold * kManifoldNumbers<double>;
-  const ManifoldOf m = manifold_of(colliders, state.contacts()[first]);
+  const std::size_t first = patch.manifold * kManifoldNumbers<double>;
+  const ManifoldOf m = manifold_of(colliders, state.contact_cache()[first]);
   const std::optional<ColliderPair> pair = colliders.pair_of(m.low, m.high);
   return {pair->a, pair->b};
 }
 
 void WorldCore::forget_step() {
   has_stepped = false;
-  step.contacts.points.clear();
-  step.contacts.torsions.clear();
+  step.contact.problem.points.clear();
+  step.contact.problem.torsions.clear();
 }
 
 namespace {
@@ -94,9 +94,9 @@ void carry_joint(const WorldCore& from, const Joint& a, const Joint& b, WorldCor
   copy_dofs(old.tau(), a.iv, state.tau(), b.iv, nv);
   copy_dofs(old.target_q(), a.iv, state.target_q(), b.iv, nv);
   copy_dofs(old.target_v(), a.iv, state.target_v(), b.iv, nv);
-  copy_dofs(old.stance(), a.iv, state.stance(), b.iv, nv);
+  copy_dofs(old.active_set(), a.iv, state.active_set(), b.iv, nv);
   copy_dofs(old.dv(), a.iv, state.dv(), b.iv, nv);
-  copy_dofs(old.hold(), a.iv, state.hold(), b.iv, nv);
+  copy_dofs(old.joint_impulse(), a.iv, state.joint_impulse(), b.iv, nv);
   for (const auto field : {&Params<double>::damping, &Params<double>::armature, &Params<double>::lower,
                            &Params<double>::upper, &Params<double>::motor_kp, &Params<double>::motor_kd,
                            &Params<double>::motor_max_force, &Params<double>::friction}) {
@@ -145,7 +145,7 @@ void carry_actuators(const WorldCore& from, const std::vector<int>& actuators, W
 template <class Visit>
 void visit_memory(const WorldCore& core, Visit&& visit) {
   const Colliders<double>& colliders = core.system.colliders;
-  const std::span<const double> memory = core.state.contacts();
+  const std::span<const double> memory = core.state.contact_cache();
   const auto numbers = [&](std::size_t i) {
     return memory.subspan(i * kManifoldNumbers<double>, kManifoldNumbers<double>);
   };
@@ -180,8 +180,8 @@ void carry_contacts(const WorldCore& from, const std::vector<int>& geoms, WorldC
     kept[key].assign(numbers.begin(), numbers.end());
   });
   if (now.search == PairSearch::kSwept) {
-    to.state.resize_contacts(kept.size() * kManifoldNumbers<double>);
-    auto next = to.state.contacts().begin();
+    to.state.resize_contact_cache(kept.size() * kManifoldNumbers<double>);
+    auto next = to.state.contact_cache().begin();
     for (auto& [key, numbers] : kept) {
       numbers[0] = key;
       next = std::ranges::copy(numbers, next).out;
@@ -194,7 +194,7 @@ void carry_contacts(const WorldCore& from, const std::vector<int>& geoms, WorldC
       if (found == kept.end()) continue;
       found->second[0] = 0;
       const auto first = static_cast<std::ptrdiff_t>((pair.manifold + k) * kManifoldNumbers<double>);
-      std::ranges::copy(found->second, to.state.contacts().begin() + first);
+      std::ranges::copy(found->second, to.state.contact_cache().begin() + first);
     }
   }
 }

@@ -20,8 +20,8 @@ struct WorldCore {
   /// What a step found is gone: contacts and reactions are those of no step.
   void forget_step();
 
-  /// The colliders that a contact point of the last step lies between, A first.
-  [[nodiscard]] std::pair<std::size_t, std::size_t> colliders_of(const ContactPoint<double>& point) const;
+  /// The colliders that a contact patch of the last step lies between, A first.
+  [[nodiscard]] std::pair<std::size_t, std::size_t> colliders_of(const ContactPatch<double>& patch) const;
 
   [[nodiscard]] std::size_t nq() const { return static_cast<std::size_t>(model->nq()); }
   [[nodiscard]] std::size_t nv() const { return static_cast<std::size_t>(model->nv()); }

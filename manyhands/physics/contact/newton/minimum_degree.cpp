@@ -1,4 +1,4 @@
-#include "manyhands/physics/contact/minimum_degree.h"
+#include "manyhands/physics/contact/newton/minimum_degree.h"
 
 #include <algorithm>
 #include <bit>

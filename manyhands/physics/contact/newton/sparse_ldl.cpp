@@ -1,4 +1,4 @@
-#include "manyhands/physics/contact/sparse_ldl.h"
+#include "manyhands/physics/contact/newton/sparse_ldl.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,11 +4,10 @@
 #include <vector>
 
 #include "manyhands/math/vec3.h"
-#include "manyhands/physics/contact/dense_lu.h"
-#include "manyhands/physics/contact/loops.h"
-#include "manyhands/physics/contact/minimum_degree.h"
-#include "manyhands/physics/contact/newton_finish.h"
-#include "manyhands/physics/contact/sparse_ldl.h"
+#include "manyhands/physics/contact/newton/dense_lu.h"
+#include "manyhands/physics/contact/newton/law_residual.h"
+#include "manyhands/physics/contact/newton/minimum_degree.h"
+#include "manyhands/physics/contact/newton/sparse_ldl.h"
 
 namespace manyhands::internal {
 
@@ -19,22 +18,22 @@ struct MultiplierLaw {
   Vec3<double> on_normal = Vec3<double>::zero();  ///< -d impulse / d u_n of the point, where sliding follows it
 };
 
-/// Newton's method on H x = J^T (impulses(J (dv + x)) - impulses(J dv)), where H = M + diag(spring) of the dofs in
-/// trees whose contacts have not settled, and impulses follow the law softened by r about their present values (the
+/// Newton's method on H x = J^T (impulses(J (dv + x)) - impulses(J dv)), where H = M + diag(penalty) of the dofs in
+/// trees whose contacts have not converged, and impulses follow the law softened by r about their present values (the
 /// anchor):
 ///   n = max(0, n_0 - (u_n + R n) / r_n),  y = P(y_0 - u_t / r_t), P onto the disc of radius n.
-/// Loops are rows without bounds. R: softness of the surface.
+/// Equality constraints are rows without bounds. R: softness of the surface.
 class NewtonSystem {
  public:
   /// Chooses the contacts: those of islands that violate the law by more than the tolerance.
-  void choose(const ContactProblem& problem, double tolerance);
+  void choose(const NewtonContext& context, double tolerance);
 
   /// Writes down dv and impulses, and goes back to them.
-  void keep(const ContactProblem& problem);
-  void take_back(const ContactProblem& problem) const;
+  void keep(const NewtonContext& context);
+  void take_back(const NewtonContext& context) const;
 
   /// From the present impulses; contacts yield by `softness` of what they give way to their own impulses.
-  void outer_step(const ContactProblem& problem, double softness, int most_factorisations);
+  void outer_step(const NewtonContext& context, double softness, int most_factorisations);
 
  private:
   /// Two bodies with rows between them: `count` columns of the system, and the slots of H's triangle among them.
@@ -42,29 +41,30 @@ class NewtonSystem {
     std::size_t first_column{}, first_slot{}, count{};
   };
 
-  void choose_islands(const ContactProblem& problem, double tolerance);
-  void find_dofs(const ContactProblem& problem);
+  void choose_islands(const NewtonContext& context, double tolerance);
+  void find_dofs(const NewtonContext& context);
   void find_columns(const Tree<double>& tree);
   void find_pattern(const Tree<double>& tree);
   std::size_t pair_of(const RowBlock& rows);
-  void find_yielding(const ContactProblem& problem, double softness);
-  void evaluate(const ContactProblem& problem, const std::vector<double>& x);
-  double find_defect(const ContactProblem& problem, const std::vector<double>& x);
-  const Vec3<double>* rows_of(const ContactSet<double>& set, const ContactPoint<double>& point, std::size_t count);
-  void assemble(const ContactProblem& problem);
-  void assemble_general(const ContactProblem& problem);
-  bool solve(const ContactProblem& problem);
-  void apply(const ContactProblem& problem);
-  int root(int cluster);
+  void find_yielding(const NewtonContext& context, double softness);
+  void evaluate(const NewtonContext& context, const std::vector<double>& x);
+  double find_defect(const NewtonContext& context, const std::vector<double>& x);
+  const Vec3<double>* rows_of(const ContactProblem<double>& problem, const ContactPoint<double>& point,
+                              std::size_t count);
+  void assemble(const NewtonContext& context);
+  void assemble_general(const NewtonContext& context);
+  bool solve(const NewtonContext& context);
+  void apply(const NewtonContext& context);
+  int island_of(int cluster);
 
   std::vector<std::size_t> points_;  ///< that take part
-  std::vector<std::size_t> loops_;
+  std::vector<std::size_t> equalities_;
   std::vector<int> island_;  ///< (nv) of a cluster's first dof: another in its island, nearer to the root
   std::vector<double> island_residual_;
 
   std::vector<bool> takes_part_;  ///< (nv)
   std::vector<RowBlock> pair_rows_;
-  std::vector<std::size_t> point_pair_, loop_pair_;
+  std::vector<std::size_t> point_pair_, equality_pair_;
   std::vector<std::size_t> key_, last_key_;  ///< what all that follows depends on
 
   std::vector<int> node_;           ///< (nv) of a tree's first dof: which of `trees_` it is
@@ -86,9 +86,9 @@ class NewtonSystem {
     double normal{}, tangent{};  ///< 1 / r of both; of torsion: about the normal, across it; 0: no such row
   };
   std::vector<Yield> point_yield_, torsion_yield_;  ///< (points that take part)
-  std::vector<Vec3<double>> loop_yield_;            ///< (loops that take part)
+  std::vector<Vec3<double>> equality_yield_;        ///< (equalities that take part)
   std::vector<MultiplierLaw> point_law_, torsion_law_;
-  std::vector<Vec3<double>> loop_change_;
+  std::vector<Vec3<double>> equality_change_;
   std::vector<Vec3<double>> rows_;  ///< of one point
   std::vector<double> x_, trial_, defect_, kept_dv_;
   std::vector<Vec3<double>> kept_impulses_;

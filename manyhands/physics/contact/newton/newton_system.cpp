@@ -1,9 +1,8 @@
-#include "manyhands/physics/contact/newton_system.h"
+#include "manyhands/physics/contact/newton/newton_system.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "manyhands/physics/contact/law_residual.h"
 #include "manyhands/physics/dynamics/ltdl.h"
 
 namespace manyhands::internal {
@@ -11,12 +10,6 @@ namespace manyhands::internal {
 namespace {
 
 using Vec = Vec3<double>;
-
-/// How friction follows the normal impulse makes H unsymmetric. Where LU's price is too high for the larger systems, H
-/// goes without it: Newton's method then converges linearly where contacts slide.
-constexpr std::size_t kMostGeneral = 60;
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 double length(double a, double b) { return std::sqrt(a * a + b * b); }
 
@@ -41,12 +34,15 @@ void project(double trial_1, double trial_2, double n, double ratio, double give
 
 bool slides(const MultiplierLaw& law) { return law.on_normal.x != 0 || law.on_normal.y != 0 || law.on_normal.z != 0; }
 
-/// J A J^T of one loop's rows: its diagonal.
-Vec loop_size(const ContactProblem& problem, const RowBlock& rows) {
-  const RowStore<double>& store = problem.loops.store;
+const RowBlock& rows_of_point(const ContactProblem<double>& problem, std::size_t i) {
+  return problem.patches[problem.points[i].patch].linear;
+}
+
+/// The diagonal of J A J^T of three rows.
+Vec response_diagonal(const NewtonContext& context, const RowBlock& rows) {
   Vec G = Vec::zero();
-  visit_answer(rows, [&](std::size_t entry, std::size_t) {
-    const Vec& Y = store.Y[entry];
+  visit_Y(rows, [&](std::size_t entry, std::size_t) {
+    const Vec& Y = context.factors.Y[entry];
     G = G + Vec{Y.x * Y.x, Y.y * Y.y, Y.z * Y.z};
   });
   return G;
@@ -54,47 +50,50 @@ Vec loop_size(const ContactProblem& problem, const RowBlock& rows) {
 
 }  // namespace
 
-int NewtonSystem::root(int cluster) {
+int NewtonSystem::island_of(int cluster) {
   while (island_[index(cluster)] != cluster) cluster = island_[index(cluster)];
   return cluster;
 }
 
-void NewtonSystem::choose_islands(const ContactProblem& problem, double tolerance) {
-  const auto nv = index(problem.tree.nv);
+void NewtonSystem::choose_islands(const NewtonContext& context, double tolerance) {
+  const auto nv = index(context.tree().nv);
   island_.resize(nv);
   for (std::size_t i = 0; i < nv; ++i) island_[i] = static_cast<int>(i);
   const auto first_of = [](const RowBlock& rows) { return rows.begin_a < rows.end_a ? rows.begin_a : rows.begin_b; };
   const auto moves = [](const RowBlock& rows) { return rows.begin_a < rows.end_a || rows.begin_b < rows.end_b; };
-  for (const ContactPoint<double>& point : problem.contacts.points) {
-    if (point.rows.begin_a == point.rows.end_a || point.rows.begin_b == point.rows.end_b) continue;
-    const int a = root(point.rows.begin_a), b = root(point.rows.begin_b);
+  const ContactProblem<double>& problem = context.problem;
+  for (const ContactPatch<double>& patch : problem.patches) {
+    const RowBlock& rows = patch.linear;
+    if (rows.begin_a == rows.end_a || rows.begin_b == rows.end_b) continue;
+    const int a = island_of(rows.begin_a), b = island_of(rows.begin_b);
     island_[index(std::max(a, b))] = std::min(a, b);
   }
   island_residual_.assign(nv, 0);
-  for (const ContactPoint<double>& point : problem.contacts.points) {
-    if (!moves(point.rows)) continue;
-    double& worst = island_residual_[index(root(first_of(point.rows)))];
-    worst = std::max(worst, point_residual(problem, point));
+  for (std::size_t i = 0; i < problem.points.size(); ++i) {
+    const RowBlock& rows = rows_of_point(problem, i);
+    if (!moves(rows)) continue;
+    double& worst = island_residual_[index(island_of(first_of(rows)))];
+    worst = std::max(worst, point_residual(context, i));
   }
   points_.clear();
-  loops_.clear();
+  equalities_.clear();
   const auto takes_part = [&](const RowBlock& rows) {
-    return moves(rows) && island_residual_[index(root(first_of(rows)))] > tolerance;
+    return moves(rows) && island_residual_[index(island_of(first_of(rows)))] > tolerance;
   };
-  for (std::size_t i = 0; i < problem.contacts.points.size(); ++i)
-    if (takes_part(problem.contacts.points[i].rows)) points_.push_back(i);
-  for (std::size_t i = 0; i < problem.loops.blocks.size(); ++i)
-    if (takes_part(problem.loops.blocks[i].rows)) loops_.push_back(i);
+  for (std::size_t i = 0; i < problem.points.size(); ++i)
+    if (takes_part(rows_of_point(problem, i))) points_.push_back(i);
+  for (std::size_t i = 0; i < problem.equalities.size(); ++i)
+    if (takes_part(problem.equalities[i].rows)) equalities_.push_back(i);
 }
 
-void NewtonSystem::find_dofs(const ContactProblem& problem) {
-  takes_part_.assign(index(problem.tree.nv), false);
+void NewtonSystem::find_dofs(const NewtonContext& context) {
+  takes_part_.assign(index(context.tree().nv), false);
   const auto mark = [&](const RowBlock& rows) {
     std::fill(takes_part_.begin() + rows.begin_a, takes_part_.begin() + rows.end_a, true);
     std::fill(takes_part_.begin() + rows.begin_b, takes_part_.begin() + rows.end_b, true);
   };
-  for (const std::size_t i : points_) mark(problem.contacts.points[i].rows);
-  for (const std::size_t i : loops_) mark(problem.loops.blocks[i].rows);
+  for (const std::size_t i : points_) mark(rows_of_point(context.problem, i));
+  for (const std::size_t i : equalities_) mark(context.problem.equalities[i].rows);
   for (std::size_t i = 0; i < takes_part_.size(); ++i)
     if (takes_part_[i]) key_.push_back(i);
   key_.push_back(takes_part_.size());
@@ -111,19 +110,19 @@ std::size_t NewtonSystem::pair_of(const RowBlock& rows) {
   return pair_rows_.size() - 1;
 }
 
-void NewtonSystem::choose(const ContactProblem& problem, double tolerance) {
-  choose_islands(problem, tolerance);
+void NewtonSystem::choose(const NewtonContext& context, double tolerance) {
+  choose_islands(context, tolerance);
   key_.clear();
-  find_dofs(problem);
+  find_dofs(context);
   pair_rows_.clear();
   point_pair_.clear();
-  loop_pair_.clear();
-  for (const std::size_t i : points_) point_pair_.push_back(pair_of(problem.contacts.points[i].rows));
-  for (const std::size_t i : loops_) loop_pair_.push_back(pair_of(problem.loops.blocks[i].rows));
+  equality_pair_.clear();
+  for (const std::size_t i : points_) point_pair_.push_back(pair_of(rows_of_point(context.problem, i)));
+  for (const std::size_t i : equalities_) equality_pair_.push_back(pair_of(context.problem.equalities[i].rows));
   if (key_ == last_key_) return;
   last_key_ = key_;
-  find_columns(problem.tree);
-  find_pattern(problem.tree);
+  find_columns(context.tree());
+  find_pattern(context.tree());
 }
 
 /// Trees in the order of minimum degree, each from its leaves: within a tree that fills nothing in.
@@ -161,7 +160,7 @@ void NewtonSystem::find_pattern(const Tree<double>& tree) {
   pair_columns_.clear();
   for (const RowBlock& rows : pair_rows_) {
     const std::size_t first = pair_columns_.size();
-    visit_rows<double>(tree, rows, [&](std::size_t, std::size_t i, double) { pair_columns_.push_back(column_[i]); });
+    visit_J(tree, rows, [&](std::size_t, std::size_t i, double) { pair_columns_.push_back(column_[i]); });
     pairs_.push_back({first, entries_.size(), pair_columns_.size() - first});
     for (std::size_t i = first; i < pair_columns_.size(); ++i)
       for (std::size_t j = first; j <= i; ++j) entries_.push_back({pair_columns_[i], pair_columns_[j]});
@@ -169,63 +168,61 @@ void NewtonSystem::find_pattern(const Tree<double>& tree) {
   H_.set_pattern(static_cast<int>(dofs_.size()), entries_, slots_);
 }
 
-void NewtonSystem::keep(const ContactProblem& problem) {
-  kept_dv_ = problem.joints.dv;
+void NewtonSystem::keep(const NewtonContext& context) {
+  kept_dv_ = context.iterate.dv;
   kept_impulses_.clear();
-  for (const ContactPoint<double>& point : problem.contacts.points) kept_impulses_.push_back(point.impulse);
-  for (const ContactTorsion<double>& torsion : problem.contacts.torsions) kept_impulses_.push_back(torsion.impulse);
+  for (const PointImpulse<double>& point : context.iterate.points) kept_impulses_.push_back(point.impulse);
+  for (const PointImpulse<double>& torsion : context.iterate.torsions) kept_impulses_.push_back(torsion.impulse);
 }
 
-void NewtonSystem::take_back(const ContactProblem& problem) const {
-  problem.joints.dv = kept_dv_;
+void NewtonSystem::take_back(const NewtonContext& context) const {
+  context.iterate.dv = kept_dv_;
   auto kept = kept_impulses_.begin();
-  for (ContactPoint<double>& point : problem.contacts.points) point.impulse = *kept++;
-  for (ContactTorsion<double>& torsion : problem.contacts.torsions) torsion.impulse = *kept++;
+  for (PointImpulse<double>& point : context.iterate.points) point.impulse = *kept++;
+  for (PointImpulse<double>& torsion : context.iterate.torsions) torsion.impulse = *kept++;
 }
 
-void NewtonSystem::find_yielding(const ContactProblem& problem, double softness) {
-  const ContactSet<double>& set = problem.contacts;
+void NewtonSystem::find_yielding(const NewtonContext& context, double softness) {
+  const ContactProblem<double>& problem = context.problem;
   const auto inverse = [&](double size, double beside) {
     return size > 1e-12 * beside && size > 0 ? 1 / (softness * size) : 0.0;
   };
   point_yield_.clear();
   torsion_yield_.clear();
   for (const std::size_t i : points_) {
-    const ContactPoint<double>& point = set.points[i];
-    const ContactStiffness<double>& G = point.stiffness;
+    const ContactPoint<double>& point = problem.points[i];
+    const DelassusBlock<double>& G = context.factors.points[i];
     const double r = softness * (G.normal - point.softness) + point.softness;
     point_yield_.push_back({G.normal_inverse > 0 ? 1 / r : 0.0, inverse(tangent_size(G), 1e-6 * G.normal)});
     torsion_yield_.push_back({});
     if (point.torsion < 0) continue;
-    const ContactTorsion<double>& torsion = set.torsions[index(point.torsion)];
-    const double spin = 1 / torsion.spin_inverse;
-    torsion_yield_.back() = {inverse(spin, 0),
-                             inverse(0.5 * (torsion.stiffness.sigma_1 + torsion.stiffness.sigma_2), 1e-6 * spin)};
+    const DelassusBlock<double>& rolling = context.factors.torsions[index(point.torsion)];
+    const double spin = 1 / context.factors.spin_inverse[index(point.torsion)];
+    torsion_yield_.back() = {inverse(spin, 0), inverse(0.5 * (rolling.sigma_1 + rolling.sigma_2), 1e-6 * spin)};
   }
-  loop_yield_.clear();
-  for (const std::size_t i : loops_) {
-    const Vec G = loop_size(problem, problem.loops.blocks[i].rows);
+  equality_yield_.clear();
+  for (const std::size_t i : equalities_) {
+    const Vec G = response_diagonal(context, context.problem.equalities[i].rows);
     const double largest = std::max({G.x, G.y, G.z});
-    loop_yield_.push_back({inverse(G.x, largest), inverse(G.y, largest), inverse(G.z, largest)});
+    equality_yield_.push_back({inverse(G.x, largest), inverse(G.y, largest), inverse(G.z, largest)});
   }
 }
 
-void NewtonSystem::evaluate(const ContactProblem& problem, const std::vector<double>& x) {
-  const ContactSet<double>& set = problem.contacts;
+void NewtonSystem::evaluate(const NewtonContext& context, const std::vector<double>& x) {
+  const ContactProblem<double>& problem = context.problem;
   point_law_.assign(points_.size(), {});
   torsion_law_.assign(points_.size(), {});
-  loop_change_.assign(loops_.size(), Vec::zero());
+  equality_change_.assign(equalities_.size(), Vec::zero());
   slides_ = false;
-  const bool follows = dofs_.size() <= kMostGeneral;
+  const bool follows = dofs_.size() <= contact_settings::kMaxUnsymmetric;
   const auto note_sliding = [&](const MultiplierLaw& law) { slides_ = slides_ || (follows && slides(law)); };
   for (std::size_t k = 0; k < points_.size(); ++k) {
-    const ContactPoint<double>& point = set.points[points_[k]];
+    const ContactPoint<double>& point = problem.points[points_[k]];
     const Yield& give = point_yield_[k];
     if (!(give.normal > 0)) continue;
-    const double* dv = problem.joints.dv.data();
-    const Vec u = point.offset + point_velocity(problem.tree, set, point, dv) +
-                  point_velocity(problem.tree, set, point, x.data());
-    const Vec& y = point.impulse;
+    const double* dv = context.iterate.dv.data();
+    const Vec u = point.offset + point_velocity(problem, point, dv) + point_velocity(problem, point, x.data());
+    const Vec& y = context.iterate.points[points_[k]].impulse;
     const double n = y.x - give.normal * (u.x + point.softness * y.x);
     if (!(n > 0)) continue;
     MultiplierLaw& law = point_law_[k];
@@ -235,75 +232,78 @@ void NewtonSystem::evaluate(const ContactProblem& problem, const std::vector<dou
       project(y.y - give.tangent * u.y, y.z - give.tangent * u.z, n, 1, give.tangent, give.normal, law);
     note_sliding(law);
     if (point.torsion < 0) continue;
-    const ContactTorsion<double>& torsion = set.torsions[index(point.torsion)];
+    const ContactTorsion<double>& torsion = problem.torsions[index(point.torsion)];
     const Yield& turns = torsion_yield_[k];
-    const Vec w = torsion.offset + multiply_rows(problem.tree, torsion.rows, set.store, dv) +
-                  multiply_rows(problem.tree, torsion.rows, set.store, x.data());
-    const Vec& m = torsion.impulse;
+    const ContactPatch<double>& patch = problem.patches[point.patch];
+    const Vec w = torsion.offset + multiply_J(context.tree(), patch.angular, problem.rows, dv) +
+                  multiply_J(context.tree(), patch.angular, problem.rows, x.data());
+    const Vec& m = context.iterate.torsions[index(point.torsion)].impulse;
     MultiplierLaw& turning = torsion_law_[k];
-    const double spin = m.x - turns.normal * w.x, most = torsion.spinning * n;
+    const double spin = m.x - turns.normal * w.x, most = patch.spinning * n;
     turning.impulse.x = std::clamp(spin, -most, most);
     if (std::abs(spin) <= most) {
       turning.slope.x = {turns.normal, 0, 0};
     } else {
-      turning.on_normal.x = std::copysign(torsion.spinning * give.normal, spin);
+      turning.on_normal.x = std::copysign(patch.spinning * give.normal, spin);
     }
-    if (torsion.rolling > 0 && turns.tangent > 0)
-      project(m.y - turns.tangent * w.y, m.z - turns.tangent * w.z, n, torsion.rolling, turns.tangent, give.normal,
+    if (patch.rolling > 0 && turns.tangent > 0)
+      project(m.y - turns.tangent * w.y, m.z - turns.tangent * w.z, n, patch.rolling, turns.tangent, give.normal,
               turning);
     note_sliding(turning);
   }
-  for (std::size_t k = 0; k < loops_.size(); ++k) {
-    const LoopRows<double>& loop = problem.loops.blocks[loops_[k]];
-    const Vec u = multiply_rows(problem.tree, loop.rows, problem.loops.store, x.data());
-    const Vec& give = loop_yield_[k];
-    loop_change_[k] = {-give.x * u.x, -give.y * u.y, -give.z * u.z};
+  for (std::size_t k = 0; k < equalities_.size(); ++k) {
+    const EqualityRows<double>& equality = context.problem.equalities[equalities_[k]];
+    const Vec u = multiply_J(context.tree(), equality.rows, context.problem.rows, x.data());
+    const Vec& give = equality_yield_[k];
+    equality_change_[k] = {-give.x * u.x, -give.y * u.y, -give.z * u.z};
   }
 }
 
-double NewtonSystem::find_defect(const ContactProblem& problem, const std::vector<double>& x) {
-  evaluate(problem, x);
-  const ContactSet<double>& set = problem.contacts;
+double NewtonSystem::find_defect(const NewtonContext& context, const std::vector<double>& x) {
+  evaluate(context, x);
+  const ContactProblem<double>& problem = context.problem;
   defect_.resize(x.size());
-  multiply_tree_matrix<double>(problem.tree, problem.dynamics.M.data(), x.data(), defect_.data());
-  for (std::size_t i = 0; i < x.size(); ++i) defect_[i] = -(defect_[i] + problem.joints.spring[i] * x[i]);
+  multiply_tree_matrix<double>(context.tree(), context.problem.M, x.data(), defect_.data());
+  for (std::size_t i = 0; i < x.size(); ++i) defect_[i] = -(defect_[i] + context.factors.penalty[i] * x[i]);
   for (std::size_t k = 0; k < points_.size(); ++k) {
-    const ContactPoint<double>& point = set.points[points_[k]];
-    const ContactPatch<double>& patch = set.patches[point.patch];
-    add_patch_force(problem.tree, patch, set.store, force_at(patch, point.lever, point_law_[k].impulse - point.impulse),
-                    defect_.data());
+    const ContactPoint<double>& point = problem.points[points_[k]];
+    const ContactPatch<double>& patch = problem.patches[point.patch];
+    add_patch_JT(context.tree(), patch, problem.rows,
+                 force_at(patch, point.lever, point_law_[k].impulse - context.iterate.points[points_[k]].impulse),
+                 defect_.data());
     if (point.torsion < 0) continue;
-    const ContactTorsion<double>& torsion = set.torsions[index(point.torsion)];
-    add_row_impulse(problem.tree, torsion.rows, set.store, torsion_law_[k].impulse - torsion.impulse, defect_.data());
+    const Vec& old = context.iterate.torsions[index(point.torsion)].impulse;
+    add_JT(context.tree(), patch.angular, problem.rows, torsion_law_[k].impulse - old, defect_.data());
   }
-  for (std::size_t k = 0; k < loops_.size(); ++k)
-    add_row_impulse(problem.tree, problem.loops.blocks[loops_[k]].rows, problem.loops.store, loop_change_[k],
-                    defect_.data());
+  for (std::size_t k = 0; k < equalities_.size(); ++k)
+    add_JT(context.tree(), context.problem.equalities[equalities_[k]].rows, context.problem.rows, equality_change_[k],
+           defect_.data());
   double square = 0;
   for (const std::size_t i : dofs_) square += defect_[i] * defect_[i];
   return std::sqrt(square);
 }
 
 /// J of one point's own rows, by dofs; valid until the next call.
-const Vec* NewtonSystem::rows_of(const ContactSet<double>& set, const ContactPoint<double>& point, std::size_t count) {
-  const ContactPatch<double>& patch = set.patches[point.patch];
+const Vec* NewtonSystem::rows_of(const ContactProblem<double>& problem, const ContactPoint<double>& point,
+                                 std::size_t count) {
+  const ContactPatch<double>& patch = problem.patches[point.patch];
   rows_.resize(std::max(rows_.size(), count));
   for (std::size_t i = 0; i < count; ++i) {
-    const Vec w = patch.turns ? set.store.J[patch.angular.J + i] : Vec::zero();
-    rows_[i] = velocity_at(patch, point.lever, {w, set.store.J[patch.linear.J + i]});
+    const Vec w = patch.turns ? problem.rows.J[patch.angular.J + i] : Vec::zero();
+    rows_[i] = velocity_at(patch, point.lever, {w, problem.rows.J[patch.linear.J + i]});
   }
   return rows_.data();
 }
 
-void NewtonSystem::assemble(const ContactProblem& problem) {
-  const Tree<double>& tree = problem.tree;
-  const ContactSet<double>& set = problem.contacts;
+void NewtonSystem::assemble(const NewtonContext& context) {
+  const Tree<double>& tree = context.tree();
+  const ContactProblem<double>& problem = context.problem;
   const std::span<double> H = H_.values();
   std::fill(H.begin(), H.end(), 0.0);
   auto slot = slots_.begin();
   for (const std::size_t i : dofs_) {
-    const double* row = problem.dynamics.M.data() + tree.M_row[i];
-    H[*slot++] = row[i] + problem.joints.spring[i];
+    const double* row = context.problem.M + tree.M_row[i];
+    H[*slot++] = row[i] + context.factors.penalty[i];
     for (int j = tree.dof_parent[i]; j >= 0; j = tree.dof_parent[index(j)]) H[*slot++] = row[j];
   }
   const auto add = [&](const Pair& pair, const Vec* J, const Mat3<double>& A) {
@@ -315,23 +315,23 @@ void NewtonSystem::assemble(const ContactProblem& problem) {
   };
   for (std::size_t k = 0; k < points_.size(); ++k) {
     if (!(point_law_[k].impulse.x > 0)) continue;
-    const ContactPoint<double>& point = set.points[points_[k]];
+    const ContactPoint<double>& point = problem.points[points_[k]];
     const Pair& pair = pairs_[point_pair_[k]];
-    add(pair, rows_of(set, point, pair.count), point_law_[k].slope);
-    if (point.torsion >= 0) add(pair, &set.store.J[set.torsions[index(point.torsion)].rows.J], torsion_law_[k].slope);
+    add(pair, rows_of(problem, point, pair.count), point_law_[k].slope);
+    if (point.torsion >= 0) add(pair, &problem.rows.J[problem.patches[point.patch].angular.J], torsion_law_[k].slope);
   }
-  for (std::size_t k = 0; k < loops_.size(); ++k) {
-    const Vec& give = loop_yield_[k];
-    add(pairs_[loop_pair_[k]], &problem.loops.store.J[problem.loops.blocks[loops_[k]].rows.J],
+  for (std::size_t k = 0; k < equalities_.size(); ++k) {
+    const Vec& give = equality_yield_[k];
+    add(pairs_[equality_pair_[k]], &context.problem.rows.J[context.problem.equalities[equalities_[k]].rows.J],
         {{give.x, 0, 0}, {0, give.y, 0}, {0, 0, give.z}});
   }
 }
 
 /// H with all that friction follows.
-void NewtonSystem::assemble_general(const ContactProblem& problem) {
+void NewtonSystem::assemble_general(const NewtonContext& context) {
   general_.reset(static_cast<int>(dofs_.size()));
   H_.visit([&](int i, int j, double value) { general_.at(i, j) = general_.at(j, i) = value; });
-  const ContactSet<double>& set = problem.contacts;
+  const ContactProblem<double>& problem = context.problem;
   const auto follow = [&](const Pair& pair, const Vec* J, const Vec* normal, const Vec& on_normal) {
     const int* columns = &pair_columns_[pair.first_column];
     for (std::size_t i = 0; i < pair.count; ++i) {
@@ -341,21 +341,21 @@ void NewtonSystem::assemble_general(const ContactProblem& problem) {
   };
   for (std::size_t k = 0; k < points_.size(); ++k) {
     if (!(point_law_[k].impulse.x > 0)) continue;
-    const ContactPoint<double>& point = set.points[points_[k]];
+    const ContactPoint<double>& point = problem.points[points_[k]];
     const Pair& pair = pairs_[point_pair_[k]];
-    const Vec* J = rows_of(set, point, pair.count);
+    const Vec* J = rows_of(problem, point, pair.count);
     if (slides(point_law_[k])) follow(pair, J, J, point_law_[k].on_normal);
     if (point.torsion >= 0 && slides(torsion_law_[k]))
-      follow(pair, &set.store.J[set.torsions[index(point.torsion)].rows.J], J, torsion_law_[k].on_normal);
+      follow(pair, &problem.rows.J[problem.patches[point.patch].angular.J], J, torsion_law_[k].on_normal);
   }
 }
 
-bool NewtonSystem::solve(const ContactProblem& problem) {
-  assemble(problem);
+bool NewtonSystem::solve(const NewtonContext& context) {
+  assemble(context);
   step_.resize(dofs_.size());
   for (std::size_t i = 0; i < dofs_.size(); ++i) step_[i] = defect_[dofs_[i]];
   if (slides_) {
-    assemble_general(problem);
+    assemble_general(context);
     return general_.solve(step_);
   }
   if (!H_.factor()) return false;
@@ -363,17 +363,17 @@ bool NewtonSystem::solve(const ContactProblem& problem) {
   return std::all_of(step_.begin(), step_.end(), [](double x) { return std::isfinite(x); });
 }
 
-void NewtonSystem::outer_step(const ContactProblem& problem, double softness, int most_factorisations) {
-  find_yielding(problem, softness);
-  x_.assign(problem.joints.dv.size(), 0);
-  double before = find_defect(problem, x_);
+void NewtonSystem::outer_step(const NewtonContext& context, double softness, int most_factorisations) {
+  find_yielding(context, softness);
+  x_.assign(context.iterate.dv.size(), 0);
+  double before = find_defect(context, x_);
   for (int k = 0; k < most_factorisations && before > 0; ++k) {
-    if (!solve(problem)) break;
+    if (!solve(context)) break;
     double best = std::numeric_limits<double>::infinity(), best_length = 0, at = 0;
     for (const double fraction : {1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125}) {
       trial_ = x_;
       for (std::size_t i = 0; i < dofs_.size(); ++i) trial_[dofs_[i]] += fraction * step_[i];
-      const double norm = find_defect(problem, trial_);
+      const double norm = find_defect(context, trial_);
       at = fraction;
       if (norm < best) {
         best = norm;
@@ -382,30 +382,30 @@ void NewtonSystem::outer_step(const ContactProblem& problem, double softness, in
       if (norm < (1 - 0.1 * fraction) * before) break;
     }
     for (std::size_t i = 0; i < dofs_.size(); ++i) x_[dofs_[i]] += best_length * step_[i];
-    if (at != best_length) find_defect(problem, x_);
+    if (at != best_length) find_defect(context, x_);
     const bool done = best < 1e-3 * before;
     before = best;
     if (done) break;
   }
-  apply(problem);
+  apply(context);
 }
 
-void NewtonSystem::apply(const ContactProblem& problem) {
-  ContactSet<double>& set = problem.contacts;
-  begin_change(set.store);
+void NewtonSystem::apply(const NewtonContext& context) {
+  Iterate<double>& iterate = context.iterate;
   for (std::size_t k = 0; k < points_.size(); ++k) {
-    ContactPoint<double>& point = set.points[points_[k]];
-    const ContactPatch<double>& patch = set.patches[point.patch];
-    Force<double> change = force_at(patch, point.lever, point_law_[k].impulse - point.impulse);
-    point.impulse = point_law_[k].impulse;
+    const ContactPoint<double>& point = context.problem.points[points_[k]];
+    const ContactPatch<double>& patch = context.problem.patches[point.patch];
+    Vec& impulse = iterate.points[points_[k]].impulse;
+    Force<double> change = force_at(patch, point.lever, point_law_[k].impulse - impulse);
+    impulse = point_law_[k].impulse;
     if (point.torsion >= 0) {
-      ContactTorsion<double>& torsion = set.torsions[index(point.torsion)];
-      change.n += torsion_law_[k].impulse - torsion.impulse;
-      torsion.impulse = torsion_law_[k].impulse;
+      Vec& moment = iterate.torsions[index(point.torsion)].impulse;
+      change.n += torsion_law_[k].impulse - moment;
+      moment = torsion_law_[k].impulse;
     }
-    apply_patch_force(patch, change, set.store);
+    add_patch_YT(patch, context.factors.Y.data(), change, iterate.y.data());
   }
-  end_change(problem.tree, problem.dynamics, set.store, problem.joints);
+  apply_change(context.problem, context.factors, iterate);
 }
 
 }  // namespace manyhands::internal

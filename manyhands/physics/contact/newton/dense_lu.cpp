@@ -1,4 +1,4 @@
-#include "manyhands/physics/contact/dense_lu.h"
+#include "manyhands/physics/contact/newton/dense_lu.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,33 @@
+// The problem of one step: what joints, contacts and equality constraints ask for.
+#pragma once
+
+#include "manyhands/physics/contact/assemble_contacts.h"
+#include "manyhands/physics/contact/assemble_equalities.h"
+#include "manyhands/physics/contact/contact_solver.h"
+
+namespace manyhands {
+
+/// Fills solver.problem, after bias_and_mass_matrix and collision; adds h damping to M's diagonal. `pairs`: those that
+/// the touches refer to. Uses the solver's factors as scratch.
+template <Number T, Number P>
+MANYHANDS_INLINE void assemble(const Tree<real_t<T>>& tree, const Colliders<real_t<T>>& colliders,
+                               std::span<const ColliderPair> pairs, const Params<P>& params, real_t<T> h,
+                               const State<T>& state, const CollisionWorkspace<T>& collision, Workspace<T>& dynamics,
+                               ContactSolver<T>& solver) {
+  ContactProblem<T>& problem = solver.problem;
+  problem.tree = &tree;
+  problem.M = dynamics.M.data();
+  problem.patches.clear();
+  problem.points.clear();
+  problem.torsions.clear();
+  problem.equalities.clear();
+  problem.rows.clear();
+  const auto free_change = [&](std::vector<T>& dv) {
+    internal::unconstrained_change(problem, dynamics.M.size(), solver.factors, dv);
+  };
+  assemble_joint_laws(tree, params, h, state, dynamics, problem.free_dv, free_change, problem.joints);
+  assemble_contacts(colliders, pairs, params, h, collision, dynamics, free_change, problem);
+  assemble_equalities(state, h, dynamics, problem);
+}
+
+}  // namespace manyhands

@@ -1,0 +1,130 @@
+// The rows of equality constraints: equations between bodies or joints that hold at the step's end.
+#pragma once
+
+#include "manyhands/physics/contact/contact_problem.h"
+#include "manyhands/physics/contact/motion_rows.h"
+
+namespace manyhands {
+
+namespace internal {
+
+/// The offset of a row whose error is e and whose rate is u: by the step's end the error shall be 0 to third order,
+/// e + h u+ + h^2 / 2 gamma = 0.
+template <Number T>
+MANYHANDS_INLINE Vec3<T> closing_offset(const Vec3<T>& u, const Vec3<T>& e, const Vec3<T>& gamma, real_t<T> h) {
+  const T most = constant<T>(contact_settings::kMaxClosing), inverse_h(real_t<T>(1) / h);
+  const auto closing = [&](T error) { return clamp(error * inverse_h, -most, most); };
+  return u + fma(T(real_t<T>(0.5) * h), gamma, Vec3<T>{closing(e.x), closing(e.y), closing(e.z)});
+}
+
+template <Number T>
+MANYHANDS_INLINE Vec3<T> masked(const Vec3<T>& a, const std::array<bool, 3>& keep) {
+  const T zero = constant<T>(0);
+  return {keep[0] ? a.x : zero, keep[1] ? a.y : zero, keep[2] ? a.z : zero};
+}
+
+/// Three more rows of the equality constraint `index`.
+template <Number T>
+MANYHANDS_INLINE EqualityRows<T>& add_equality_rows(std::size_t index, std::size_t cache, const RowBlock& bodies,
+                                                    real_t<T> h, ContactProblem<T>& problem) {
+  EqualityRows<T>& block = problem.equalities.emplace_back();
+  block.equality = index;
+  block.cache = cache;
+  block.max_impulse = T(h * problem.tree->equalities[index].max_force);
+  block.rows = add_rows(bodies, problem.rows);
+  return block;
+}
+
+/// The rows of an equality between two frames: in A's axes, B's origin against A, and B's rotation against A.
+template <Number T>
+MANYHANDS_INLINE void add_frame_equality(const Workspace<T>& ws, real_t<T> h, std::size_t index,
+                                         ContactProblem<T>& problem) {
+  const Tree<real_t<T>>& tree = *problem.tree;
+  const TreeEquality<real_t<T>>& equality = tree.equalities[index];
+  const std::size_t a = equality.body_a, b = equality.body_b;
+  const auto pose = [&](std::size_t body, const Transform<real_t<T>>& X) {
+    return Transform<T>{ws.R_WB[body], ws.p_OB[body] + ws.p_WO[body]} * broadcast<T>(X);
+  };
+  const Transform<T> X_A = pose(a, equality.X_BA), X_B = pose(b, equality.X_BB);
+  const bool slides = equality.type == EqualityType::kPrismatic || equality.type == EqualityType::kSlider;
+  const bool turns_about_z = equality.type == EqualityType::kHinge || equality.type == EqualityType::kSlider;
+  const std::array<bool, 3> linear{true, true, !slides}, angular{true, true, !turns_about_z};
+  const auto axes = [&](const std::array<bool, 3>& keep) {
+    const Vec3<T> none = Vec3<T>::zero();
+    return std::array<Vec3<T>, 3>{keep[0] ? X_A.R.x : none, keep[1] ? X_A.R.y : none, keep[2] ? X_A.R.z : none};
+  };
+  const RowBlock bodies = rows_between<T>(tree, a, b);
+  {
+    EqualityRows<T>& block = add_equality_rows(index, equality.row, bodies, h, problem);
+    fill_point_rows(tree, ws, block.rows, X_B.p, axes(linear), problem.rows);
+    const auto [u, acceleration] = relative_motion(ws, a, b, X_B.p);
+    const Vec3<T> gamma = acceleration - constant<T>(2) * cross(ws.V[a].w, u);
+    block.offset = masked(closing_offset(transpose_times(X_A.R, u), transpose_times(X_A.R, X_B.p - X_A.p),
+                                         transpose_times(X_A.R, gamma), h),
+                          linear);
+  }
+  if (!equality.turns) return;
+  EqualityRows<T>& block = add_equality_rows(index, equality.row + 3, bodies, h, problem);
+  fill_rotation_rows(tree, ws, block.rows, axes(angular), problem.rows);
+  const Vec3<T> w = ws.V[b].w - ws.V[a].w;
+  const Vec3<T> gamma = ws.A[b].w - ws.A[a].w - cross(ws.V[a].w, w);
+  const Vec3<T> turn = turns_about_z ? transpose_times(X_A.R, cross(X_A.R.z, X_B.R.z))
+                                     : rotation_vector(to_quat(transpose(X_A.R) * X_B.R));
+  block.offset = masked(closing_offset(transpose_times(X_A.R, w), turn, transpose_times(X_A.R, gamma), h), angular);
+}
+
+/// The row of an equality between two joints: q_b - ratio q_a - offset, or its rate alone. None if motors hold both
+/// dofs where the equality wants them and nothing else acts, in all worlds.
+template <Number T>
+MANYHANDS_INLINE void add_joint_equality(const State<T>& state, real_t<T> h, std::size_t index,
+                                         ContactProblem<T>& problem) {
+  const Tree<real_t<T>>& tree = *problem.tree;
+  const TreeEquality<real_t<T>>& equality = tree.equalities[index];
+  const JointLaws<T>& laws = problem.joints;
+  const std::size_t dof_a = equality.dof_a, dof_b = equality.dof_b;
+  const T zero = constant<T>(0), one = constant<T>(1), ratio(equality.ratio);
+  const T u = state.v()[dof_b] - ratio * state.v()[dof_a];
+  T error = zero;
+  if (equality.type == EqualityType::kJoint)
+    error = state.q()[equality.q_b] - fma(ratio, state.q()[equality.q_a], T(equality.offset));
+  const T most = constant<T>(contact_settings::kMaxClosing);
+  const T offset = u + clamp(T(real_t<T>(1) / h) * error, -most, most);
+  const T held_apart = fma(ratio, -laws.target[dof_a], laws.target[dof_b]) + offset;
+  const auto held = (laws.first_state[dof_a] == zero) & (laws.first_state[dof_b] == zero);
+  const auto agrees = held & (abs(held_apart) < constant<T>(contact_settings::kAgreement));
+  const auto acts = (!agrees) | (laws.constrained[dof_a] > zero) | (laws.constrained[dof_b] > zero);
+  if (none(acts)) return;
+  EqualityRows<T>& block =
+      add_equality_rows(index, equality.row, rows_between<T>(tree, equality.body_a, equality.body_b), h, problem);
+  block.rows.single = true;
+  visit_J(tree, block.rows, [&](std::size_t entry, std::size_t i, real_t<T>) {
+    const T weight = i == dof_a ? -ratio : i == dof_b ? one : zero;
+    problem.rows.J[entry] = {select(acts, weight, zero), zero, zero};
+  });
+  block.acts = acts;
+  block.offset = {select(acts, offset, zero), zero, zero};
+}
+
+}  // namespace internal
+
+/// Adds the rows of all equality constraints, and marks the trees on which they act. After `assemble_contacts`.
+template <Number T>
+MANYHANDS_INLINE void assemble_equalities(const State<T>& state, real_t<T> h, const Workspace<T>& ws,
+                                          ContactProblem<T>& problem) {
+  const auto& equalities = problem.tree->equalities;
+  for (std::size_t i = 0; i < equalities.size(); ++i) {
+    if (equalities[i].type == EqualityType::kJoint || equalities[i].type == EqualityType::kGear) {
+      internal::add_joint_equality(state, h, i, problem);
+    } else {
+      internal::add_frame_equality(ws, h, i, problem);
+    }
+  }
+  problem.num_equality_rows = 0;
+  for (EqualityRows<T>& block : problem.equalities) {
+    block.first = problem.num_equality_rows;
+    problem.num_equality_rows += block.count();
+    internal::mark_constrained(block.rows, block.acts, problem.joints.constrained);
+  }
+}
+
+}  // namespace manyhands

@@ -1,0 +1,146 @@
+// Equality constraints are eliminated exactly: what contacts see is the tree's response to an impulse with the equality
+// constraints' response to it taken off (a Schur complement).
+#pragma once
+
+#include <algorithm>
+
+#include "manyhands/physics/contact/factors.h"
+
+namespace manyhands::internal {
+
+/// K = L D L^T in place; a row that adds nothing to those before it gets no say. n rows.
+template <Number T>
+MANYHANDS_INLINE void factor_K(std::size_t n, Factors<T>& factors) {
+  using R = real_t<T>;
+  const T zero = constant<T>(0), one = constant<T>(1), tiny = constant<T>(1e6 * std::numeric_limits<R>::min());
+  for (std::size_t i = 0; i < n; ++i) {
+    T* row = &factors.K[i * n];
+    const T whole = row[i];
+    T pivot = whole;
+    for (std::size_t j = 0; j < i; ++j) {
+      const T* other = &factors.K[j * n];
+      T sum = row[j];
+      for (std::size_t k = 0; k < j; ++k) sum = fma(-row[k], other[k], sum);
+      row[j] = sum;  // L_ij D_j for now
+    }
+    for (std::size_t j = 0; j < i; ++j) {
+      const T scaled = row[j] * factors.K_pivot_inverse[j];
+      pivot = fma(-scaled, row[j], pivot);
+      row[j] = scaled;
+    }
+    const auto counts = pivot > max(T(SolverTraits<R>::kRedundancy) * whole, tiny);
+    factors.K_pivot_inverse[i] = select(counts, one / select(counts, pivot, one), zero);
+  }
+}
+
+/// x (n) := K^-1 x. X is T, or Vec3<T> for three right-hand sides at once.
+template <Number T, class X>
+MANYHANDS_INLINE void solve_K(const Factors<T>& factors, std::size_t n, X* x) {
+  const T* K = factors.K.data();
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < i; ++j) x[i] = fma(-K[i * n + j], x[j], x[i]);
+  for (std::size_t i = 0; i < n; ++i) x[i] = x[i] * factors.K_pivot_inverse[i];
+  for (std::size_t i = n; i-- > 0;)
+    for (std::size_t j = i + 1; j < n; ++j) x[i] = fma(-K[j * n + i], x[j], x[i]);
+}
+
+/// Y of every equality constraint, and the factors of K = Y Y^T over all their rows.
+template <Number T>
+MANYHANDS_INLINE void factor_equalities(const ContactProblem<T>& problem, Factors<T>& factors) {
+  const std::size_t n = problem.num_equality_rows;
+  for (std::size_t j = 0; j < problem.equalities.size(); ++j) {
+    const EqualityRows<T>& block = problem.equalities[j];
+    compute_Y(problem, block.rows, factors);
+    store_Y(block.rows, factors);
+    for (std::size_t i = 0; i <= j; ++i) {
+      const EqualityRows<T>& other = problem.equalities[i];
+      const std::array<Vec3<T>, 3> K = multiply_YYT(other.rows, factors.Y.data(), block.rows, factors.Y_by_dof.data());
+      for (std::size_t r = 0; r < other.count(); ++r) {
+        const std::array<T, 3> column{K[r].x, K[r].y, K[r].z};
+        for (std::size_t k = i < j ? 0 : r; k < block.count(); ++k)
+          factors.K[(block.first + k) * n + other.first + r] = column[k];
+      }
+    }
+  }
+  factor_K(n, factors);
+}
+
+/// Satisfies the equality constraints at the present dv, in the worlds of the mask: their impulses change, and dv with
+/// them.
+template <Number T>
+MANYHANDS_INLINE void close_equalities(const ContactProblem<T>& problem, const Factors<T>& factors, mask_t<T> active,
+                                       std::vector<T>& scratch, Iterate<T>& iterate) {
+  if (problem.equalities.empty()) return;
+  const T zero = constant<T>(0);
+  scratch.resize(problem.num_equality_rows);
+  for (const EqualityRows<T>& block : problem.equalities) {
+    const Vec3<T> u = block.offset + multiply_J(*problem.tree, block.rows, problem.rows, iterate.dv.data());
+    T* x = &scratch[block.first];
+    x[0] = -u.x;
+    if (block.rows.single) continue;
+    x[1] = -u.y;
+    x[2] = -u.z;
+  }
+  solve_K(factors, problem.num_equality_rows, scratch.data());
+  for (std::size_t k = 0; k < problem.equalities.size(); ++k) {
+    const EqualityRows<T>& block = problem.equalities[k];
+    const T *x = &scratch[block.first], most = block.max_impulse;
+    const bool single = block.rows.single;
+    const Vec3<T> total = iterate.equalities[k] + Vec3<T>{x[0], single ? zero : x[1], single ? zero : x[2]};
+    const Vec3<T> limited{clamp(total.x, -most, most), clamp(total.y, -most, most), clamp(total.z, -most, most)};
+    const Vec3<T> next = select(active, limited, iterate.equalities[k]);
+    add_YT(block.rows, factors.Y.data(), next - iterate.equalities[k], iterate.y.data());
+    iterate.equalities[k] = next;
+  }
+  apply_change(problem, factors, iterate);
+}
+
+/// Takes the equality constraints' response to rows off their Y in Y_by_dof; Z (rows) keeps it. After `compute_Y` for
+/// those rows.
+template <Number T>
+MANYHANDS_INLINE void eliminate_equalities(const ContactProblem<T>& problem, const RowBlock& rows, Vec3<T>* Z,
+                                           Factors<T>& factors) {
+  const Vec3<T>* Y = factors.Y.data();
+  for (const EqualityRows<T>& block : problem.equalities) {
+    const std::array<Vec3<T>, 3> H = multiply_YYT(block.rows, Y, rows, factors.Y_by_dof.data());
+    std::copy_n(H.begin(), block.count(), Z + block.first);
+  }
+  solve_K(factors, problem.num_equality_rows, Z);
+  for (const EqualityRows<T>& block : problem.equalities) {
+    const Vec3<T>* own = Z + block.first;
+    visit_Y(block.rows, [&](std::size_t entry, std::size_t dof) {
+      Vec3<T>& x = factors.Y_by_dof[dof];
+      x = fma(-Y[entry].x, own[0], x);
+      if (!block.rows.single) x = fma(-Y[entry].y, own[1], fma(-Y[entry].z, own[2], x));
+    });
+  }
+}
+
+/// What the impulses of equality constraints become by the contacts' changes since they were last closed.
+template <Number T>
+MANYHANDS_INLINE void follow_contacts(const ContactProblem<T>& problem, const Factors<T>& factors,
+                                      Iterate<T>& iterate) {
+  if (problem.num_equality_rows == 0) return;
+  const Vec3<T>* Z = factors.Z.data();
+  const auto follow = [&](const Vec3<T>& change) {
+    for (std::size_t k = 0; k < problem.equalities.size(); ++k) {
+      const EqualityRows<T>& block = problem.equalities[k];
+      const Vec3<T>* own = Z + block.first;
+      Vec3<T>& impulse = iterate.equalities[k];
+      impulse.x -= dot(own[0], change);
+      if (block.rows.single) continue;
+      impulse.y -= dot(own[1], change);
+      impulse.z -= dot(own[2], change);
+    }
+    Z += problem.num_equality_rows;
+  };
+  for (std::size_t k = 0; k < problem.patches.size(); ++k) {
+    const ContactPatch<T>& patch = problem.patches[k];
+    const Force<T> force = patch_force(problem, iterate, patch), change = force - iterate.patches[k].at_closing;
+    follow(change.f);
+    if (patch.turns) follow(change.n);
+    iterate.patches[k].at_closing = force;
+  }
+}
+
+}  // namespace manyhands::internal

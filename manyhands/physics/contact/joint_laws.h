@@ -1,0 +1,161 @@
+// What motors, drives, dry friction and limits ask of each dof in a step: a set-valued force law at the velocity level.
+//
+// Below its target velocity a motor pushes with +F, above it with -F, at it with whatever is needed in between; at a
+// position limit any impulse back inside is allowed. A drive (kp, kd) has a slope instead of the vertical part.
+#pragma once
+
+#include "manyhands/physics/contact/settings.h"
+#include "manyhands/physics/dynamics/ltdl.h"
+#include "manyhands/physics/dynamics/state.h"
+#include "manyhands/physics/dynamics/workspace.h"
+
+namespace manyhands {
+
+/// Where on its law a dof is: its constraint state, one entry of the active set. A number, so that it varies by lane.
+struct JointConstraintState {
+  static constexpr double kAtTarget = 0, kSaturatedUp = 1, kSaturatedDown = -1, kAtLower = 2, kAtUpper = -2;
+};
+
+/// The laws of all dofs (nv each). Velocities are changes over the step, forces are impulses.
+template <Number T>
+struct JointLaws {
+  explicit JointLaws(int nv)
+      : smooth(index(nv)),
+        max_impulse(smooth),
+        slope(smooth.size(), constant<T>(0)),
+        target(smooth),
+        lower(smooth),
+        upper(smooth),
+        min_held(smooth),
+        max_held(smooth),
+        constrained(smooth),
+        last_impulse(smooth),
+        first_state(smooth) {}
+
+  std::vector<T> smooth;              ///< h (tau - bias - damping v): the impulse that acts without constraints
+  std::vector<T> max_impulse;         ///< F = h max_force
+  std::vector<T> slope;               ///< of a drive: impulse = slope (target - dv); 0 where the law is vertical
+  std::vector<T> target;              ///< dv that brings the dof to its motor's velocity, kept within the limits
+  std::vector<T> lower, upper;        ///< dv that brings the dof just to a position limit by the step's end
+  std::vector<T> min_held, max_held;  ///< the impulses that can hold the dof at `target`
+  std::vector<T> constrained;         ///< 1 where contacts or equality constraints act on the dof's tree, else 0
+  std::vector<T> last_impulse;        ///< of the last step: the multiplier about which a held dof yields
+  std::vector<T> first_state;         ///< where the search for the states begins
+};
+
+/// The dv at which a dof in the given state, neither saturated, is held.
+template <Number T>
+MANYHANDS_INLINE T held_change(T state, std::size_t i, const JointLaws<T>& laws) {
+  const T zero = constant<T>(0);
+  return select(state == zero, laws.target[i], select(state > zero, laws.lower[i], laws.upper[i]));
+}
+
+namespace internal {
+
+/// dv that brings the dof from `gap` outside (> 0) or inside (< 0) its limit to the limit, or part of the way.
+template <Number T>
+MANYHANDS_INLINE T limit_velocity(T gap, T inverse_h) {
+  const T farthest = constant<T>(contact_settings::kMaxLimitRecovery);
+  const T back = constant<T>(contact_settings::kLimitRecovery) * min(gap, farthest);
+  return select(gap > constant<T>(0), back, gap) * inverse_h;
+}
+
+/// The actuators: a force joins the smooth impulse; a drive, implicit in the velocity v+ at the step's end, gives
+/// h gear (kp (ctrl - gear (q + h v+)) - kd gear v+) = slope (target - v+), limited by its force.
+template <Number T, Number P>
+MANYHANDS_INLINE void assemble_actuators(const Tree<real_t<T>>& tree, const Params<P>& params, real_t<T> h,
+                                         const State<T>& state, JointLaws<T>& laws) {
+  const T step(h), zero = constant<T>(0), most = constant<T>(contact_settings::kMaxImpulse);
+  for (std::size_t k = 0; k < tree.actuators.size(); ++k) {
+    const TreeActuator& actuator = tree.actuators[k];
+    const std::size_t i = actuator.dof;
+    const T gear = broadcast<T>(params.gear[k]), kp = broadcast<T>(params.drive_kp[k]);
+    const T kd = broadcast<T>(params.drive_kd[k]), force = broadcast<T>(params.drive_max_force[k]);
+    const T ctrl = state.ctrl()[k];
+    if (actuator.type == ActuatorType::kForce) {
+      laws.smooth[i] = fma(step, clamp(gear * ctrl, -force, force), laws.smooth[i]);
+      continue;
+    }
+    const bool position = actuator.type == ActuatorType::kPosition;
+    const T pull = position ? kp * (ctrl - gear * state.q()[actuator.q]) : kd * ctrl;
+    const T slope = step * (gear * gear) * fma(step, kp, kd);
+    const auto drives = slope > zero;
+    laws.slope[i] = slope;
+    laws.target[i] = select(drives, step * gear * pull / select(drives, slope, step), zero);
+    laws.max_impulse[i] = select(drives, min(step * force, most), zero);
+  }
+}
+
+/// Limits, and where the motor, the drive or dry friction would have the dof. `free_dv`: what it gains without them.
+template <Number T, Number P>
+MANYHANDS_INLINE void assemble_targets(const Tree<real_t<T>>& tree, const Params<P>& params, T inverse_h,
+                                       const State<T>& state, std::size_t i, T free_dv, JointLaws<T>& laws) {
+  const T zero = constant<T>(0), one = constant<T>(1), infinity = constant<T>(std::numeric_limits<double>::infinity());
+  const T v = state.v()[i], kd = broadcast<T>(params.motor_kd[i]), F = laws.max_impulse[i];
+  const auto motor = broadcast<T>(params.motor_max_force[i]) > zero;
+  T wanted = fma(kd, state.target_v()[i], select(kd == one, zero, (one - kd) * (v + free_dv)));
+  laws.lower[i] = -infinity;
+  laws.upper[i] = infinity;
+  if (tree.dof_q[i] >= 0) {
+    const T q = state.q()[index(tree.dof_q[i])];
+    const T lower = broadcast<T>(params.lower[i]), upper = broadcast<T>(params.upper[i]);
+    const T goal = tree.dof_limited[i] ? clamp(state.target_q()[i], lower, upper) : state.target_q()[i];
+    wanted = fma(broadcast<T>(params.motor_kp[i]) * inverse_h, goal - q, wanted);
+    if (tree.dof_limited[i]) {
+      laws.lower[i] = limit_velocity(lower - q, inverse_h) - v;
+      laws.upper[i] = -limit_velocity(q - upper, inverse_h) - v;
+    }
+  }
+  if (tree.dof_drive[i] >= 0) {
+    laws.target[i] = laws.target[i] - v;
+    return;
+  }
+  const T target = select(F > zero, select(motor, wanted, zero) - v, infinity);
+  laws.target[i] = clamp(target, laws.lower[i], laws.upper[i]);
+  laws.max_held[i] = select(target < laws.lower[i], infinity, F);
+  laws.min_held[i] = select(target > laws.upper[i], -infinity, -F);
+}
+
+/// The state of the last step, but: a saturated motor arrives when a change like the last one would pass its target.
+/// Without a motor the target may be infinite: the search must not begin where that holds or comes next.
+template <Number T>
+MANYHANDS_INLINE T first_state(const State<T>& state, std::size_t i, const JointLaws<T>& laws) {
+  const T zero = constant<T>(0), one = constant<T>(1), last = state.active_set()[i];
+  const auto holds = laws.max_impulse[i] > zero;  // a motor, a drive, or dry friction
+  const auto arrives = (abs(last) == one) & (last * (state.dv()[i] - laws.target[i]) > zero);
+  const T saturated = select(abs(last) <= one, constant<T>(JointConstraintState::kSaturatedUp), last);
+  return select(holds, select(arrives, constant<T>(JointConstraintState::kAtTarget), last), saturated);
+}
+
+}  // namespace internal
+
+/// Fills the laws from the state, after bias_and_mass_matrix, and adds h damping to M's diagonal: damping is implicit.
+/// A motor wants v* = kp (target_q - q) / h + v' + kd (target_v - v'), where v' is the velocity that the step would
+/// reach without constraints, and pushes with at most max_force (PyBullet's position and velocity control).
+/// `free_change(dv)` writes M^-1 smooth (nv), and is called only where some kd is not 1.
+template <Number T, Number P, class FreeChange>
+MANYHANDS_INLINE void assemble_joint_laws(const Tree<real_t<T>>& tree, const Params<P>& params, real_t<T> h,
+                                          const State<T>& state, Workspace<T>& dynamics, std::vector<T>& free_dv,
+                                          FreeChange&& free_change, JointLaws<T>& laws) {
+  const T step(h), inverse_h(real_t<T>(1) / h), zero = constant<T>(0), one = constant<T>(1);
+  mask_t<T> needs_free_velocity(false);
+  for (std::size_t i = 0; i < index(tree.nv); ++i) {
+    const T damping = broadcast<T>(params.damping[i]), max_force = broadcast<T>(params.motor_max_force[i]);
+    laws.smooth[i] = step * (state.tau()[i] - dynamics.bias[i] - damping * state.v()[i]);
+    T& inertia = tree_row(tree, dynamics.M.data(), i)[i];
+    inertia = fma(step, damping, inertia);
+    laws.max_impulse[i] = step * select(max_force > zero, max_force, broadcast<T>(params.friction[i]));
+    needs_free_velocity = needs_free_velocity | ((broadcast<T>(params.motor_kd[i]) != one) & (max_force > zero));
+    laws.constrained[i] = zero;
+    laws.last_impulse[i] = state.joint_impulse()[i];
+    free_dv[i] = zero;
+  }
+  internal::assemble_actuators(tree, params, h, state, laws);
+  when(needs_free_velocity, [&] { free_change(free_dv); });
+  for (std::size_t i = 0; i < index(tree.nv); ++i) {
+    internal::assemble_targets(tree, params, inverse_h, state, i, free_dv[i], laws);
+    laws.first_state[i] = internal::first_state(state, i, laws);
+  }
+}
+
+}  // namespace manyhands

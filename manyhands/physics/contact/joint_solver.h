@@ -1,0 +1,181 @@
+// Motors, drives, dry friction and limits, solved exactly given all other impulses.
+//
+// Given the state of every dof the problem is linear. Block principal pivoting (Júdice and Pires 1994) solves it, moves
+// the dofs whose answer contradicts their state, and repeats: all of them while that makes them fewer, else the first
+// alone, which is Murty's finite method.
+#pragma once
+
+#include "manyhands/physics/contact/factors.h"
+
+namespace manyhands {
+
+namespace internal {
+
+/// The dofs that are free in some lane, leaves first, each with its nearest such ancestor: what must be factored.
+template <Number T>
+MANYHANDS_INLINE void list_free_dofs(const Tree<real_t<T>>& tree, Factors<T>& factors) {
+  const T one = constant<T>(1);
+  factors.free_dofs.clear();
+  for (int k = tree.nv - 1; k >= 0; --k) {
+    const bool is_free = any(factors.free[index(k)] == one);
+    if (is_free) factors.free_dofs.push_back(k);
+    factors.is_free[index(k)] = is_free;
+  }
+  for (std::size_t i = 0; i < factors.is_free.size(); ++i) {
+    const int parent = tree.dof_parent[i];
+    factors.free_parent[i] = parent < 0 || factors.is_free[index(parent)] ? parent : factors.free_parent[index(parent)];
+  }
+}
+
+/// How each dof behaves in its state: free or held, and what it yields by.
+template <Number T>
+MANYHANDS_INLINE mask_t<T> prescribe_dofs(const ContactProblem<T>& problem, const std::vector<T>& active_set,
+                                          Factors<T>& factors) {
+  const Tree<real_t<T>>& tree = *problem.tree;
+  const JointLaws<T>& laws = problem.joints;
+  const T zero = constant<T>(0), one = constant<T>(1), stiff = constant<T>(contact_settings::kPenalty);
+  mask_t<T> any_free(false);
+  for (std::size_t i = 0; i < active_set.size(); ++i) {
+    const T state = active_set[i];
+    const auto saturated = abs(state) == one;
+    const T yields = laws.constrained[i] * (stiff * tree_row(tree, problem.M, i)[i]);
+    const bool drive = tree.dof_drive[i] >= 0;
+    const T penalty = drive ? select(state == zero, laws.slope[i], yields) : yields;
+    factors.penalty[i] = select(saturated, zero, penalty);
+    factors.multiplier[i] = drive ? select(state == zero, zero, laws.last_impulse[i]) : laws.last_impulse[i];
+    const auto free = saturated | (factors.penalty[i] > zero);
+    any_free = any_free | free;
+    factors.free[i] = select(free, one, zero);
+    factors.held_dv[i] = select(free, zero, held_change(state, i, laws));
+  }
+  return any_free;
+}
+
+/// dv of the free dofs, where joint_impulse holds M held_dv. A dof that is held in a lane has a row of the identity
+/// there, and zeros beside it: lanes with different states share one factorisation.
+template <Number T>
+MANYHANDS_INLINE void solve_free_dofs(const ContactProblem<T>& problem, Factors<T>& factors, Iterate<T>& iterate) {
+  const Tree<real_t<T>>& tree = *problem.tree;
+  const T zero = constant<T>(0), one = constant<T>(1);
+  const int* parent = factors.free_parent.data();
+  for (const int k : factors.free_dofs) {
+    const std::size_t i = index(k);
+    const T* M = tree_row(tree, problem.M, i);
+    T* L = tree_row(tree, factors.L.data(), i);
+    const T state = iterate.active_set[i], rhs = iterate.rhs[i], penalty = factors.penalty[i];
+    const T saturated = fma(state, problem.joints.max_impulse[i], rhs);
+    const T yielding = fma(penalty, held_change(state, i, problem.joints), rhs + factors.multiplier[i]);
+    const T impulse = select(penalty > zero, yielding, saturated) - iterate.joint_impulse[i];
+    const auto free = factors.free[i] == one;
+    iterate.dv[i] = select(free, impulse, zero);
+    L[i] = select(free, M[i] + penalty, one);
+    for (int j = parent[k]; j >= 0; j = parent[j]) L[j] = M[j] * (factors.free[i] * factors.free[index(j)]);
+  }
+  factor_ltdl(factors.free_dofs, parent, tree.M_row.data(), factors.L.data());
+  solve_ltdl(factors.free_dofs, parent, tree.M_row.data(), factors.L.data(), iterate.dv.data());
+}
+
+/// dv and impulses of the joints that the active set implies, given rhs.
+template <Number T>
+MANYHANDS_INLINE void solve_active_set(const ContactProblem<T>& problem, Factors<T>& factors, Iterate<T>& iterate) {
+  const Tree<real_t<T>>& tree = *problem.tree;
+  const T zero = constant<T>(0);
+  const mask_t<T> any_free = prescribe_dofs(problem, iterate.active_set, factors);
+  for (T& dv : iterate.dv) dv = zero;
+  multiply_tree_matrix<T>(tree, problem.M, factors.held_dv.data(), iterate.joint_impulse.data());
+  when(any_free, [&] {
+    list_free_dofs(tree, factors);
+    solve_free_dofs(problem, factors, iterate);
+    for (const int k : factors.free_dofs)
+      add_tree_column<T>(tree, problem.M, k, iterate.dv[index(k)], iterate.joint_impulse.data());
+  });
+  for (std::size_t i = 0; i < iterate.dv.size(); ++i) {
+    iterate.joint_impulse[i] = iterate.joint_impulse[i] - iterate.rhs[i];
+    // + 0: a zero's sign would tell which other lanes were solved
+    iterate.dv[i] = (iterate.dv[i] + factors.held_dv[i]) + zero;
+  }
+}
+
+/// The state to which dof i should move, given what its present one led to: of a drive, whose law has a slope.
+template <Number T>
+MANYHANDS_INLINE T next_drive_state(const JointLaws<T>& laws, const Iterate<T>& iterate, std::size_t i) {
+  using S = JointConstraintState;
+  const T tolerance(SolverTraits<real_t<T>>::kStateTolerance), one = constant<T>(1);
+  const T s = iterate.active_set[i], F = laws.max_impulse[i], impulse = iterate.joint_impulse[i], dv = iterate.dv[i];
+  const T slack = tolerance * (one + abs(iterate.rhs[i])), speed_slack = tolerance * (one + abs(dv));
+  const T up = constant<T>(S::kSaturatedUp), down = constant<T>(S::kSaturatedDown), held = constant<T>(S::kAtTarget);
+  const T at_lower = constant<T>(S::kAtLower), at_upper = constant<T>(S::kAtUpper);
+  const auto below = dv<(laws.lower[i] - speed_slack), above = dv>(laws.upper[i] + speed_slack);
+  const T from_held =
+      select(below, at_lower,
+             select(above, at_upper, select(impulse > F + slack, up, select(impulse < -F - slack, down, held))));
+  const T reach = laws.slope[i] * (laws.target[i] - dv);
+  const T from_up = select(below, at_lower, select(reach < F - slack, held, s));
+  const T from_down = select(above, at_upper, select(reach > slack - F, held, s));
+  const T lowest = clamp(laws.slope[i] * (laws.target[i] - laws.lower[i]), -F, F);
+  const T highest = clamp(laws.slope[i] * (laws.target[i] - laws.upper[i]), -F, F);
+  const T from_lower = select(impulse < lowest - slack, held, s);
+  const T from_upper = select(impulse > highest + slack, held, s);
+  return select(s == held, from_held,
+                select(s == up, from_up, select(s == down, from_down, select(s > one, from_lower, from_upper))));
+}
+
+/// The same of any other dof.
+template <Number T>
+MANYHANDS_INLINE T next_vertical_state(const JointLaws<T>& laws, const Iterate<T>& iterate, std::size_t i) {
+  using S = JointConstraintState;
+  const T tolerance(SolverTraits<real_t<T>>::kStateTolerance), one = constant<T>(1);
+  const T s = iterate.active_set[i], F = laws.max_impulse[i], impulse = iterate.joint_impulse[i], dv = iterate.dv[i];
+  const T slack = tolerance * (F + abs(iterate.rhs[i])), speed_slack = tolerance * (one + abs(dv));
+  const T up = constant<T>(S::kSaturatedUp), down = constant<T>(S::kSaturatedDown), held = constant<T>(S::kAtTarget);
+  const T from_held =
+      select(impulse > laws.max_held[i] + slack, up, select(impulse < laws.min_held[i] - slack, down, held));
+  const T from_up = select(dv > laws.target[i] + speed_slack, held,
+                           select(dv < laws.lower[i] - speed_slack, constant<T>(S::kAtLower), s));
+  const T from_down = select(dv < laws.target[i] - speed_slack, held,
+                             select(dv > laws.upper[i] + speed_slack, constant<T>(S::kAtUpper), s));
+  const T from_lower = select(impulse < F - slack, up, s);
+  const T from_upper = select(impulse > slack - F, down, s);
+  return select(s == held, from_held,
+                select(s == one, from_up, select(s == -one, from_down, select(s > one, from_lower, from_upper))));
+}
+
+/// Writes every dof's next state; the number of those that contradict their present one.
+template <Number T>
+MANYHANDS_INLINE T check_joints(const ContactProblem<T>& problem, const Iterate<T>& iterate,
+                                std::vector<T>& next_state) {
+  const T zero = constant<T>(0), one = constant<T>(1);
+  T wrong = zero;
+  for (std::size_t i = 0; i < next_state.size(); ++i) {
+    next_state[i] = problem.tree->dof_drive[i] >= 0 ? next_drive_state(problem.joints, iterate, i)
+                                                    : next_vertical_state(problem.joints, iterate, i);
+    wrong += select(next_state[i] != iterate.active_set[i], one, zero);
+  }
+  return wrong;
+}
+
+}  // namespace internal
+
+/// dv and impulses of all dofs under the joints' laws alone, given rhs. The answer depends on the state and the active
+/// set it starts from, not on the other lanes.
+template <Number T>
+MANYHANDS_INLINE void solve_joints(const ContactProblem<T>& problem, Factors<T>& factors, Iterate<T>& iterate,
+                                   std::vector<T>& next_state) {
+  const T zero = constant<T>(0), one = constant<T>(1), patient = constant<T>(contact_settings::kPatience);
+  T fewest = constant<T>(std::numeric_limits<double>::infinity()), patience = zero;
+  for (int pivot = 0; pivot < contact_settings::kMaxStateChanges; ++pivot) {
+    internal::solve_active_set(problem, factors, iterate);
+    const T wrong = internal::check_joints(problem, iterate, next_state);
+    if (none(wrong > zero)) break;
+    patience = select(wrong < fewest, patient, patience - one);
+    fewest = min(wrong, fewest);
+    mask_t<T> may_move(true);
+    for (std::size_t i = 0; i < next_state.size(); ++i) {
+      const auto moves = (next_state[i] != iterate.active_set[i]) & may_move;
+      iterate.active_set[i] = select(moves, next_state[i], iterate.active_set[i]);
+      may_move = may_move & !(moves & (patience < zero));
+    }
+  }
+}
+
+}  // namespace manyhands

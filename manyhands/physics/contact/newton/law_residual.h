@@ -1,0 +1,18 @@
+// How far the impulses of contacts are from obeying Signorini's and Coulomb's laws. In double alone.
+#pragma once
+
+#include "manyhands/physics/contact/newton/newton_context.h"
+
+namespace manyhands::internal {
+
+/// What resists an impulse along a contact's tangents: the mean of G_tt's diagonal [1 / kg].
+[[nodiscard]] double tangent_size(const DelassusBlock<double>& G);
+
+/// The violation of the law at point i [m/s]: |min(G n, u_n)|, |G y - P(G y - u_t)| with P onto the disc of radius G n,
+/// and the same of torsion, times its length.
+[[nodiscard]] double point_residual(const NewtonContext& context, std::size_t i);
+
+/// The worst of all points.
+[[nodiscard]] double law_residual(const NewtonContext& context);
+
+}  // namespace manyhands::internal

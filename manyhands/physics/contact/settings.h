@@ -1,0 +1,122 @@
+// Every number by which the contact solver is tuned, with its unit and its reason.
+#pragma once
+
+#include "manyhands/math/number.h"
+
+namespace manyhands {
+
+/// How long the solver works. The worlds of a block share its iterations; one that has converged stays as it is.
+struct SolverSettings {
+  int max_iterations = 100;        ///< over all contacts; a few more where a joint's motor or limit changes state
+  double tolerance = 1e-9;         ///< converged when an iteration changes no contact's velocity by more [m/s]
+  int newton_steps = 10;           ///< at most, in double alone, where iterations gain too little
+  double newton_tolerance = 1e-7;  ///< violation of the contact law that is not worth a Newton step [m/s]
+};
+
+/// What differs between double, where one world can afford to be exact, and float, where a block of worlds waits for
+/// its slowest and the next step continues what this one leaves.
+template <Real R>
+struct SolverTraits;
+
+template <>
+struct SolverTraits<double> {
+  static constexpr SolverSettings kDefaults{};
+  /// Newton's method takes over where Gauss-Seidel has a long tail. It needs double: r = 1e-7 of the effective mass.
+  static constexpr bool kRefines = true;
+  /// Iterations between two looks at the joints: contacts that have not converged mislead them.
+  static constexpr int kIterationsPerLook = 8;
+  /// Newton steps towards the root of a sliding point in one visit.
+  static constexpr int kSlideSteps = 20;
+  /// By how much a joint's impulse or velocity may contradict its state, relative to its size: rounding.
+  static constexpr double kStateTolerance = 1e-12;
+  /// Relative changes of an impulse that its precision cannot resolve.
+  static constexpr double kResolution = 1e-14;
+  /// Equality rows of which the rows before leave a smaller part are redundant.
+  static constexpr double kRedundancy = 1e-10;
+};
+
+template <>
+struct SolverTraits<float> {
+  static constexpr SolverSettings kDefaults{.max_iterations = 10, .tolerance = 1e-6};
+  static constexpr bool kRefines = false;
+  static constexpr int kIterationsPerLook = 2;
+  /// One: the next visit goes on from there.
+  static constexpr int kSlideSteps = 1;
+  static constexpr float kStateTolerance = 1e-5F;
+  static constexpr float kResolution = 3e-7F;
+  static constexpr float kRedundancy = 1e-4F;
+};
+
+namespace contact_settings {
+
+// ---- what a step asks of positions ----------------------------------------------------------------------------------
+
+/// How much of a joint limit's violation a step removes, as PyBullet does.
+inline constexpr double kLimitRecovery = 0.2;
+/// The violation beyond which the way back is no faster [rad or m]: a joint far outside returns, it is not shot back.
+inline constexpr double kMaxLimitRecovery = 0.04;
+/// How much of a penetration a step removes, and the fastest that it pushes surfaces apart [m/s].
+inline constexpr double kPenetrationRecovery = 0.2;
+inline constexpr double kMaxPenetrationRecovery = 0.5;
+/// Surfaces this near count as touching [m], all alike. Without it the corners of a resting or gripped box, whose
+/// distances differ by microns, would take turns in carrying it: on one corner a thing turns.
+inline constexpr double kTouching = 3e-5;
+/// The most that the curvature of a path counts for in a step [m/s]: where it were more, the step is too long to
+/// follow.
+inline constexpr double kMaxArc = 0.1;
+/// An equality constraint that stands open closes no faster [m/s or rad/s].
+inline constexpr double kMaxClosing = 1;
+
+// ---- joints -------------------------------------------------------------------------------------------------------
+
+/// The impulse that no drive exceeds: finite, because a held drive multiplies it by 0.
+inline constexpr double kMaxImpulse = 1e30;
+/// How stiffly motors and limits hold a dof of a tree that touches something, in multiples of its inertia: so stiff
+/// that a held joint stays, and soft enough that a body between two held ones can be squeezed.
+inline constexpr double kPenalty = 1e4;
+/// Changes of state of all wrong dofs together without fewer being wrong, before they change one by one: then the
+/// search is finite (Murty).
+inline constexpr int kPatience = 6;
+inline constexpr int kMaxStateChanges = 400;
+/// A joint equality between dofs that motors hold anyway, where these agree with it to this [rad/s or m/s], is left
+/// out.
+inline constexpr double kAgreement = 1e-6;
+
+// ---- the search for the joints' states once contacts take part -----------------------------------------------------
+
+/// How often states may change in a step.
+inline constexpr int kMaxLooks = 12;
+/// After so many changes contacts get more iterations between two looks, whatever the precision.
+inline constexpr int kEarlyLooks = 3, kIterationsPerLateLook = 8;
+/// A search whose merit becomes so many times what it was has diverged.
+inline constexpr double kDivergence = 1000;
+
+// ---- sliding ------------------------------------------------------------------------------------------------------
+
+/// By how much |y| may miss the rim of its cone, as a part of it.
+inline constexpr double kSlideTolerance = 1e-14;
+/// The least that 1 + slope . direction counts for: below 0 friction wedges the contact, and no impulse on the cone
+/// keeps u_n at 0.
+inline constexpr double kMinWedge = 0.05;
+
+// ---- Newton's method in double: from a scan over towers, walls, arches and heavy on light, warm and cold -----------
+
+/// Softness of contacts in an outer step, relative to the response to their own impulses: first, least and most.
+inline constexpr double kFirstSoftness = 1e-4, kMinSoftness = 1e-7, kMaxSoftness = 0.1;
+/// Factorisations in an outer step; in one after a step that gained little.
+inline constexpr int kFactorisations = 10, kMaxFactorisations = 12;
+/// Gauss-Seidel iterations between outer steps; the most after steps that were taken back.
+inline constexpr int kIterationsBetween = 3, kMaxIterationsBetween = 48;
+/// Iterations that promise to do within this many times those allowed are cheaper than outer steps.
+inline constexpr double kNewtonPatience = 2;
+/// Iterations that reduce the logarithm of the violation by less from look to look gain too little.
+inline constexpr double kMinGain = 0.3;
+/// An outer step that divides the violation by less gains little.
+inline constexpr double kMinNewtonGain = 3;
+/// Friction's dependence on the normal impulse makes Newton's matrix unsymmetric. Above this many unknowns LU costs too
+/// much, and the matrix goes without it: convergence is then linear where contacts slide.
+inline constexpr std::size_t kMaxUnsymmetric = 60;
+
+}  // namespace contact_settings
+
+}  // namespace manyhands
