@@ -54,8 +54,8 @@ class SceneRun {
     if (wrong.empty() && !(away <= kFloatNearDouble)) wrong = "not near double: off by " + std::to_string(away);
     char note[200];
     std::snprintf(note, sizeof note,
-                  "%.1f contacts, %.1f sweeps, %.2g um deep, creep %.2g um/s, law to %.1g m/s, %.1g from double",
-                  seen.contacts, seen.sweeps, 1e6 * seen.penetration, 1e6 * seen.creep, seen.law, away);
+                  "%.1f contacts, %.1f iterations, %.2g um deep, creep %.2g um/s, law to %.1g m/s, %.1g from double",
+                  seen.contacts, seen.iterations, 1e6 * seen.penetration, 1e6 * seen.creep, seen.law, away);
     print({std::string("contact step, ") + name_of(scene_), number_name<T>(), 1, kContactWorlds / timing.cpu,
            "substeps/s", kContactWorlds / timing.wall, timing.variation, results.hash, wrong, note});
   }

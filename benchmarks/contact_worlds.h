@@ -16,7 +16,7 @@ inline constexpr double kStillPlace = 1e-4;  // how far things may stand from wh
 /// What was seen of a scene at rest, the worst of all worlds.
 struct Observation {
   double contacts = 0;     ///< points that carry something, mean of the worlds
-  double sweeps = 0;       ///< mean of the steps
+  double iterations = 0;   ///< mean of the steps
   double penetration = 0;  ///< deepest [m]
   double creep = 0;        ///< fastest, of a cube: against the hand that holds it, else in the world [m/s]
   double law = 0;          ///< how far a contact is from Signorini's and Coulomb's laws, at worst [m/s]
@@ -62,7 +62,7 @@ class ContactWorlds {
     for (int i = 0; i < kObservedSteps; ++i) {
       for (State<T>& state : states_) {
         manyhands::step(system_, params_, static_cast<R>(kContactTimeStep), state, ws_);
-        seen.sweeps += static_cast<double>(ws_.sweeps) / (kObservedSteps * kBlocks);
+        seen.iterations += static_cast<double>(ws_.contact.iterations) / (kObservedSteps * kBlocks);
         if (i + 1 == kObservedSteps) look_at_contacts(state, seen);
       }
     }
@@ -111,18 +111,16 @@ class ContactWorlds {
     lap(0);
     const std::span<const ColliderPair> pairs = find_touches(system_.colliders, params_, h, state, ws_);
     lap(1);
-    const std::span<RememberedManifold<T>> memory = remembered(state.contacts());
-    prepare_joint_constraints(tree, params_, h, state, ws_.dynamics, ws_.joints);
-    prepare_contacts(tree, system_.colliders, pairs, params_, h, memory, ws_.collision, ws_.dynamics, ws_.joints,
-                     ws_.contacts);
-    prepare_loops(tree, h, state, ws_.dynamics, ws_.joints, ws_.loops);
+    ContactSolver<T>& contact = ws_.contact;
+    assemble(tree, system_.colliders, pairs, params_, h, state, ws_.collision, ws_.dynamics, contact);
+    warm_start(contact.problem, std::span<const Touch<T>>(ws_.collision.touches), state, contact.iterate);
     lap(2);
-    ws_.sweeps = solve_constraints(tree, system_.solver, state, ws_.dynamics, ws_.joints, ws_.loops, ws_.contacts);
+    solve(system_.solver, contact);
     lap(3);
-    remember(ws_.contacts, memory);
-    add_velocity_change(ws_.joints, state);
+    store_warm_start(contact.problem, contact.iterate, state);
+    add_velocity_change(state, static_cast<std::size_t>(tree.nv));
     integrate_configuration(tree, state.v(), T(h), state.q());
-    correct_free_fall(tree, params_, h, ws_.contacts, ws_.loops, ws_.resting, state);
+    correct_free_fall(tree, params_, h, contact, ws_.resting, state);
     lap(4);
   }
 
@@ -159,14 +157,16 @@ class ContactWorlds {
     const std::array fingers{body("panda_leftfinger"), body("panda_rightfinger")};
     for (int k = 0; k < width_v<T>; ++k) {
       Census census;
-      for (const ContactPoint<T>& point : ws_.contacts.points) {
-        const PointResiduals<T> off = point_residuals(system_.tree, ws_, point);
+      for (std::size_t i = 0; i < ws_.contact.problem.points.size(); ++i) {
+        const ContactPoint<T>& point = ws_.contact.problem.points[i];
+        const ContactPatch<T>& patch = ws_.contact.problem.patches[point.patch];
+        const PointResiduals<T> off = point_residuals(ws_.contact, i);
         seen.law = std::max({seen.law, static_cast<double>(lane(off.penetration_rate, k)),
                              static_cast<double>(lane(off.dissipation, k))});
-        const double impulse = static_cast<double>(lane(point.impulse.x, k));
+        const double impulse = static_cast<double>(lane(ws_.contact.iterate.points[i].impulse.x, k));
         if (!(impulse > 0)) continue;
         seen.penetration = std::max(seen.penetration, -static_cast<double>(lane(point.phi, k)));
-        const std::size_t a = point.rows.body_a, b = point.rows.body_b;
+        const std::size_t a = patch.body_a(), b = patch.body_b();
         bool finger = false;
         for (std::size_t f = 0; f < 2; ++f) {
           if (a != fingers[f] && b != fingers[f]) continue;

@@ -97,11 +97,11 @@ class Stages {
   /// Of the whole physics steps, which `calls` times last.
   [[nodiscard]] Results results() const { return unpack<T>(results_, 2 * kJoints); }
 
-  /// The same of steps whose contacts are solved to the end: the few sweeps that are timed leave more than rounding
+  /// The same of steps whose contacts are solved to the end: the few iterations that are timed leave more than rounding
   /// between number types.
   [[nodiscard]] Results solved_results() {
     const SolverSettings timed = system_.solver;
-    system_.solver.max_sweeps = 2000;
+    system_.solver.max_iterations = 2000;
     system_.solver.tolerance = 1e-7;
     physics(kIntegrate);
     system_.solver = timed;
@@ -176,19 +176,17 @@ class Stages {
       if (last >= kBias) bias_and_mass_matrix(tree_, params_, state_.q(), state_.v(), ws_.dynamics);
       const Colliders<R>& colliders = system_.colliders;
       const R h = static_cast<R>(kTimeStep);
-      const std::span<RememberedManifold<T>> memory = remembered(state_.contacts());
+      ContactSolver<T>& contact = ws_.contact;
       if (last >= kCollide) find_touches(colliders, params_, h, state_, ws_);
       if (last >= kPrepare) {
-        prepare_joint_constraints(tree_, params_, h, state_, ws_.dynamics, ws_.joints);
-        prepare_contacts(tree_, colliders, std::span<const ColliderPair>(colliders.pairs), params_, h, memory,
-                         ws_.collision, ws_.dynamics, ws_.joints, ws_.contacts);
-        prepare_loops(tree_, h, state_, ws_.dynamics, ws_.joints, ws_.loops);
+        assemble(tree_, colliders, std::span<const ColliderPair>(colliders.pairs), params_, h, state_, ws_.collision,
+                 ws_.dynamics, contact);
+        warm_start(contact.problem, std::span<const Touch<T>>(ws_.collision.touches), state_, contact.iterate);
       }
-      if (last >= kSolve)
-        solve_constraints(tree_, system_.solver, state_, ws_.dynamics, ws_.joints, ws_.loops, ws_.contacts);
+      if (last >= kSolve) solve(system_.solver, contact);
       if (last >= kIntegrate) {
-        remember(ws_.contacts, memory);
-        add_velocity_change(ws_.joints, state_);
+        store_warm_start(contact.problem, contact.iterate, state_);
+        add_velocity_change(state_, static_cast<std::size_t>(tree_.nv));
         integrate_configuration(tree_, state_.v(), T(h), state_.q());
         out = std::copy_n(state_.q(), kJoints, out);
         out = std::copy_n(state_.v(), kJoints, out);

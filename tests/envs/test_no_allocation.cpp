@@ -166,7 +166,7 @@ TEST(NoAllocation, InNewtonSteps) {
         for (int i = cubes / 2; i < cubes; ++i) state.v()[6 * i + 5] += 0.05;
         for (int n = 0; n < 50; ++n) {
           step(system, params, 0.002, state, ws);
-          newton_steps += ws.contacts.newton.steps();
+          newton_steps += ws.contact.newton.steps();
         }
       }
     };

@@ -4,6 +4,7 @@
 // position limit any impulse back inside is allowed. A drive (kp, kd) has a slope instead of the vertical part.
 #pragma once
 
+#include "manyhands/math/control_flow.h"
 #include "manyhands/physics/contact/settings.h"
 #include "manyhands/physics/dynamics/ltdl.h"
 #include "manyhands/physics/dynamics/state.h"

@@ -31,7 +31,7 @@ State<float> start_of(const Model& model, const System<float>& system, int k) {
 }
 
 void set_up(System<float>& system, Params<float>& params) {
-  system.solver = {.max_sweeps = 12, .tolerance = 1e-6};
+  system.solver = {.max_iterations = 12, .tolerance = 1e-6};
   for (std::size_t i = 0; i < params.motor_kp.size(); ++i) {
     const bool hinge = system.tree.dof_q[i] >= 0 && system.tree.dof_drive[i] < 0;
     params.motor_kp[i] = 0.1f;
@@ -74,7 +74,7 @@ TYPED_TEST(ContactLanes, EqualTheScalarBitForBit) {
       for (int k = 0; k < W; ++k) {
         State<float>& world = worlds[static_cast<std::size_t>(k)];
         step(system, params, 0.004f, world, alone);
-        touched += alone.contacts.points.size();
+        touched += alone.contact.problem.points.size();
         ASSERT_EQ(bits_of_lane(block, k), bits_of_lane(world, 0))
             << "scene " << which << ", step " << n << ", lane " << k;
       }

@@ -1,4 +1,4 @@
-// A patch answers as its points' own rows do: what an impulse at one point does to the velocity at another.
+// A patch responds as its points' own rows do: what an impulse at one point does to the velocity at another.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -23,9 +23,9 @@ struct Rows {
     patch.turns = true;
     patch.friction_1 = 0.7;
     patch.friction_2 = 0.4;
-    patch.G_vf = product(linear, linear);
-    patch.G_wf = product(angular, linear);
-    patch.G_wn = product(angular, angular);
+    response.G_vf = product(linear, linear);
+    response.G_wf = product(angular, linear);
+    response.G_wn = product(angular, angular);
   }
   Vec any() {
     std::normal_distribution<double> normal;
@@ -54,15 +54,17 @@ struct Rows {
   std::mt19937 rng;
   std::vector<Vec> linear, angular;
   ContactPatch<double> patch;
+  PatchResponse<double> response;
 };
 
 void expect_near(const Vec& a, const Vec& b) { EXPECT_LT(norm(a - b), kRounding * (1 + norm(b))); }
 
-TEST(ContactPatch, APointsAnswerIsThatOfItsRows) {
+TEST(ContactPatch, APointRespondsAsItsRows) {
   for (unsigned seed = 0; seed < 20; ++seed) {
     Rows rows(seed);
     const Vec lever = rows.any();
-    const Mat3<double> G = point_answer(rows.patch, lever), truth = Rows::product(rows.at(lever), rows.at(lever));
+    const Mat3<double> G = point_response(rows.patch, rows.response, lever),
+                       truth = Rows::product(rows.at(lever), rows.at(lever));
     expect_near(G.x, truth.x);
     expect_near(G.y, truth.y);
     expect_near(G.z, truth.z);
@@ -73,7 +75,7 @@ TEST(ContactPatch, AnImpulseAtOnePointMovesAnotherAsTheirRowsSay) {
   for (unsigned seed = 0; seed < 20; ++seed) {
     Rows rows(seed);
     const Vec here = rows.any(), there = rows.any(), impulse = rows.any();
-    const Motion<double> motion = own_answer(rows.patch, force_at(rows.patch, here, impulse));
+    const Motion<double> motion = respond(rows.patch, rows.response, force_at(rows.patch, here, impulse));
     expect_near(velocity_at(rows.patch, there, motion), Rows::product(rows.at(there), rows.at(here)) * impulse);
   }
 }

@@ -5,7 +5,7 @@
 #include <limits>
 #include <random>
 
-#include "manyhands/physics/contact/dense_lu.h"
+#include "manyhands/physics/contact/newton/dense_lu.h"
 
 namespace manyhands {
 namespace {

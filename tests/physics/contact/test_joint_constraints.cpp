@@ -3,7 +3,7 @@
 #include <iostream>
 #include <map>
 
-#include "manyhands/physics/contact/joint_constraints.h"
+#include "manyhands/physics/contact/joint_solver.h"
 #include "tests/physics/contact/joint_problem.h"
 
 namespace manyhands {
@@ -16,22 +16,41 @@ using testing::JointProblem;
 template <Real R>
 struct Answer {
   std::vector<double> dv, impulse;
-  std::vector<R> stance;
+  std::vector<R> active_set;
 };
 
-/// Solves for a copy of the state, from the stances given or, if none are, from those of the state.
+/// The joints of a problem, assembled from a copy of its state: with the active set given or, if none is, the state's.
 template <Real R>
-Answer<R> answer(const JointProblem<R>& p, std::span<const R> stances = {}) {
-  State<R> state = p.state;
-  std::copy(stances.begin(), stances.end(), state.stance());
-  Workspace<R> ws(p.tree);
-  JointConstraints<R> jc(p.tree.nv);
-  bias_and_mass_matrix(p.tree, p.params, state.q(), state.v(), ws);
-  prepare_joint_constraints(p.tree, p.params, p.h, state, ws, jc);
-  solve_joint_constraints(p.tree, state, ws, jc);
-  return {{jc.dv.begin(), jc.dv.end()},
-          {jc.impulse.begin(), jc.impulse.end()},
-          {state.stance(), state.stance() + p.size()}};
+struct JointSolver {
+  explicit JointSolver(const JointProblem<R>& p, std::span<const R> active_set = {})
+      : dynamics(p.tree), problem(p.tree, {}), factors(p.tree), iterate(p.tree.nv), next_state(index(p.tree.nv)) {
+    State<R> state = p.state;
+    std::copy(active_set.begin(), active_set.end(), state.active_set());
+    bias_and_mass_matrix(p.tree, p.params, state.q(), state.v(), dynamics);
+    problem.tree = &p.tree;
+    problem.M = dynamics.M.data();
+    const auto free_change = [&](std::vector<R>& dv) {
+      internal::unconstrained_change(problem, dynamics.M.size(), factors, dv);
+    };
+    assemble_joint_laws(p.tree, p.params, p.h, state, dynamics, problem.free_dv, free_change, problem.joints);
+    iterate.active_set = problem.joints.first_state;
+    iterate.rhs = problem.joints.smooth;
+  }
+
+  Workspace<R> dynamics;
+  ContactProblem<R> problem;
+  Factors<R> factors;
+  Iterate<R> iterate;
+  std::vector<R> next_state;
+};
+
+template <Real R>
+Answer<R> answer(const JointProblem<R>& p, std::span<const R> active_set = {}) {
+  JointSolver<R> solver(p, active_set);
+  solve_joints(solver.problem, solver.factors, solver.iterate, solver.next_state);
+  const Iterate<R>& found = solver.iterate;
+  return {
+      {found.dv.begin(), found.dv.end()}, {found.joint_impulse.begin(), found.joint_impulse.end()}, found.active_set};
 }
 
 double worst_difference(const std::vector<double>& a, const std::vector<double>& b) {
@@ -42,7 +61,7 @@ double worst_difference(const std::vector<double>& a, const std::vector<double>&
 
 constexpr int kTrees = 1500;
 
-TEST(JointConstraints, ObeyTheStaircaseInDouble) {
+TEST(JointConstraints, ObeyTheirLawInDouble) {
   for (std::uint64_t seed = 0; seed < kTrees; ++seed) {
     const JointProblem<double> p(seed, 1 + static_cast<int>(seed % 12));
     const Answer<double> found = answer(p);
@@ -51,7 +70,7 @@ TEST(JointConstraints, ObeyTheStaircaseInDouble) {
 }
 
 /// Speeds and impulses to 5e-4: float's 1e-7 times the ratio of inertias in a tree, which reaches thousands here.
-TEST(JointConstraints, ObeyTheStaircaseInFloat) {
+TEST(JointConstraints, ObeyTheirLawInFloat) {
   for (std::uint64_t seed = 0; seed < kTrees; ++seed) {
     const JointProblem<float> p(seed, 1 + static_cast<int>(seed % 12));
     EXPECT_LE(JointLaw(p).residual(answer(p).dv, 5e-4), 5e-4) << "seed " << seed << ", nv " << p.tree.nv;
@@ -92,23 +111,26 @@ TEST(JointConstraints, DoNotDependOnTheirWarmStart) {
     const Answer<double> cold = answer(p);
     Generator rng(seed);
     for (int start = 0; start < 5; ++start) {
-      std::vector<double> stances(p.size());
-      for (std::size_t i = 0; i < stances.size(); ++i) {
+      std::vector<double> states(p.size());
+      for (std::size_t i = 0; i < states.size(); ++i) {
         const bool low = p.tree.dof_limited[i] && std::isfinite(law.lower[i]),
                    high = p.tree.dof_limited[i] && std::isfinite(law.upper[i]);
-        const int stance = static_cast<int>(rng() % 5) - 2;
-        stances[i] = (stance == internal::kAtLower && !low) || (stance == internal::kAtUpper && !high) ? 0 : stance;
+        const int state = static_cast<int>(rng() % 5) - 2;
+        states[i] =
+            (state == JointConstraintState::kAtLower && !low) || (state == JointConstraintState::kAtUpper && !high)
+                ? 0
+                : state;
       }
-      EXPECT_LE(worst_difference(answer<double>(p, stances).dv, cold.dv), 1e-9)
+      EXPECT_LE(worst_difference(answer<double>(p, states).dv, cold.dv), 1e-9)
           << "seed " << seed << ", start " << start;
     }
-    const Answer<double> again = answer<double>(p, cold.stance);
-    EXPECT_EQ(again.stance, cold.stance) << "seed " << seed;
+    const Answer<double> again = answer<double>(p, cold.active_set);
+    EXPECT_EQ(again.active_set, cold.active_set) << "seed " << seed;
     EXPECT_LE(worst_difference(again.dv, cold.dv), 1e-9) << "seed " << seed;
   }
 }
 
-/// A motor that pushed down and is then switched off leaves its stance behind.
+/// A motor that pushed down and is then switched off leaves its state behind.
 TEST(JointConstraints, ForgetAMotorThatWasSwitchedOff) {
   JointProblem<double> p(5, 6);
   for (std::size_t i = 0; i < p.size(); ++i) {
@@ -116,37 +138,30 @@ TEST(JointConstraints, ForgetAMotorThatWasSwitchedOff) {
     p.params.motor_max_force[i] = 0;
   }
   const std::vector<double> cold = answer(p).dv;
-  for (const double stance : {-1.0, 0.0, 1.0}) {
-    const std::vector<double> left(p.size(), stance);
-    EXPECT_LE(worst_difference(answer<double>(p, left).dv, cold), 1e-12) << "stance " << stance;
+  for (const double state : {-1.0, 0.0, 1.0}) {
+    const std::vector<double> left(p.size(), state);
+    EXPECT_LE(worst_difference(answer<double>(p, left).dv, cold), 1e-12) << "state " << state;
   }
 }
 
-/// How many linear systems the search solves: `solve_joint_constraints` with a counter.
+/// How many linear systems the search solves: `solve_joints` with a counter.
 template <Real R>
 int count_pivots(const JointProblem<R>& p) {
-  State<R> state = p.state;
-  Workspace<R> ws(p.tree);
-  JointConstraints<R> jc(p.tree.nv);
-  bias_and_mass_matrix(p.tree, p.params, state.q(), state.v(), ws);
-  prepare_joint_constraints(p.tree, p.params, p.h, state, ws, jc);
+  JointSolver<R> solver(p);
+  Iterate<R>& iterate = solver.iterate;
   int fewest = p.tree.nv + 1, patience = 0;
-  for (int pivot = 1; pivot <= internal::kMaxPivots; ++pivot) {
-    internal::solve_stances(p.tree, state.stance(), ws, jc);
-    int wrong = 0;
-    for (std::size_t i = 0; i < p.size(); ++i) {
-      jc.better[i] = internal::better_stance(state.stance()[i], i, jc);
-      wrong += jc.better[i] != state.stance()[i];
-    }
+  for (int pivot = 1; pivot <= contact_settings::kMaxStateChanges; ++pivot) {
+    internal::solve_active_set(solver.problem, solver.factors, iterate);
+    const int wrong = static_cast<int>(internal::check_joints(solver.problem, iterate, solver.next_state));
     if (wrong == 0) return pivot;
-    patience = wrong < fewest ? internal::kPatience : patience - 1;
+    patience = wrong < fewest ? contact_settings::kPatience : patience - 1;
     fewest = std::min(wrong, fewest);
     for (std::size_t i = 0, moved = 0; i < p.size() && (patience >= 0 || moved == 0); ++i) {
-      moved += jc.better[i] != state.stance()[i];
-      state.stance()[i] = jc.better[i];
+      moved += solver.next_state[i] != iterate.active_set[i];
+      iterate.active_set[i] = solver.next_state[i];
     }
   }
-  return internal::kMaxPivots + 1;
+  return contact_settings::kMaxStateChanges + 1;
 }
 
 template <Real R>
@@ -158,7 +173,8 @@ void expect_few_pivots(const char* number, int links, double mean) {
     const int pivots = count_pivots(JointProblem<R>(seed, links));
     ++histogram[pivots];
     sum += pivots;
-    EXPECT_LE(pivots, internal::kMaxPivots) << "no answer, " << number << ", " << links << " links, seed " << seed;
+    EXPECT_LE(pivots, contact_settings::kMaxStateChanges)
+        << "no answer, " << number << ", " << links << " links, seed " << seed;
   }
   std::cout << number << ", " << links << " links, pivots x problems:";
   for (const auto& [pivots, count] : histogram) std::cout << ' ' << pivots << 'x' << count;

@@ -5,7 +5,7 @@
 #include <random>
 #include <set>
 
-#include "manyhands/physics/contact/minimum_degree.h"
+#include "manyhands/physics/contact/newton/minimum_degree.h"
 
 namespace manyhands {
 namespace {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-#include "manyhands/physics/contact/sparse_ldl.h"
+#include "manyhands/physics/contact/newton/sparse_ldl.h"
 
 namespace manyhands {
 namespace {

@@ -54,7 +54,7 @@ TEST(WorldContact, ABodyOnASlopeKeepsTheLawToItsTolerance) {
   testing::add_cube(builder, "cube", {0, 0, 0.02});
   builder.set_gravity({6, 0, -8});  // steeper than friction holds
   World world(std::make_shared<const Model>(builder.build()));
-  world.set_solver({.max_sweeps = 500, .tolerance = 1e-13});
+  world.set_solver({.max_iterations = 500, .tolerance = 1e-13});
   world.step(100);
   const ContactResiduals residuals = world.residuals();
   EXPECT_LT(residuals.signorini, 1e-10);
@@ -228,7 +228,7 @@ TEST(WorldErrors, NumbersBeyondReasonEndInAnErrorThatNamesTheJoint) {
   EXPECT_THROW(world.set_geom_size("cube1", {0.1, -0.1, 0.1}), std::invalid_argument);
   EXPECT_THROW(world.set_geom_size("floor", {0.1, 0.1, 0.1}), std::invalid_argument);
   EXPECT_THROW(world.set_gravity({kNaN, 0, 0}), std::invalid_argument);
-  EXPECT_THROW(world.set_solver({.max_sweeps = 0}), std::invalid_argument);
+  EXPECT_THROW(world.set_solver({.max_iterations = 0}), std::invalid_argument);
 }
 
 TEST(WorldErrors, HarshScenesStayFinite) {

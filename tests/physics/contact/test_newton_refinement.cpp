@@ -6,7 +6,7 @@
 #include <random>
 
 #include "manyhands/model/model_builder.h"
-#include "manyhands/physics/contact/newton_finish.h"
+#include "manyhands/physics/contact/newton/newton_refinement.h"
 #include "manyhands/physics/step/step.h"
 #include "tests/physics/contact/reference/newton.h"
 #include "tests/physics/contact/reference/scenes.h"
@@ -58,19 +58,24 @@ struct Simulation {
       : model(std::move(what)), system(model), params(model), state(model, system.contact_numbers()), ws(system) {}
   void advance() { step(system, params, kStep, state, ws); }
 
-  [[nodiscard]] Eigen::Vector3d impulse(const ContactPoint<double>& point) const {
-    return eigen(point.impulse.x * point.normal + point.impulse.y * point.e_1 + point.impulse.z * point.e_2);
+  [[nodiscard]] const ContactPatch<double>& patch(std::size_t i) const {
+    return ws.contact.problem.patches[ws.contact.problem.points[i].patch];
   }
+  [[nodiscard]] Eigen::Vector3d impulse(std::size_t i) const {
+    const Vec3<double>& y = ws.contact.iterate.points[i].impulse;
+    return eigen(y.x * patch(i).normal + y.y * patch(i).e_1 + y.z * patch(i).e_2);
+  }
+  [[nodiscard]] std::size_t num_points() const { return ws.contact.problem.points.size(); }
   /// What the ground bears [N].
   [[nodiscard]] double weight_on_ground() const {
     double sum = 0;
-    for (const ContactPoint<double>& point : ws.contacts.points)
-      if (point.rows.body_a == 0 || point.rows.body_b == 0) sum += std::abs(impulse(point)[2]) / kStep;
+    for (std::size_t i = 0; i < num_points(); ++i)
+      if (patch(i).body_a() == 0 || patch(i).body_b() == 0) sum += std::abs(impulse(i)[2]) / kStep;
     return sum;
   }
   [[nodiscard]] double deepest() const {
     double depth = 0;
-    for (const ContactPoint<double>& point : ws.contacts.points) depth = std::max(depth, -point.phi);
+    for (const ContactPoint<double>& point : ws.contact.problem.points) depth = std::max(depth, -point.phi);
     return depth;
   }
 
@@ -101,13 +106,15 @@ Judged judge_first_step(const std::vector<double>& masses, unsigned seed, int ne
                    {0, 0, kHalf * (1 + 2 * static_cast<double>(i))}, Eigen::Matrix3d::Identity(), velocity);
   }
   sim.advance();
-  Eigen::VectorXd lambda(3 * static_cast<Eigen::Index>(sim.ws.contacts.points.size())), v(sim.model.nv());
+  Eigen::VectorXd lambda(3 * static_cast<Eigen::Index>(sim.num_points())), v(sim.model.nv());
   Eigen::Index row = 0;
-  for (const ContactPoint<double>& point : sim.ws.contacts.points) {
-    const Eigen::Vector3d n = eigen(point.normal), impulse = sim.impulse(point);
+  for (std::size_t i = 0; i < sim.num_points(); ++i) {
+    const ContactPoint<double>& point = sim.ws.contact.problem.points[i];
+    const ContactPatch<double>& patch = sim.patch(i);
+    const Eigen::Vector3d n = eigen(patch.normal), impulse = sim.impulse(i);
     EXPECT_LT(std::abs(point.phi), 1e-6);
-    scene.add_contact(static_cast<int>(point.rows.body_a) - 1, static_cast<int>(point.rows.body_b) - 1, eigen(point.p),
-                      n, kFriction);
+    scene.add_contact(static_cast<int>(patch.body_a()) - 1, static_cast<int>(patch.body_b()) - 1, eigen(point.p), n,
+                      kFriction);
     const Eigen::Vector3d t = n.unitOrthogonal();
     lambda.segment<3>(row) << n.dot(impulse), t.dot(impulse), n.cross(t).dot(impulse);
     row += 3;
@@ -124,7 +131,7 @@ std::vector<double> card_of_ten() {
   return masses;
 }
 
-TEST(NewtonFinish, ObeysTheLawOnTowersAtRest) {
+TEST(NewtonRefinement, ObeysTheLawOnTowersAtRest) {
   for (const std::size_t cubes : {5, 10}) {
     const Judged found = judge_first_step(std::vector<double>(cubes, 1.0), 0, 10);
     EXPECT_LT(found.law, kLawTolerance) << cubes << " cubes";
@@ -132,7 +139,7 @@ TEST(NewtonFinish, ObeysTheLawOnTowersAtRest) {
   }
 }
 
-TEST(NewtonFinish, ObeysTheLawWhereStacksSlide) {
+TEST(NewtonRefinement, ObeysTheLawWhereStacksSlide) {
   for (const std::vector<double>& masses : {std::vector<double>{1, 1}, {1, 1, 1}, {1, kHeavyRatio}, {10, 1, 10}}) {
     for (unsigned seed = 1; seed < 9; ++seed) {
       const Judged found = judge_first_step(masses, seed, 20);
@@ -142,24 +149,24 @@ TEST(NewtonFinish, ObeysTheLawWhereStacksSlide) {
   }
 }
 
-TEST(NewtonFinish, IsNeededThere) {
+TEST(NewtonRefinement, IsNeededThere) {
   EXPECT_GT(judge_first_step(std::vector<double>(10, 1.0), 0, 0).law, 1e-5);
   EXPECT_GT(judge_first_step(card_of_ten(), 0, 0).law, 1e-3);
 }
 
-TEST(NewtonFinish, TowerOfTenStands) {
+TEST(NewtonRefinement, TowerOfTenStands) {
   Simulation sim(stack_of(std::vector<double>(10, 1.0)).build());
   const std::vector<double> before(sim.state.q(), sim.state.q() + sim.model.nq());
   int newton_steps = 0;
   for (int n = 0; n < 1000; ++n) {
     sim.advance();
-    newton_steps += sim.ws.contacts.newton.steps();
+    newton_steps += sim.ws.contact.newton.steps();
   }
   for (std::size_t i = 0; i < before.size(); ++i) EXPECT_NEAR(sim.state.q()[i], before[i], 2e-5) << "coordinate " << i;
   EXPECT_GT(newton_steps, 0);
 }
 
-TEST(NewtonFinish, HeavyRestsOnLight) {
+TEST(NewtonRefinement, HeavyRestsOnLight) {
   for (const std::vector<double>& masses : {std::vector<double>{1.0, kHeavyRatio}, card_of_ten()}) {
     Simulation sim(stack_of(masses).build());
     double deepest = 0;
@@ -173,7 +180,7 @@ TEST(NewtonFinish, HeavyRestsOnLight) {
   }
 }
 
-TEST(NewtonFinish, SaturatedArmPressesAStack) {
+TEST(NewtonRefinement, SaturatedArmPressesAStack) {
   constexpr double kReach = 0.5, kTip = 0.05, kTorque = 50, kArmMass = 1;
   const std::vector<double> masses(5, 1.0);
   const double height = 10 * kHalf + kTip;
@@ -195,10 +202,11 @@ TEST(NewtonFinish, SaturatedArmPressesAStack) {
   for (int n = 0; n < 500; ++n) sim.advance();
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   double moment = 0;
-  for (const ContactPoint<double>& point : sim.ws.contacts.points) {
-    const bool is_a = point.rows.body_a == masses.size() + 1, is_b = point.rows.body_b == masses.size() + 1;
+  for (std::size_t i = 0; i < sim.num_points(); ++i) {
+    const ContactPoint<double>& point = sim.ws.contact.problem.points[i];
+    const bool is_a = sim.patch(i).body_a() == masses.size() + 1, is_b = sim.patch(i).body_b() == masses.size() + 1;
     if (!is_a && !is_b) continue;
-    const Eigen::Vector3d on_arm = (is_b ? 1 : -1) / kStep * sim.impulse(point);
+    const Eigen::Vector3d on_arm = (is_b ? 1 : -1) / kStep * sim.impulse(i);
     const Eigen::Vector3d r = eigen(point.p) - Eigen::Vector3d(-kReach, 0, height);
     force += on_arm;
     moment += r.cross(on_arm)[1];
