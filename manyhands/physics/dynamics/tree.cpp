@@ -58,6 +58,23 @@ TreeEquality<R> tree_equality(const Model& model, const EqualityConstraint& equa
   return result;
 }
 
+/// The row of a coupling runs over the dofs between two bodies. Where one joint is the other's ancestor, that is from
+/// the body which it moves against, so that both joints are between.
+template <Real R>
+void include_both_joints(const Tree<R>& tree, TreeEquality<R>& equality) {
+  const auto moves = [&](std::size_t dof, std::size_t body) {
+    const auto begin = tree.path.begin() + static_cast<std::ptrdiff_t>(tree.path_begin[body]);
+    const auto end = tree.path.begin() + static_cast<std::ptrdiff_t>(tree.path_begin[body + 1]);
+    return std::find(begin, end, static_cast<int>(dof)) != end;
+  };
+  const auto parent = [&](std::size_t body) { return static_cast<std::size_t>(tree.bodies[body].parent); };
+  if (moves(equality.dof_a, equality.body_b)) {
+    equality.body_a = parent(equality.body_a);
+  } else if (moves(equality.dof_b, equality.body_a)) {
+    equality.body_b = parent(equality.body_b);
+  }
+}
+
 /// Widens the ranges of dofs until no equality leaves its own and no two overlap in part.
 template <Real R>
 void join_clusters(Tree<R>& tree) {
@@ -143,6 +160,8 @@ Tree<R>::Tree(const Model& model)
   path_begin.push_back(path.size());
   for (const EqualityConstraint& equality : model.equalities()) {
     equalities.push_back(tree_equality<R>(model, equality));
+    if (equality.type == EqualityType::kJoint || equality.type == EqualityType::kGear)
+      include_both_joints(*this, equalities.back());
     equalities.back().row = equality_rows;
     equality_rows += equalities.back().turns ? 6 : 3;
   }

@@ -39,7 +39,7 @@ struct TreeActuator {
 template <Real R>
 struct TreeEquality {
   EqualityType type{};
-  std::size_t body_a{}, body_b{};                                                 ///< of joints: the bodies they move
+  std::size_t body_a{}, body_b{};                                                 ///< the rows' dofs lie between them
   Transform<R> X_BA = Transform<R>::identity(), X_BB = Transform<R>::identity();  ///< the frames on their bodies
   std::size_t dof_a{}, dof_b{}, q_a{}, q_b{};                                     ///< of kJoint and kGear
   R ratio{}, offset{}, max_force{};
