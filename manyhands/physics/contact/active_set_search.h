@@ -62,7 +62,7 @@ MANYHANDS_INLINE T merit(const ContactProblem<T>& problem, const Iterate<T>& ite
   const T tiny = constant<T>(1e6 * std::numeric_limits<real_t<T>>::min());
   T worst = zero;
   for (std::size_t i = 0; i < next_state.size(); ++i) {
-    const T state = iterate.active_set[i], inertia = max(tree_row(*problem.tree, problem.M, i)[i], tiny);
+    const T state = iterate.active_set[i], inertia = max(tree_row(*problem.tree, problem.M(), i)[i], tiny);
     const T excess = max(abs(iterate.joint_impulse[i]) - problem.joints.max_impulse[i], zero) / inertia;
     const T passed = abs(iterate.dv[i] - held_change(next_state[i], i, problem.joints));
     const T error = select(abs(state) == one, passed, excess);

@@ -16,15 +16,13 @@ MANYHANDS_INLINE void assemble(const Tree<real_t<T>>& tree, const Colliders<real
                                ContactSolver<T>& solver) {
   ContactProblem<T>& problem = solver.problem;
   problem.tree = &tree;
-  problem.M = dynamics.M.data();
+  problem.dynamics = &dynamics;
   problem.patches.clear();
   problem.points.clear();
   problem.torsions.clear();
   problem.equalities.clear();
   problem.rows.clear();
-  const auto free_change = [&](std::vector<T>& dv) {
-    internal::unconstrained_change(problem, dynamics.M.size(), solver.factors, dv);
-  };
+  const auto free_change = [&](std::vector<T>& dv) { internal::unconstrained_change(problem, solver.factors, dv); };
   assemble_joint_laws(tree, params, h, state, dynamics, problem.free_dv, free_change, problem.joints);
   assemble_contacts(colliders, pairs, params, h, collision, dynamics, free_change, problem);
   assemble_equalities(state, h, dynamics, problem);

@@ -58,10 +58,11 @@ struct ContactProblem {
     equalities.reserve(of.equality_rows / 3);
   }
 
+  [[nodiscard]] const T* M() const { return dynamics->M.data(); }
   [[nodiscard]] bool only_joints() const { return points.empty() && equalities.empty(); }
 
-  const Tree<real_t<T>>* tree = nullptr;  ///< set when a step is assembled, as the next
-  const T* M = nullptr;                   ///< mass matrix with h damping on its diagonal, see Workspace::M
+  const Tree<real_t<T>>* tree = nullptr;   ///< set when a step is assembled, as the next
+  const Workspace<T>* dynamics = nullptr;  ///< h damping added to M's diagonal
   JointLaws<T> joints;
   std::vector<ContactPatch<T>> patches;
   std::vector<ContactPoint<T>> points;  ///< by patches

@@ -26,14 +26,15 @@ struct DelassusBlock {
   }
 };
 
-/// The block of G, where a soft surface adds `softness` to G_nn.
+/// The block of G, where a soft surface adds `softness` to G_nn. Where G_nn is not above `immovable`, no joint can part
+/// the surfaces, and the contact does nothing.
 template <Number T>
-MANYHANDS_INLINE DelassusBlock<T> diagonalise(const Mat3<T>& G, T softness) {
+MANYHANDS_INLINE DelassusBlock<T> diagonalise(const Mat3<T>& G, T softness, T immovable) {
   using Limits = std::numeric_limits<real_t<T>>;
   const T zero = constant<T>(0), one = constant<T>(1), half = constant<T>(0.5), tiny = constant<T>(1e6 * Limits::min());
   DelassusBlock<T> block;
   block.normal = G.x.x + softness;
-  const auto moves = block.normal > tiny;
+  const auto moves = block.normal > max(immovable, tiny);
   block.normal_inverse = select(moves, one / max(block.normal, tiny), zero);
   const T g_1 = G.x.y, g_2 = G.x.z;
   const T slope_1 = g_1 * block.normal_inverse, slope_2 = g_2 * block.normal_inverse;

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 
-#include "manyhands/physics/contact/factors.h"
+#include "manyhands/physics/contact/mobility.h"
 
 namespace manyhands::internal {
 
-/// K = L D L^T in place; a row that adds nothing to those before it gets no say. n rows.
+/// K = L D L^T in place; a row that no joint moves, or that adds nothing to those before it, gets no say. n rows.
 template <Number T>
 MANYHANDS_INLINE void factor_K(std::size_t n, Factors<T>& factors) {
   using R = real_t<T>;
@@ -28,7 +28,7 @@ MANYHANDS_INLINE void factor_K(std::size_t n, Factors<T>& factors) {
       pivot = fma(-scaled, row[j], pivot);
       row[j] = scaled;
     }
-    const auto counts = pivot > max(T(SolverTraits<R>::kRedundancy) * whole, tiny);
+    const auto counts = pivot > max(T(SolverTraits<R>::kRedundancy) * whole, max(factors.K_immovable[i], tiny));
     factors.K_pivot_inverse[i] = select(counts, one / select(counts, pivot, one), zero);
   }
 }
@@ -52,6 +52,7 @@ MANYHANDS_INLINE void factor_equalities(const ContactProblem<T>& problem, Factor
     const EqualityRows<T>& block = problem.equalities[j];
     compute_Y(problem, block.rows, factors);
     store_Y(block.rows, factors);
+    std::fill_n(&factors.K_immovable[block.first], block.count(), immovable_equality(problem, factors, block));
     for (std::size_t i = 0; i <= j; ++i) {
       const EqualityRows<T>& other = problem.equalities[i];
       const std::array<Vec3<T>, 3> K = multiply_YYT(other.rows, factors.Y.data(), block.rows, factors.Y_by_dof.data());

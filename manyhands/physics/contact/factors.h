@@ -24,7 +24,8 @@ struct Factors {
         free_parent(sqrt_D_inverse.size()),
         Y_by_dof(sqrt_D_inverse.size()),
         K(tree.equality_rows * tree.equality_rows),
-        K_pivot_inverse(tree.equality_rows) {
+        K_pivot_inverse(tree.equality_rows),
+        K_immovable(tree.equality_rows) {
     free_dofs.reserve(sqrt_D_inverse.size());
   }
 
@@ -49,7 +50,8 @@ struct Factors {
 
   // Of the equality constraints, which contacts see through: their response to a contact is taken off its Y.
   std::vector<T> K;                ///< (rows, rows) lower triangle of J_e A J_e^T: its factor L, K = L D L^T
-  std::vector<T> K_pivot_inverse;  ///< (rows) 1 / D; 0 where a row says what others have said
+  std::vector<T> K_pivot_inverse;  ///< (rows) 1 / D; 0 where a row says what others have said, or no joint moves it
+  std::vector<T> K_immovable;      ///< (rows) mobility that counts as none
   std::vector<Vec3<T>> Z;          ///< (rows of patches, rows) impulses of equality constraints per impulse of a patch
 };
 
@@ -57,10 +59,9 @@ namespace internal {
 
 /// M^-1 smooth: what the velocities gain without contacts, motors and limits. Uses L as scratch.
 template <Number T>
-MANYHANDS_INLINE void unconstrained_change(const ContactProblem<T>& problem, std::size_t M_size, Factors<T>& factors,
-                                           std::vector<T>& dv) {
+MANYHANDS_INLINE void unconstrained_change(const ContactProblem<T>& problem, Factors<T>& factors, std::vector<T>& dv) {
   const Tree<real_t<T>>& tree = *problem.tree;
-  std::copy_n(problem.M, M_size, factors.L.begin());
+  factors.L = problem.dynamics->M;
   dv = problem.joints.smooth;
   factor_ltdl(tree.dofs_from_leaves, tree.dof_parent.data(), tree.M_row.data(), factors.L.data());
   solve_ltdl(tree.dofs_from_leaves, tree.dof_parent.data(), tree.M_row.data(), factors.L.data(), dv.data());

@@ -38,7 +38,7 @@ MANYHANDS_INLINE mask_t<T> prescribe_dofs(const ContactProblem<T>& problem, cons
   for (std::size_t i = 0; i < active_set.size(); ++i) {
     const T state = active_set[i];
     const auto saturated = abs(state) == one;
-    const T yields = laws.constrained[i] * (stiff * tree_row(tree, problem.M, i)[i]);
+    const T yields = laws.constrained[i] * (stiff * tree_row(tree, problem.M(), i)[i]);
     const bool drive = tree.dof_drive[i] >= 0;
     const T penalty = drive ? select(state == zero, laws.slope[i], yields) : yields;
     factors.penalty[i] = select(saturated, zero, penalty);
@@ -60,7 +60,7 @@ MANYHANDS_INLINE void solve_free_dofs(const ContactProblem<T>& problem, Factors<
   const int* parent = factors.free_parent.data();
   for (const int k : factors.free_dofs) {
     const std::size_t i = index(k);
-    const T* M = tree_row(tree, problem.M, i);
+    const T* M = tree_row(tree, problem.M(), i);
     T* L = tree_row(tree, factors.L.data(), i);
     const T state = iterate.active_set[i], rhs = iterate.rhs[i], penalty = factors.penalty[i];
     const T saturated = fma(state, problem.joints.max_impulse[i], rhs);
@@ -82,12 +82,12 @@ MANYHANDS_INLINE void solve_active_set(const ContactProblem<T>& problem, Factors
   const T zero = constant<T>(0);
   const mask_t<T> any_free = prescribe_dofs(problem, iterate.active_set, factors);
   for (T& dv : iterate.dv) dv = zero;
-  multiply_tree_matrix<T>(tree, problem.M, factors.held_dv.data(), iterate.joint_impulse.data());
+  multiply_tree_matrix<T>(tree, problem.M(), factors.held_dv.data(), iterate.joint_impulse.data());
   when(any_free, [&] {
     list_free_dofs(tree, factors);
     solve_free_dofs(problem, factors, iterate);
     for (const int k : factors.free_dofs)
-      add_tree_column<T>(tree, problem.M, k, iterate.dv[index(k)], iterate.joint_impulse.data());
+      add_tree_column<T>(tree, problem.M(), k, iterate.dv[index(k)], iterate.joint_impulse.data());
   });
   for (std::size_t i = 0; i < iterate.dv.size(); ++i) {
     iterate.joint_impulse[i] = iterate.joint_impulse[i] - iterate.rhs[i];

@@ -33,6 +33,11 @@ struct SolverTraits<double> {
   static constexpr double kResolution = 1e-14;
   /// Equality rows of which the rows before leave a smaller part are redundant.
   static constexpr double kRedundancy = 1e-10;
+  /// What is left of mobilities that cancel, as a part of them: where a contact's row is the sum of its patch's, or
+  /// where equality constraints take away what moves it.
+  static constexpr double kCancellation = 1e-10;
+  /// What is left of the terms that an entry of J is summed of: 16 units of rounding, squared.
+  static constexpr double kRounding = 256 * 2.220446049250313e-16 * 2.220446049250313e-16;
 };
 
 template <>
@@ -45,6 +50,8 @@ struct SolverTraits<float> {
   static constexpr float kStateTolerance = 1e-5F;
   static constexpr float kResolution = 3e-7F;
   static constexpr float kRedundancy = 1e-4F;
+  static constexpr float kCancellation = 2e-6F;
+  static constexpr float kRounding = 256 * 1.1920929e-07F * 1.1920929e-07F;
 };
 
 namespace contact_settings {
@@ -66,6 +73,10 @@ inline constexpr double kTouching = 3e-5;
 inline constexpr double kMaxArc = 0.1;
 /// An equality constraint that stands open closes no faster [m/s or rad/s].
 inline constexpr double kMaxClosing = 1;
+
+/// The mobility of a row that no joint moves, as a part of what joints move in other directions there: the square of
+/// 1e-5, to which files give their axes.
+inline constexpr double kImmovable = 1e-10;
 
 // ---- joints -------------------------------------------------------------------------------------------------------
 

@@ -124,7 +124,7 @@ TEST(Couplings, OnRandomTreesTheImpulseIsAlongTheRow) {
     double largest = 0;
     for (std::size_t i = 0; i < v.size(); ++i) {
       largest = std::max(largest, std::abs(pulled[i]));
-      pulled[i] -= ws.joints.smooth[i];
+      pulled[i] -= ws.contact.problem.joints.smooth[i];
     }
     const double tolerance = 1e-10 * (1 + largest);
     EXPECT_NEAR(state.v()[b], ratio * state.v()[a], 1e-9 * (1 + std::abs(state.v()[b]))) << "seed " << seed;

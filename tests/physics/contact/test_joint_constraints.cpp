@@ -28,10 +28,8 @@ struct JointSolver {
     std::copy(active_set.begin(), active_set.end(), state.active_set());
     bias_and_mass_matrix(p.tree, p.params, state.q(), state.v(), dynamics);
     problem.tree = &p.tree;
-    problem.M = dynamics.M.data();
-    const auto free_change = [&](std::vector<R>& dv) {
-      internal::unconstrained_change(problem, dynamics.M.size(), factors, dv);
-    };
+    problem.dynamics = &dynamics;
+    const auto free_change = [&](std::vector<R>& dv) { internal::unconstrained_change(problem, factors, dv); };
     assemble_joint_laws(p.tree, p.params, p.h, state, dynamics, problem.free_dv, free_change, problem.joints);
     iterate.active_set = problem.joints.first_state;
     iterate.rhs = problem.joints.smooth;

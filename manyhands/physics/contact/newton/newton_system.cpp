@@ -202,7 +202,10 @@ void NewtonSystem::find_yielding(const NewtonContext& context, double softness) 
   }
   equality_yield_.clear();
   for (const std::size_t i : equalities_) {
-    const Vec G = response_diagonal(context, context.problem.equalities[i].rows);
+    const EqualityRows<double>& block = context.problem.equalities[i];
+    const Vec size = response_diagonal(context, block.rows);
+    const double least = context.factors.K_immovable[block.first];  // of all its rows
+    const Vec G{size.x > least ? size.x : 0, size.y > least ? size.y : 0, size.z > least ? size.z : 0};
     const double largest = std::max({G.x, G.y, G.z});
     equality_yield_.push_back({inverse(G.x, largest), inverse(G.y, largest), inverse(G.z, largest)});
   }
@@ -263,7 +266,7 @@ double NewtonSystem::find_defect(const NewtonContext& context, const std::vector
   evaluate(context, x);
   const ContactProblem<double>& problem = context.problem;
   defect_.resize(x.size());
-  multiply_tree_matrix<double>(context.tree(), context.problem.M, x.data(), defect_.data());
+  multiply_tree_matrix<double>(context.tree(), context.problem.M(), x.data(), defect_.data());
   for (std::size_t i = 0; i < x.size(); ++i) defect_[i] = -(defect_[i] + context.factors.penalty[i] * x[i]);
   for (std::size_t k = 0; k < points_.size(); ++k) {
     const ContactPoint<double>& point = problem.points[points_[k]];
@@ -302,7 +305,7 @@ void NewtonSystem::assemble(const NewtonContext& context) {
   std::fill(H.begin(), H.end(), 0.0);
   auto slot = slots_.begin();
   for (const std::size_t i : dofs_) {
-    const double* row = context.problem.M + tree.M_row[i];
+    const double* row = context.problem.M() + tree.M_row[i];
     H[*slot++] = row[i] + context.factors.penalty[i];
     for (int j = tree.dof_parent[i]; j >= 0; j = tree.dof_parent[index(j)]) H[*slot++] = row[j];
   }

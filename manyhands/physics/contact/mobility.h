@@ -1,0 +1,65 @@
+// What counts as no mobility: rows that no joint moves, of which rounding leaves a little.
+//
+// A row is never judged against itself, but against the scale of mobility: what the joints do at that point in any
+// direction. Its dofs add |S|^2 / D each, with 1 / D of the factors, the inertia that a dof meets while those before it
+// stand still and those after it are free. Held joints count little on both sides.
+#pragma once
+
+#include "manyhands/physics/contact/factors.h"
+
+namespace manyhands::internal {
+
+/// The mobility [1/kg] at which a row at p (world) along any direction counts as immovable: a direction is off by so
+/// little that no file gives its axes more exactly, or it is what rounding leaves of terms that cancel.
+template <Number T>
+MANYHANDS_INLINE T immovable_at(const ContactProblem<T>& problem, const Factors<T>& factors, const RowBlock& rows,
+                                const Vec3<T>& p) {
+  const Workspace<T>& dynamics = *problem.dynamics;
+  const T off = constant<T>(contact_settings::kImmovable), rounded(SolverTraits<real_t<T>>::kRounding);
+  T least = constant<T>(0);
+  visit_J(*problem.tree, rows, [&](std::size_t, std::size_t i, real_t<T> sign) {
+    const Motion<T>& S = dynamics.S[i];
+    const Vec3<T> r = p - dynamics.p_WO[sign < 0 ? rows.body_a : rows.body_b];
+    const T terms = fma(squared_norm(r), squared_norm(S.w), squared_norm(S.v));
+    const T part = fma(off, squared_norm(S.v + cross(S.w, r)), rounded * terms);
+    least = fma(factors.sqrt_D_inverse[i] * factors.sqrt_D_inverse[i], part, least);
+  });
+  return least;
+}
+
+/// The same of rotations [1/(kg m^2)].
+template <Number T>
+MANYHANDS_INLINE T immovable_rotation(const ContactProblem<T>& problem, const Factors<T>& factors,
+                                      const RowBlock& rows) {
+  T sum = constant<T>(0);
+  visit_J(*problem.tree, rows, [&](std::size_t, std::size_t i, real_t<T>) {
+    sum = fma(factors.sqrt_D_inverse[i] * factors.sqrt_D_inverse[i], squared_norm(problem.dynamics->S[i].w), sum);
+  });
+  return constant<T>(contact_settings::kImmovable) * sum;
+}
+
+/// Of the rows of an equality constraint. A coupling of joints has an exact J, and is judged by nothing.
+template <Number T>
+MANYHANDS_INLINE T immovable_equality(const ContactProblem<T>& problem, const Factors<T>& factors,
+                                      const EqualityRows<T>& block) {
+  const TreeEquality<real_t<T>>& equality = problem.tree->equalities[block.equality];
+  if (block.rows.single) return constant<T>(0);
+  if (block.cache != equality.row) return immovable_rotation(problem, factors, block.rows);
+  const Workspace<T>& dynamics = *problem.dynamics;
+  const std::size_t b = equality.body_b;
+  const Vec3<T> p = dynamics.R_WB[b] * broadcast<T>(equality.X_BB.p) + dynamics.p_OB[b] + dynamics.p_WO[b];
+  return immovable_at(problem, factors, block.rows, p);
+}
+
+/// The diagonal of Y Y^T, for the Y in Y_by_dof.
+template <Number T>
+MANYHANDS_INLINE Vec3<T> mobility(const RowBlock& rows, const Factors<T>& factors) {
+  Vec3<T> size = Vec3<T>::zero();
+  visit_Y(rows, [&](std::size_t, std::size_t i) {
+    const Vec3<T>& Y = factors.Y_by_dof[i];
+    size = {fma(Y.x, Y.x, size.x), fma(Y.y, Y.y, size.y), fma(Y.z, Y.z, size.z)};
+  });
+  return size;
+}
+
+}  // namespace manyhands::internal
