@@ -1,4 +1,4 @@
-"""The layer check finds what it is there to find."""
+"""The layer check finds what it is there to find, and nothing in this tree."""
 
 import importlib.util
 from pathlib import Path
@@ -19,11 +19,20 @@ TABLE = """
 | `manyhands/model` | models | `manyhands/math`, `<pugixml>` |
 | `manyhands/learn` | trainers | `manyhands/math`, `manyhands/model/api.h` |
 | `bindings` | glue | everything |
+
+| folder | holds | may use |
+| --- | --- | --- |
+| `python/manyhands` | modules | `<matplotlib>` |
+| `python/manyhands/envs` | environments | `python/manyhands/viewer` |
+| `python/manyhands/viewer` | a page | `python/manyhands` |
+| `python/manyhands/__init__.py` | names | everything |
 """
 
 
-def complaints(root: Path, file: str, text: str, table: str = TABLE) -> list[str]:
-    for name, content in (("docs/architecture.md", table), (file, text)):
+def complaints(root: Path, file: str, text: str, table: str = TABLE, **others: str) -> list[str]:
+    """Of a tree with the table, a file, and others by their paths from python/, without slashes and ends."""
+    more = {f"python/{name.replace('__', '/')}.py": content for name, content in others.items()}
+    for name, content in {"docs/architecture.md": table, file: text, **more}.items():
         path = root / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(content)
@@ -75,3 +84,49 @@ def test_forbids(tmp_path: Path, file: str, include: str, reason: str) -> None:
 def test_rejects_a_bad_table(tmp_path: Path, table: str, reason: str) -> None:
     with pytest.raises(ValueError, match=reason):
         complaints(tmp_path, "manyhands/base/a.h", "", table)
+
+
+VIEWER = {"manyhands__viewer__viewer": "", "manyhands__envs__one": "", "manyhands__plots": ""}
+
+
+@pytest.mark.parametrize(
+    ("file", "text"),
+    [
+        ("envs/a.py", "from manyhands.viewer import viewer"),
+        ("envs/a.py", "import manyhands.plots"),  # through the viewer
+        ("viewer/a.py", "import json, numpy as np\nfrom manyhands._core.envs import x"),
+        ("a.py", "def f():\n    import matplotlib.pyplot"),
+        ("__init__.py", "from manyhands.envs import one"),
+    ],
+)
+def test_allows_imports(tmp_path: Path, file: str, text: str) -> None:
+    assert complaints(tmp_path, f"python/manyhands/{file}", text, **VIEWER) == []
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "reason"),
+    [
+        ("viewer/a.py", "from manyhands.envs import one", "may not use `python/manyhands/envs`"),
+        ("viewer/a.py", "def f():\n    from manyhands.envs.one import x", "may not use `python/manyhands/envs`"),
+        ("viewer/a.py", "if TYPE_CHECKING:\n    import manyhands.envs.one", "may not use `python/manyhands/envs`"),
+        ("plots2.py", "from manyhands.viewer.viewer import Viewer", "may not use `python/manyhands/viewer`"),
+        ("envs/a.py", "import matplotlib", "not a library"),
+        ("envs/a.py", "from .one import x", "not a library"),
+    ],
+)
+def test_forbids_imports(tmp_path: Path, file: str, text: str, reason: str) -> None:
+    (found,) = complaints(tmp_path, f"python/manyhands/{file}", text, **VIEWER)
+    assert found.startswith(f"python/manyhands/{file}:")
+    assert reason in found
+
+
+def test_forbids_imports_in_a_circle(tmp_path: Path) -> None:
+    text = "def f():\n    from manyhands.viewer import c"
+    others = {"manyhands__viewer__b": "import manyhands.viewer.a", "manyhands__viewer__c": "import manyhands.viewer.b"}
+    (found,) = complaints(tmp_path, "python/manyhands/viewer/a.py", text, **others)
+    assert "imports in a circle" in found
+    assert all(f"viewer/{name}.py" in found for name in "abc")
+
+
+def test_this_tree_keeps_its_layers() -> None:
+    assert check_layers.check(ROOT) == []

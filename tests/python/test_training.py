@@ -22,11 +22,12 @@ from tensorboard.backend.event_processing.event_accumulator import EventAccumula
 from manyhands import cli
 from manyhands._core.envs import make_env_batch
 from manyhands._core.learn import Trainer, TrainerConfig
+from manyhands.env_names import resolve_env_id
 from manyhands.files import replacing
 from manyhands.training.evaluation import PolicyFile, evaluate
 from manyhands.training.policy_file import save_policy
 from manyhands.training.run_folder import RunFolder
-from manyhands.training.settings import TrainSettings, parse_overrides, resolve_env_id
+from manyhands.training.settings import TrainSettings, parse_overrides
 
 PNG = b"\x89PNG\r\n"
 

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from manyhands import cli
+from manyhands.cli import view
 from manyhands.envs import Expert
 from manyhands.envs.single import PandaEnv
-from manyhands.viewer import Viewer, command
+from manyhands.viewer import Viewer
 from manyhands.viewer.environments import DropInSource, EnvSource, NativeSource, source_of_environment
 
 _REGISTRY = dict(gymnasium.registry)
@@ -200,7 +201,7 @@ def test_a_loop_of_the_programs_is_said_to_act(page: Viewer) -> None:
 
 
 def shown(*arguments: str) -> Viewer:
-    return command.shown(cli._parser().parse_args(["view", *arguments, "--port", "18460"]))
+    return view.shown(cli._parser().parse_args(["view", *arguments, "--port", "18460"]))
 
 
 def test_a_learned_policy_reaches_on_the_page(reach_policy: Path) -> None:

@@ -147,7 +147,7 @@ def test_human_mode_changes_no_bits_and_keeps_time() -> None:
 def test_unknown_modes_are_refused() -> None:
     with pytest.raises(ValueError, match=r"expected None or one of \('human', 'rgb_array', 'depth_array'\)"):
         PandaVectorEnv(2, "PandaReach", render_mode="ansi")
-    with pytest.raises(TypeError, match="expected a PandaVectorEnv"):
+    with pytest.raises(TypeError, match="expected an environment of this package"):
         mh.view(gymnasium.make_vec("CartPole-v1", num_envs=2, vectorization_mode="sync"), port=18480)
 
 

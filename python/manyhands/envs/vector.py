@@ -13,7 +13,7 @@ from typing_extensions import Unpack
 
 from manyhands._core.envs import AutoresetBatch, EnvBodies
 from manyhands._core.envs import AutoresetMode as CoreMode
-from manyhands.arguments import whole_number
+from manyhands.arguments import MOST_THREADS, whole_number
 from manyhands.envs import spaces
 from manyhands.envs.cameras import RENDER_MODES, EnvCameras, require_mode
 from manyhands.envs.page import Page
@@ -21,7 +21,7 @@ from manyhands.envs.spaces import ControlType, EnvOptions, Observation, RewardTy
 from manyhands.envs.tally import Tally
 
 _MADE_ANEW = "_batch", "_bodies", "_cameras", "_envs", "_page", "_tally", "_turn"  # in a copy
-_MOST_WORLDS, _MOST_THREADS = 2**20, 1024
+_MOST_WORLDS = 2**20
 
 
 class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
@@ -65,7 +65,7 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         option or one of another type.
         """
         num_envs = whole_number("num_envs", num_envs, 1, _MOST_WORLDS)
-        threads = 0 if num_threads is None else whole_number("num_threads", num_threads, 1, _MOST_THREADS)
+        threads = 0 if num_threads is None else whole_number("num_threads", num_threads, 1, MOST_THREADS)
         if max_episode_steps is not None:
             max_episode_steps = whole_number("max_episode_steps", max_episode_steps, -1, 2**31 - 1)
             if max_episode_steps == 0:

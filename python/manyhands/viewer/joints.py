@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from manyhands import inverse_kinematics
 from manyhands._core import Model, World
+from manyhands.kinematics import inverse_kinematics
 
 Array = NDArray[np.float64]
 Send = Callable[[list[str], list[float], list[float]], None]

@@ -1,12 +1,13 @@
 """Scripted policies that solve the tasks."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from manyhands._core.envs import make_env_batch, make_expert
-from manyhands.envs.spaces import Observation, versioned
+from manyhands.env_names import versioned
 
 
 class Expert:
@@ -21,7 +22,7 @@ class Expert:
         self._id = versioned(env_id)
         self._expert = make_expert(self._id)
 
-    def __call__(self, observation: Observation) -> NDArray[np.float32]:
+    def __call__(self, observation: Mapping[str, NDArray[Any]]) -> NDArray[np.float32]:
         """(action_dim,) for a single observation, (num_envs, action_dim) for those of a vector environment.
 
         Raises ValueError on what is no observation of the task."""

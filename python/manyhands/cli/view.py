@@ -8,8 +8,9 @@ import gymnasium
 import numpy as np
 
 from manyhands._core import World, asset_path
-from manyhands.envs.named import NamedEnv, given_options
-from manyhands.envs.named import add_arguments as add_env_arguments
+from manyhands.cli.named_env import NamedEnv, given_options
+from manyhands.cli.named_env import add_arguments as add_env_arguments
+from manyhands.env_names import resolve_env_id
 from manyhands.viewer import view
 
 if TYPE_CHECKING:
@@ -92,8 +93,6 @@ def _world(path: Path) -> World:
 def _show_environment(
     target: str, options: dict[str, Any], policy: Path | None, seed: int | None, page: dict[str, Any]
 ) -> "Viewer":
-    from manyhands.training.settings import resolve_env_id
-
     named, actors = NamedEnv(resolve_env_id(target), options), {}
     if policy is not None:
         from manyhands.training.evaluation import policy_for

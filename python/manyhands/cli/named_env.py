@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from manyhands._core.envs import EnvSpec, control_types, max_episode_steps
-from manyhands.envs.experts import Expert
+from manyhands.env_names import variant_of
 from manyhands.envs.parts import Obstacle
-from manyhands.envs.registration import variant_of
 from manyhands.envs.single import PandaEnv
+from manyhands.experts import Expert
 
 _EXAMPLE = "for example --option object_shape=cylinder"
 
