@@ -1,8 +1,12 @@
 """Pictures as MP4 and GIF files; needs the extra `video`."""
 
+import subprocess
+import tempfile
 from collections.abc import Iterable
+from contextlib import suppress
+from itertools import chain, islice
 from pathlib import Path
-from typing import Any
+from typing import IO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,24 +40,45 @@ def _write_gif(pictures: Iterable[NDArray[np.uint8]], path: Path, fps: int) -> N
 
 
 def _write_mp4(pictures: Iterable[NDArray[np.uint8]], path: Path, fps: int) -> None:
+    """Raises OSError unless ffmpeg has written all pictures."""
     import imageio_ffmpeg
 
-    writer: Any = None
+    rest = iter(pictures)
+    first = list(islice(rest, 1))
+    _require_some(first)
+    height, width = (side // 2 * 2 for side in first[0].shape[:2])  # H.264 wants even sides
+    raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", str(fps), "-i", "-"]
+    h264 = ["-c:v", "libx264", "-crf", "10", "-pix_fmt", "yuv420p"]
+    command = [imageio_ffmpeg.get_ffmpeg_exe(), "-y", "-v", "error", *raw, *h264, str(path)]
+    with tempfile.TemporaryFile() as said:
+        # In a session of its own: Ctrl-C is told to this program alone.
+        ffmpeg = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=said, start_new_session=True)
+        assert ffmpeg.stdin is not None
+        try:
+            for picture in chain(first, rest):
+                if not _take(ffmpeg.stdin, np.ascontiguousarray(picture[:height, :width])):
+                    break
+        except BaseException:
+            ffmpeg.kill()
+            raise
+        finally:
+            with suppress(BrokenPipeError):  # the exit status tells more
+                ffmpeg.stdin.close()
+            ffmpeg.wait()
+        if ffmpeg.returncode:
+            said.seek(0)
+            lines = said.read().decode(errors="replace").split("\n")
+            reason = next((line for line in reversed(lines) if line), f"ffmpeg ended with {ffmpeg.returncode}")
+            raise OSError(f"the video cannot be written: {reason}")
+
+
+def _take(encoder: IO[bytes], picture: NDArray[np.uint8]) -> bool:
+    """Gives a picture to an encoder; False if it has ended."""
     try:
-        for picture in pictures:
-            # H.264 wants even sides.
-            frame = np.ascontiguousarray(picture[: picture.shape[0] // 2 * 2, : picture.shape[1] // 2 * 2])
-            if writer is None:
-                size = frame.shape[1], frame.shape[0]
-                writer = imageio_ffmpeg.write_frames(
-                    str(path), size, fps=fps, quality=8, macro_block_size=2, ffmpeg_log_level="error"
-                )
-                writer.send(None)
-            writer.send(frame)
-        _require_some(writer)
-    finally:
-        if writer is not None:
-            writer.close()
+        encoder.write(picture.data)
+    except BrokenPipeError:
+        return False
+    return True
 
 
 def _require_some(frames: object) -> None:

@@ -2,6 +2,7 @@
 
 import os
 import re
+import resource
 import signal
 import subprocess
 import sys
@@ -102,6 +103,43 @@ def test_what_is_interrupted_leaves_the_file_as_it_was(name: str, tmp_path: Path
         write_video(interrupted(), out)
     assert out.read_text() == "of yesterday"
     assert list(tmp_path.iterdir()) == [out]
+
+
+@pytest.fixture
+def small_disk() -> Iterator[None]:
+    """Files end at 4 kB, as they do where a disk is full."""
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, limits[1]))
+    yield
+    resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+
+
+@pytest.mark.parametrize("name", ["reach.mp4", "reach.gif"])
+def test_a_full_disk_leaves_the_file_as_it_was(
+    name: str, tmp_path: Path, small_disk: None, capfd: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / name
+    out.write_text("of yesterday")
+    assert cli.main(["record", "PandaReach", "--out", str(out), "--size", "320", "240"]) == 2
+    said, error = capfd.readouterr()
+    assert said == "" and len(error.splitlines()) == 1
+    assert out.read_text() == "of yesterday"
+    assert list(tmp_path.iterdir()) == [out]
+
+
+def test_a_long_video_ends_where_the_disk_is_full(tmp_path: Path, small_disk: None) -> None:
+    """Before all of it was made."""
+    noise = np.random.default_rng(0).integers(0, 255, (240, 320, 3)).astype(np.uint8)
+    made = 0
+
+    def pictures() -> Iterator[NDArray[np.uint8]]:
+        nonlocal made
+        for made in range(10000):
+            yield np.roll(noise, made, 0)
+
+    with pytest.raises(OSError, match="the video cannot be written: "):
+        write_video(pictures(), tmp_path / "noise.mp4")
+    assert made < 5000
 
 
 @pytest.mark.parametrize("name", ["x.mp4", "x.gif"])
