@@ -37,7 +37,7 @@ def env_id(task: str, reward_type: str, control_type: str) -> str:
 
 
 def variant_of(name: str) -> dict[str, Any]:
-    """What an id stands for, as arguments of `PandaEnv`. Raises ValueError on an id of another form."""
+    """What an id stands for, as arguments of `ArmEnv`. Raises ValueError on an id of another form."""
     match = _ID.fullmatch(name)
     if match is None:
         raise ValueError(f"{name!r} is not of the form Panda<Task>[Joints][Dense]-v3")

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 import manyhands as mh
 from manyhands._core.render import Look
-from manyhands.envs import PandaEnv, PandaVectorEnv
+from manyhands.envs import ArmEnv, ArmVectorEnv
 from manyhands.envs.cameras import orbit_camera
 from manyhands.envs.spaces import CameraOptions
 
@@ -25,20 +25,20 @@ def test_render_has_panda_gyms_arguments() -> None:
     env.reset(seed=0)
     frame = env.render()
     assert isinstance(frame, np.ndarray) and frame.shape == (480, 720, 3) and frame.dtype == np.uint8
-    small = PandaEnv("PandaPickAndPlace", render_mode="rgb_array", render_width=84, render_height=48)
+    small = ArmEnv("PandaPickAndPlace", render_mode="rgb_array", render_width=84, render_height=48)
     small.reset(seed=0)
     picture = small.render()
     assert picture is not None and picture.shape == (48, 84, 3)
-    turned = PandaEnv("PandaPickAndPlace", render_mode="rgb_array", render_width=84, render_height=48, render_yaw=90)
+    turned = ArmEnv("PandaPickAndPlace", render_mode="rgb_array", render_width=84, render_height=48, render_yaw=90)
     turned.reset(seed=0)
     assert (turned.render() != picture).any()
     with pytest.raises(ValueError, match="render size"):
-        PandaEnv(render_mode="rgb_array", render_width=0)
+        ArmEnv(render_mode="rgb_array", render_width=0)
 
 
 def test_depth_of_the_table_is_where_the_table_is() -> None:
     options = {"render_width": 90, "render_height": 60, "render_target_position": [0.2, -0.2, 0]}
-    env = PandaEnv(render_mode="depth_array", **options)  # pyright: ignore[reportArgumentType]
+    env = ArmEnv(render_mode="depth_array", **options)  # pyright: ignore[reportArgumentType]
     env.reset(seed=0)
     depth = env.render()
     assert depth is not None and depth.dtype == np.float32
@@ -53,7 +53,7 @@ def test_goals_and_dice_are_seen() -> None:
     """Where the goal is, the picture differs from one of another goal; a cube with a goal of rotation has colours."""
     colours = {}
     for task in ("PandaReach", "PandaPush", "PandaFlip"):
-        env = PandaEnv(task, render_mode="rgb_array", render_width=240, render_height=160, render_distance=0.6)
+        env = ArmEnv(task, render_mode="rgb_array", render_width=240, render_height=160, render_distance=0.6)
         env.reset(seed=0)
         frame = env.render()
         assert frame is not None
@@ -71,7 +71,7 @@ def test_a_goal_has_the_shape_of_its_object_at_rest(task: str, shape: Any) -> No
         "eye": (0.1, 0.0, 4.0), "target": (0.1, 0.0, 0.0), "up": (1.0, 0.0, 0.0), "fov_y": 0.3, "width": 500,
         "height": 500, "look": Look(shadows=False),
     }  # fmt: skip
-    env = PandaEnv(task, object_shape=shape, cameras={"above": above})
+    env = ArmEnv(task, object_shape=shape, cameras={"above": above})
     observation, _ = env.reset(seed=1)
     picture = observation["above"].astype(int)
     green = picture[..., 1] - picture[..., 0] > 20
@@ -88,21 +88,21 @@ def test_a_goal_has_the_shape_of_its_object_at_rest(task: str, shape: Any) -> No
 
 
 def test_vector_render_is_tiled() -> None:
-    envs = PandaVectorEnv(5, render_mode="rgb_array", render_width=120, render_height=90)
+    envs = ArmVectorEnv(5, render_mode="rgb_array", render_width=120, render_height=90)
     envs.reset(seed=7)
     tiles = envs.render()
     assert tiles.shape == (90, 120, 3)
-    one = PandaEnv(render_mode="rgb_array", render_width=40, render_height=45)
+    one = ArmEnv(render_mode="rgb_array", render_width=40, render_height=45)
     one.reset(seed=7 + 4)
     np.testing.assert_array_equal(tiles[45:, 40:80], one.render())
     assert (tiles[45:, 80:] == 0).all()
-    apart = PandaVectorEnv(3, render_mode="rgb_array", render_width=40, render_height=45, render_tiles=False)
+    apart = ArmVectorEnv(3, render_mode="rgb_array", render_width=40, render_height=45, render_tiles=False)
     apart.reset(seed=9)
     frames = apart.render()
     assert isinstance(frames, tuple) and len(frames) == 3
     np.testing.assert_array_equal(frames[2], one.render())
     with pytest.warns(UserWarning, match="without a render mode"):
-        assert PandaVectorEnv(2).render() is None
+        assert ArmVectorEnv(2).render() is None
 
 
 def test_cameras_are_observed() -> None:
@@ -130,13 +130,13 @@ def test_pictures_of_a_batch_are_those_of_single_environments() -> None:
 
 
 def test_the_last_pictures_of_an_episode_are_kept() -> None:
-    envs = PandaVectorEnv(2, max_episode_steps=2, autoreset_mode="SameStep", cameras={"front": {}})
+    envs = ArmVectorEnv(2, max_episode_steps=2, autoreset_mode="SameStep", cameras={"front": {}})
     envs.reset(seed=0)
     actions = np.ones((2, 3), np.float32)
     envs.step(actions)
     observation, _, _, truncated, info = envs.step(actions)
     assert truncated.all()
-    single = PandaEnv(cameras={"front": {}})
+    single = ArmEnv(cameras={"front": {}})
     single.reset(seed=1)
     single.step(actions[1])
     last, *_ = single.step(actions[1])
@@ -156,23 +156,23 @@ def test_the_last_pictures_of_an_episode_are_kept() -> None:
 )
 def test_cameras_that_cannot_be(cameras: dict, message: str) -> None:
     with pytest.raises(ValueError, match=message):
-        PandaEnv(cameras=cameras)
+        ArmEnv(cameras=cameras)
 
 
 def test_cameras_in_frames_that_are_not_there_are_refused_when_made() -> None:
     mounted = mh.Camera.perspective(8, 8, 0.8).look_at([0.1, 0, 0], [0, 0, 0], frame="elbow")
-    for make in (PandaEnv, PandaVectorEnv):
+    for make in (ArmEnv, ArmVectorEnv):
         for camera in ({"frame": "elbow"}, mounted):
             with pytest.raises(KeyError, match=r"'front': there is no frame or link 'elbow'; there are .*panda_hand"):
                 make(cameras={"front": camera})
-    PandaEnv(cameras={"front": {"frame": "panda_hand"}})
+    ArmEnv(cameras={"front": {"frame": "panda_hand"}})
 
 
 def test_sizes_of_randomised_objects_are_seen() -> None:
     """The object is the last link, and from the front nothing stands before it."""
     seen = []
     for size in (0.8, 1.2):
-        env = PandaEnv("PandaPush", cameras={"front": {"segmentation": True}}, randomize={"object_size": size})
+        env = ArmEnv("PandaPush", cameras={"front": {"segmentation": True}}, randomize={"object_size": size})
         observation, _ = env.reset(seed=0)
         links = observation["front_segmentation"]
         seen.append((links == links.max()).sum())
@@ -182,7 +182,7 @@ def test_sizes_of_randomised_objects_are_seen() -> None:
 def test_the_wrist_is_that_of_the_robot() -> None:
     """A camera behind the finger tips sees them, and the table beyond."""
     for robot in ("panda", "arm6"):
-        env = PandaEnv("PandaPush", robot=robot, cameras={"wrist": {"segmentation": True, "depth": True}})
+        env = ArmEnv("PandaPush", robot=robot, cameras={"wrist": {"segmentation": True, "depth": True}})
         observation, _ = env.reset(seed=0)
         assert len(np.unique(observation["wrist_segmentation"])) >= 2
         assert 0.1 < np.median(observation["wrist_depth"]) < 0.6
@@ -201,7 +201,7 @@ def test_what_varies_is_the_episodes_own() -> None:
         assert np.abs(first[name][0].astype(int) - first[name][1]).mean() > 4
     for bad in ({"postion": 0.1}, {"colour": -0.1}, {"zoom": 1.0}):
         with pytest.raises(ValueError, match="var"):
-            PandaEnv(cameras={"front": {"vary": bad}})
+            ArmEnv(cameras={"front": {"vary": bad}})
 
 
 def test_record_video_writes_what_was_rendered(tmp_path: Path) -> None:
@@ -219,12 +219,12 @@ def test_record_video_writes_what_was_rendered(tmp_path: Path) -> None:
 def test_copies_see_what_the_original_sees() -> None:
     plain: CameraOptions = {"width": 24, "height": 16, "depth": True}
     camera = mh.Camera.perspective(24, 16, 0.8).look_at([0.7, 0, 0.5], [0, 0, 0])
-    env = PandaEnv("PandaPush", cameras={"front": plain})
+    env = ArmEnv("PandaPush", cameras={"front": plain})
     env.reset(seed=0)
     env.step(np.ones(3))
     np.testing.assert_equal(pickle.loads(pickle.dumps(env)).observe(), env.observe())
     own: CameraOptions = {**plain, "look": Look(antialiasing=2)}
     own["vary"] = {"texture": 1.0, "textures": [mh.Texture.checker((1, 0, 0), (0, 0, 1))]}
-    env = PandaEnv("PandaPush", cameras={"front": own, "mine": camera})
+    env = ArmEnv("PandaPush", cameras={"front": own, "mine": camera})
     env.reset(seed=1)
     np.testing.assert_equal(copy.deepcopy(env).observe(), env.observe())

@@ -13,14 +13,14 @@ from gymnasium.utils.env_checker import check_env
 
 import manyhands
 from manyhands._core.envs import env_ids, make_env_batch
-from manyhands.envs import PandaEnv
+from manyhands.envs import ArmEnv
 
 IDS = env_ids()
 
 
-def make(name: str, **kwargs: Any) -> PandaEnv:
+def make(name: str, **kwargs: Any) -> ArmEnv:
     env = gymnasium.make(name, **kwargs).unwrapped
-    assert isinstance(env, PandaEnv)
+    assert isinstance(env, ArmEnv)
     return env
 
 
@@ -137,16 +137,16 @@ def test_arguments_of_make_override_the_variant() -> None:
         with pytest.raises(ValueError, match=f"{argument} is 'magic', expected"):
             make("PandaReach-v3", **{argument: "magic"})
     with pytest.raises(ValueError, match="PandaReach-v3"):
-        PandaEnv("PandaJuggle")
+        ArmEnv("PandaJuggle")
 
 
 def test_a_task_is_named_with_or_without_a_version() -> None:
-    np.testing.assert_equal(PandaEnv("PandaPush-v3").reset(seed=1), PandaEnv("PandaPush").reset(seed=1))
+    np.testing.assert_equal(ArmEnv("PandaPush-v3").reset(seed=1), ArmEnv("PandaPush").reset(seed=1))
     for name in ("PandaReachJoints", "PandaReachDense-v3"):
         with pytest.raises(ValueError, match="names a variant"):
-            PandaEnv(name)
+            ArmEnv(name)
     with pytest.raises(TypeError, match="the environment is 3"):
-        PandaEnv(3)  # pyright: ignore[reportArgumentType]
+        ArmEnv(3)  # pyright: ignore[reportArgumentType]
 
 
 @pytest.mark.parametrize(
@@ -228,11 +228,11 @@ def test_looking_ahead_takes_no_steps_from_the_episode() -> None:
 
 def test_unknown_render_modes_are_refused_plainly() -> None:
     with pytest.raises(ValueError, match="'ansi', expected None or one of"):
-        PandaEnv(render_mode="ansi")
+        ArmEnv(render_mode="ansi")
     with pytest.raises(ValueError, match="'human', 'rgb_array', 'depth_array'"):
         make("PandaReach-v3", render_mode="foo")
     with pytest.warns(UserWarning, match="without a render mode"):
-        assert PandaEnv().render() is None
+        assert ArmEnv().render() is None
 
 
 @pytest.mark.parametrize("seed", [-1, 2**64])

@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from manyhands.envs import PandaEnv
+from manyhands.envs import ArmEnv
 
 FOLDER = Path(__file__).parent / "golden"
 TASKS = ("PandaReach", "PandaPush", "PandaSlide", "PandaPickAndPlace", "PandaStack", "PandaFlip")
 
 
 def picture_of(task: str) -> NDArray[np.uint8]:
-    env = PandaEnv(task, render_mode="rgb_array", render_width=180, render_height=120, render_distance=1.2)
+    env = ArmEnv(task, render_mode="rgb_array", render_width=180, render_height=120, render_distance=1.2)
     env.reset(seed=0)
     picture = env.render()
     assert picture is not None

@@ -377,5 +377,5 @@ def test_pictures_are_those_of_the_native_environment(task: str) -> None:
 
 def test_many_worlds_stay_those_of_the_batch() -> None:
     envs = gymnasium.make_vec("PandaReach-v3", num_envs=2)
-    assert isinstance(envs.unwrapped, mh.envs.PandaVectorEnv)
+    assert isinstance(envs.unwrapped, mh.envs.ArmVectorEnv)
     envs.close()

@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 import manyhands as mh
-from manyhands.envs import PandaEnv
+from manyhands.envs import ArmEnv
 from manyhands.plots import panels, plot
 from manyhands.recording import Recorder, Recording
 
@@ -131,7 +131,7 @@ def test_environments_of_the_drop_in_are_recorded() -> None:
 
 
 def test_what_cannot_be_recorded_is_said() -> None:
-    for other in (PandaEnv(), 3, None):
+    for other in (ArmEnv(), 3, None):
         with pytest.raises(TypeError, match=f"a {type(other).__name__} cannot be recorded: expected a manyhands.World"):
             Recorder(other)
 

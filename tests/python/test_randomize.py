@@ -11,7 +11,7 @@ from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 from test_vector_env import N, actions_for, assert_same, native
 
-from manyhands.envs import PandaEnv
+from manyhands.envs import ArmEnv
 
 RANGES: dict[str, Any] = {
     "object_mass": (0.5, 2.0, "log"),
@@ -21,9 +21,9 @@ RANGES: dict[str, Any] = {
 }
 
 
-def make(name: str, **kwargs: Any) -> PandaEnv:
+def make(name: str, **kwargs: Any) -> ArmEnv:
     env = gymnasium.make(name, **kwargs).unwrapped
-    assert isinstance(env, PandaEnv)
+    assert isinstance(env, ArmEnv)
     return env
 
 

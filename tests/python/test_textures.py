@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 import manyhands as mh
-from manyhands.envs import PandaEnv
+from manyhands.envs import ArmEnv
 
 RED, BLUE = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
 
@@ -182,7 +182,7 @@ def test_dice_stay_dice() -> None:
 @pytest.mark.parametrize("vary", [{"texture": 1.5}, {"texture": -0.1}, {"textures": [mh.Texture(halves())]}])
 def test_textures_that_cannot_vary_so(vary: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match=r"vary|chance"):
-        PandaEnv(cameras={"front": {"vary": vary}})
+        ArmEnv(cameras={"front": {"vary": vary}})
 
 
 URDF = """<robot name="crate"><link name="crate">

@@ -15,18 +15,18 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 from numpy.typing import NDArray
 
 from manyhands._core.envs import env_ids
-from manyhands.envs import PandaVectorEnv
+from manyhands.envs import ArmVectorEnv
 
 N = 6
 
 
-def native(name: str = "PandaReach-v3", num_envs: int = N, **kwargs: Any) -> PandaVectorEnv:
+def native(name: str = "PandaReach-v3", num_envs: int = N, **kwargs: Any) -> ArmVectorEnv:
     env = gymnasium.make_vec(name, num_envs=num_envs, **kwargs)
-    assert isinstance(env, PandaVectorEnv)
+    assert isinstance(env, ArmVectorEnv)
     return env
 
 
-def actions_for(env: PandaVectorEnv, obs: dict[str, NDArray[np.float32]], rng: np.random.Generator) -> NDArray[Any]:
+def actions_for(env: ArmVectorEnv, obs: dict[str, NDArray[np.float32]], rng: np.random.Generator) -> NDArray[Any]:
     """Toward the goal in half of the worlds, so that some succeed early; at random in the others."""
     size = env.single_action_space.shape
     assert size is not None
@@ -251,7 +251,7 @@ def test_wrong_use_is_refused() -> None:
     with pytest.raises(ValueError, match="AutoresetMode"):
         native(autoreset_mode="Sometimes")
     with pytest.raises(ValueError, match="'ansi', expected None or one of"):
-        PandaVectorEnv(2, render_mode="ansi")
+        ArmVectorEnv(2, render_mode="ansi")
 
 
 @pytest.mark.parametrize(
@@ -266,9 +266,9 @@ def test_numbers_that_make_no_sense_are_refused_by_name(name: str, values: list[
     for value in values:
         arguments: dict[str, Any] = {"num_envs": 2} | {name: value}
         with pytest.raises(ValueError, match=f"{name} is {value!r}, expected"):
-            PandaVectorEnv(**arguments)
+            ArmVectorEnv(**arguments)
     arguments = {"num_envs": np.int64(2), name: np.int64(2)}
-    PandaVectorEnv(**arguments)
+    ArmVectorEnv(**arguments)
 
 
 @pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
@@ -325,7 +325,7 @@ def test_other_python_threads_run_during_a_step() -> None:
 def test_states_copies_and_pickles_continue_where_the_worlds_are(mode: AutoresetMode) -> None:
     envs = native(max_episode_steps=7, autoreset_mode=mode, randomize={"action_latency": (0, 2)}, num_threads=2)
 
-    def play(worlds: PandaVectorEnv, obs: Any, steps: int) -> tuple[Any, ...]:
+    def play(worlds: ArmVectorEnv, obs: Any, steps: int) -> tuple[Any, ...]:
         results: list[Any] = []
         rng = np.random.default_rng(2)
         for _ in range(steps):

@@ -19,7 +19,7 @@ from PIL import Image
 
 from manyhands import cli
 from manyhands.cli import record
-from manyhands.envs.single import PandaEnv
+from manyhands.envs.single import ArmEnv
 from manyhands.video import write_video
 
 
@@ -65,7 +65,7 @@ def test_a_learned_policys_episodes(reach_policy: Path, tmp_path: Path) -> None:
         # The start, at most ten steps, and eight more in which success is looked at; without success it would be 51.
         assert 4 * 9 < frames < 4 * 19
     idle = tmp_path / "idle.mp4"
-    act = record.episodes(PandaEnv(render_mode="rgb_array", render_width=80, render_height=60), still, range(1), 50)
+    act = record.episodes(ArmEnv(render_mode="rgb_array", render_width=80, render_height=60), still, range(1), 50)
     write_video(act, idle)
     assert length(idle)[0] == 51
 

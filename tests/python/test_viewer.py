@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 import manyhands as mh
-from manyhands.envs.single import PandaEnv
+from manyhands.envs.single import ArmEnv
 from manyhands.measures import chain, contact_forces, hand_of, joint_forces, rotate
 from manyhands.plots import plot
 from manyhands.recording import Recorder
@@ -395,7 +395,7 @@ def test_pushes_act_in_every_time_step_of_an_environment() -> None:
 
 
 def test_environments_go_back_with_their_goals() -> None:
-    for env in (registration.make_env(task="PandaReach"), PandaEnv("PandaReach")):
+    for env in (registration.make_env(task="PandaReach"), ArmEnv("PandaReach")):
         env.reset(seed=3)
         source = source_of_environment(env)
         assert source is not None
@@ -417,7 +417,7 @@ def test_environments_go_back_with_their_goals() -> None:
 
 def test_goals_are_seen() -> None:
     for task, count in (("PandaReach", 1), ("PandaStack", 2), ("PandaFlip", 1), ("PandaSlide", 1)):
-        env = PandaEnv(task)
+        env = ArmEnv(task)
         observation, _ = env.reset(seed=0)
         source = source_of_environment(env)
         assert isinstance(source, NativeSource)
@@ -432,7 +432,7 @@ def test_goals_are_seen() -> None:
 
 
 def test_goals_lie_as_their_objects_do() -> None:
-    env = PandaEnv("PandaPush", object_shape="capsule")
+    env = ArmEnv("PandaPush", object_shape="capsule")
     env.reset(seed=0)
     source = source_of_environment(env)
     assert source is not None
@@ -442,7 +442,7 @@ def test_goals_lie_as_their_objects_do() -> None:
 
 
 def test_native_bodies_are_where_they_are_observed() -> None:
-    env = PandaEnv("PandaPush")
+    env = ArmEnv("PandaPush")
     observation, _ = env.reset(seed=0)
     source = source_of_environment(env)
     assert source is not None
@@ -453,7 +453,7 @@ def test_native_bodies_are_where_they_are_observed() -> None:
 
 
 def test_episodes_are_written_as_they_happened(tmp_path: Path) -> None:
-    env = PandaEnv("PandaReach")
+    env = ArmEnv("PandaReach")
     env.spec = gymnasium.spec("PandaReach-v3")
     source = source_of_environment(env, title="reaching (slowly)")
     assert source is not None
@@ -470,7 +470,7 @@ def test_episodes_are_written_as_they_happened(tmp_path: Path) -> None:
     episode = np.load(writer.where)
     assert episode["env_id"] == "PandaReach-v3"
     assert episode["success"][-1] and not episode["success"][:-1].any()
-    again = PandaEnv("PandaReach")
+    again = ArmEnv("PandaReach")
     observation, _ = again.reset(seed=5)
     for k, action in enumerate(episode["action"]):
         assert np.array_equal(observation["observation"], episode["observation"][k])
@@ -478,7 +478,7 @@ def test_episodes_are_written_as_they_happened(tmp_path: Path) -> None:
         assert reward == episode["reward"][k]
 
 
-@pytest.mark.parametrize("make", [PandaEnv, registration.make_env])
+@pytest.mark.parametrize("make", [ArmEnv, registration.make_env])
 def test_human_mode_opens_a_page_and_keeps_time(make: Any, capsys: pytest.CaptureFixture[str]) -> None:
     env = make(task="PandaReach", render_mode="human")
     env.reset(seed=0)

@@ -11,7 +11,7 @@ import pytest
 from manyhands import cli
 from manyhands.cli import view
 from manyhands.envs import Expert
-from manyhands.envs.single import PandaEnv
+from manyhands.envs.single import ArmEnv
 from manyhands.viewer import Viewer
 from manyhands.viewer.environments import DropInSource, EnvSource, NativeSource, source_of_environment
 
@@ -30,7 +30,7 @@ def source_of(env: Any, seed: int = 0) -> EnvSource:
     return source
 
 
-@pytest.fixture(params=[PandaEnv, registration.make_env])
+@pytest.fixture(params=[ArmEnv, registration.make_env])
 def reach(request: pytest.FixtureRequest) -> EnvSource:
     return source_of(request.param(task="PandaReach"))
 
@@ -98,10 +98,10 @@ def test_going_back_uncounts_what_ended_since(reach: EnvSource) -> None:
 def test_the_gripper_is_the_number_beyond_the_arms() -> None:
     for robot, arm in (("panda", 7), ("arm6", 6)):
         for task, grips in (("PandaReach", False), ("PandaPickAndPlace", True)):
-            source = source_of(PandaEnv(task, robot=robot, control_type="joint_velocity"))
+            source = source_of(ArmEnv(task, robot=robot, control_type="joint_velocity"))
             assert source.action_size == arm + grips
             assert source.has_grip == grips
-            assert source_of(PandaEnv(task, robot=robot, control_type="ee_pose")).has_grip == grips
+            assert source_of(ArmEnv(task, robot=robot, control_type="ee_pose")).has_grip == grips
 
 
 # ---- who acts ----------------------------------------------------------------------------------------------------
@@ -178,7 +178,7 @@ def test_an_expert_begins_anew_with_each_episode(page: Viewer) -> None:
 
 def test_experts_are_offered_where_they_can_act() -> None:
     for options, offered in (({}, True), ({"robot": "arm6"}, True), ({"control_type": "ee_pose"}, False)):
-        env = PandaEnv("PandaReach", **options)
+        env = ArmEnv("PandaReach", **options)
         env.reset(seed=0)
         with Viewer(env, port=18455, title="PandaReach-v3", announce=False) as viewer:
             panel = viewer.panel.teleop

@@ -12,7 +12,7 @@ from gymnasium.vector import AutoresetMode
 
 import manyhands as mh
 from manyhands import rotations
-from manyhands.envs.vector import PandaVectorEnv
+from manyhands.envs.vector import ArmVectorEnv
 from manyhands.viewer import Viewer
 from manyhands.viewer.batches import BatchSource
 from manyhands.viewer.neighbours import places
@@ -30,8 +30,8 @@ def reaching(envs: Any, steps: int) -> list[tuple[Any, ...]]:
 
 
 @pytest.fixture
-def envs() -> Iterator[PandaVectorEnv]:
-    envs = PandaVectorEnv(5, "PandaReach", num_threads=1)
+def envs() -> Iterator[ArmVectorEnv]:
+    envs = ArmVectorEnv(5, "PandaReach", num_threads=1)
     yield envs
     envs.close()
 
@@ -43,7 +43,7 @@ def envs() -> Iterator[PandaVectorEnv]:
 def test_episodes_are_counted_as_single_environments_would(mode: AutoresetMode) -> None:
     """Under the same actions, one by one, with a limit of 6 steps that some random episodes meet."""
     n, limit = 6, 6
-    envs = PandaVectorEnv(n, "PandaReach", max_episode_steps=limit, autoreset_mode=mode, distance_threshold=0.15)
+    envs = ArmVectorEnv(n, "PandaReach", max_episode_steps=limit, autoreset_mode=mode, distance_threshold=0.15)
     tally = envs.count_episodes()
     envs.reset(seed=0)
     singles = [gymnasium.make("PandaReach-v3", max_episode_steps=limit, distance_threshold=0.15) for _ in range(n)]
@@ -82,7 +82,7 @@ def test_episodes_are_counted_as_single_environments_would(mode: AutoresetMode) 
 # ---- what is shown -----------------------------------------------------------------------------------------------
 
 
-def test_the_chosen_world_is_shown_where_it_is_observed(envs: PandaVectorEnv) -> None:
+def test_the_chosen_world_is_shown_where_it_is_observed(envs: ArmVectorEnv) -> None:
     observation, _ = envs.reset(seed=0)
     source = BatchSource(envs, "reach")
     hand = [link.name for link in source.model.links].index("panda_grasptarget")
@@ -96,7 +96,7 @@ def test_the_chosen_world_is_shown_where_it_is_observed(envs: PandaVectorEnv) ->
     assert source.time == pytest.approx(3 * 0.04)
 
 
-def test_worlds_beside_it_are_the_next_ones(envs: PandaVectorEnv) -> None:
+def test_worlds_beside_it_are_the_next_ones(envs: ArmVectorEnv) -> None:
     observation, _ = envs.reset(seed=0)
     source = BatchSource(envs, "reach")
     assert source.neighbours() is None
@@ -110,7 +110,7 @@ def test_worlds_beside_it_are_the_next_ones(envs: PandaVectorEnv) -> None:
     assert np.array_equal(source.poses()[0], shown.positions[0])  # the chosen one is where it always is
 
 
-def test_looking_back_leaves_the_worlds_alone(envs: PandaVectorEnv) -> None:
+def test_looking_back_leaves_the_worlds_alone(envs: ArmVectorEnv) -> None:
     envs.reset(seed=0)
     source = BatchSource(envs, "reach")
     source.choose(2)
@@ -146,7 +146,7 @@ def test_human_mode_changes_no_bits_and_keeps_time() -> None:
 
 def test_unknown_modes_are_refused() -> None:
     with pytest.raises(ValueError, match=r"expected None or one of \('human', 'rgb_array', 'depth_array'\)"):
-        PandaVectorEnv(2, "PandaReach", render_mode="ansi")
+        ArmVectorEnv(2, "PandaReach", render_mode="ansi")
     with pytest.raises(TypeError, match="expected an environment of this package"):
         mh.view(gymnasium.make_vec("CartPole-v1", num_envs=2, vectorization_mode="sync"), port=18480)
 
@@ -154,7 +154,7 @@ def test_unknown_modes_are_refused() -> None:
 # ---- the page ----------------------------------------------------------------------------------------------------
 
 
-def test_a_browser_that_hangs_holds_up_no_step(envs: PandaVectorEnv, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_browser_that_hangs_holds_up_no_step(envs: ArmVectorEnv, monkeypatch: pytest.MonkeyPatch) -> None:
     release = threading.Event()
     with Viewer(envs, port=18470, announce=False) as viewer:
         viewer.speed = float("inf")
@@ -169,7 +169,7 @@ def test_a_browser_that_hangs_holds_up_no_step(envs: PandaVectorEnv, monkeypatch
     assert taken < 5.0  # 12 s at the worlds' own pace
 
 
-def test_the_page_never_moves_the_worlds(envs: PandaVectorEnv) -> None:
+def test_the_page_never_moves_the_worlds(envs: ArmVectorEnv) -> None:
     """Also when the loop takes long between two steps, as learners do."""
     with Viewer(envs, port=18470, announce=False) as viewer:
         envs.reset(seed=0)
@@ -185,7 +185,7 @@ def test_the_page_never_moves_the_worlds(envs: PandaVectorEnv) -> None:
             viewer.actor("me", lambda _: np.zeros(3))
 
 
-def test_worlds_are_gone_through(envs: PandaVectorEnv) -> None:
+def test_worlds_are_gone_through(envs: ArmVectorEnv) -> None:
     with Viewer(envs, port=18470, announce=False) as viewer:
         panel = viewer.panel.worlds
         assert panel is not None
@@ -202,7 +202,7 @@ def test_worlds_are_gone_through(envs: PandaVectorEnv) -> None:
 
 def test_worlds_beside_it_are_drawn_apart() -> None:
     """Each geom where its own world has it, computed here for one world at a time."""
-    envs = PandaVectorEnv(6, "PandaStack", num_threads=1)
+    envs = ArmVectorEnv(6, "PandaStack", num_threads=1)
     envs.reset(seed=0)
     with Viewer(envs, port=18470, announce=False) as viewer:
         panel, stage = viewer.panel.worlds, viewer.stage.neighbours

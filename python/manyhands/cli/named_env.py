@@ -9,7 +9,7 @@ from typing import Any
 from manyhands._core.envs import EnvSpec, control_types, max_episode_steps
 from manyhands.env_names import variant_of
 from manyhands.envs.parts import Obstacle
-from manyhands.envs.single import PandaEnv
+from manyhands.envs.single import ArmEnv
 from manyhands.experts import Expert
 
 _EXAMPLE = "for example --option object_shape=cylinder"
@@ -22,11 +22,11 @@ class NamedEnv:
     id: str
     """With its version."""
     options: dict[str, Any] = field(default_factory=dict)
-    """Keyword arguments of `PandaEnv`."""
+    """Keyword arguments of `ArmEnv`."""
 
     @property
     def variant(self) -> dict[str, Any]:
-        """Task, types and options, as arguments of `PandaEnv`."""
+        """Task, types and options, as arguments of `ArmEnv`."""
         return variant_of(self.id) | self.options
 
     @property
@@ -40,10 +40,10 @@ class NamedEnv:
         """Of an episode."""
         return max_episode_steps(self.id)
 
-    def make(self, **arguments: Any) -> PandaEnv:
+    def make(self, **arguments: Any) -> ArmEnv:
         """The environment, with further arguments. Raises ValueError on an option that is not, or cannot be."""
         try:
-            return PandaEnv(**{**arguments, **self.variant})
+            return ArmEnv(**{**arguments, **self.variant})
         except (TypeError, KeyError) as reason:
             raise ValueError(reason.args[0]) from reason
 

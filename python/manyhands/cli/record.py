@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from manyhands.cli.named_env import NamedEnv, given_options
 from manyhands.cli.named_env import add_arguments as add_env_arguments
 from manyhands.env_names import resolve_env_id
-from manyhands.envs.single import PandaEnv
+from manyhands.envs.single import ArmEnv
 from manyhands.envs.spaces import RENDER_FPS
 from manyhands.interrupts import INTERRUPTED, Interrupts
 from manyhands.video import write_video
@@ -78,7 +78,7 @@ def _until(interrupts: Interrupts, seeds: Iterable[int], begun: list[int]) -> It
 
 
 def episodes(
-    env: PandaEnv, act: Callable[[], Callable[[Any], Any]], seeds: Iterable[int], max_steps: int
+    env: ArmEnv, act: Callable[[], Callable[[Any], Any]], seeds: Iterable[int], max_steps: int
 ) -> Iterator[NDArray[np.uint8]]:
     """The pictures of episodes, each under a fresh policy, until shortly after success or max_steps."""
     for seed in seeds:
@@ -91,7 +91,7 @@ def episodes(
             yield _picture(env)
 
 
-def _picture(env: PandaEnv) -> NDArray[np.uint8]:
+def _picture(env: ArmEnv) -> NDArray[np.uint8]:
     picture = env.render()
     assert picture is not None
     return picture

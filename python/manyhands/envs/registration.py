@@ -6,7 +6,7 @@ import gymnasium
 
 from manyhands._core.envs import env_ids, max_episode_steps
 from manyhands.env_names import variant_of
-from manyhands.envs.vector import PandaVectorEnv
+from manyhands.envs.vector import ArmVectorEnv
 
 
 def register() -> None:
@@ -14,13 +14,13 @@ def register() -> None:
     for name in env_ids():
         gymnasium.register(
             id=name,
-            entry_point="manyhands.envs:PandaEnv",
-            vector_entry_point="manyhands.envs:PandaVectorEnv",
+            entry_point="manyhands.envs:ArmEnv",
+            vector_entry_point="manyhands.envs:ArmVectorEnv",
             max_episode_steps=max_episode_steps(name),
             kwargs=variant_of(name),
         )
 
 
-def make_vector_env(name: str, num_envs: int, **kwargs: Any) -> PandaVectorEnv:
+def make_vector_env(name: str, num_envs: int, **kwargs: Any) -> ArmVectorEnv:
     """The vector environment of a registered id, whatever other package has registered the same id since."""
-    return PandaVectorEnv(num_envs, **variant_of(name), **kwargs)
+    return ArmVectorEnv(num_envs, **variant_of(name), **kwargs)

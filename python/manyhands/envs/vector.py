@@ -24,11 +24,11 @@ _MADE_ANEW = "_batch", "_bodies", "_cameras", "_envs", "_page", "_tally", "_turn
 _MOST_WORLDS = 2**20
 
 
-class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
-    """`num_envs` worlds of one Panda task: what SyncVectorEnv gives over as many `PandaEnv`, to the bit, but fast.
+class ArmVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
+    """`num_envs` worlds of one task: what SyncVectorEnv gives over as many `ArmEnv`, to the bit, but fast.
 
     Made by `gymnasium.make_vec("PandaReach-v3", num_envs=4096, num_threads=2, autoreset_mode="SameStep")`. Arrays are
-    as in `PandaEnv` with a first axis for the worlds. The results do not depend on the number of threads.
+    as in `ArmEnv` with a first axis for the worlds. The results do not depend on the number of threads.
     Calls from several Python threads take turns. Copies and pickles continue where the environment is.
     """
 
@@ -225,7 +225,7 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         return {"kept": kept, "state": self.save_state()}
 
     def __setstate__(self, saved: dict[str, Any]) -> None:
-        PandaVectorEnv.__init__(self, **saved["kept"]["_arguments"])
+        ArmVectorEnv.__init__(self, **saved["kept"]["_arguments"])
         vars(self).update(saved["kept"])
         self._batch.restore(saved["state"])
 
