@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
-from test_vector_env import N, actions_for, assert_same, native
+from vector_envs import N, actions_for, assert_same, native
 
 from manyhands.envs import ArmEnv
 

@@ -1,6 +1,6 @@
 """The pictures of each task as they were when somebody looked at them and found them good.
 
-`python tests/python/test_golden_pictures.py` writes them anew, to be looked at.
+`python tests/python/render/test_golden_pictures.py` writes them anew, to be looked at.
 """
 
 from pathlib import Path

@@ -19,7 +19,7 @@ from manyhands.panda_gym import registration, rendering  # noqa: E402
 gymnasium.registry.update(_REGISTRY)  # other tests make the environments of manyhands.envs
 
 V2_IDS = [name.replace("-v3", "-v2") for name in panda_gym.ENV_IDS]
-MANUAL = Path(__file__).parents[2] / "docs" / "panda_gym.md"
+MANUAL = Path(__file__).parents[3] / "docs" / "panda_gym.md"
 
 
 @pytest.fixture(autouse=True)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 SPEC = importlib.util.spec_from_file_location("check_layers", ROOT / "tools/check_layers.py")
 assert SPEC is not None and SPEC.loader is not None
 check_layers = importlib.util.module_from_spec(SPEC)

@@ -185,7 +185,7 @@ def test_single_environments_pass_the_check_without_a_warning(name: str) -> None
         check_env(gymnasium.make(name).unwrapped)  # it looks for compute_reward through no wrapper
 
 
-ZOO = Path(__file__).parents[2] / "examples/rl_zoo"
+ZOO = Path(__file__).parents[3] / "examples/rl_zoo"
 
 
 @pytest.mark.parametrize("algorithm", ["sac", "tqc", "ddpg"])
