@@ -55,10 +55,6 @@ class JointDrive:
         self._refresh()
         return list(self._knobs.values())
 
-    @property
-    def is_driving(self) -> bool:
-        return bool(self._targets)
-
     def value(self, knob: Knob) -> float:
         """Where the joint is [rad or m]."""
         return float(self._world.q[knob.iq])
