@@ -3,6 +3,7 @@
 import threading
 from collections.abc import Sequence
 from typing import Any
+from weakref import WeakMethod
 
 import numpy as np
 from gymnasium.error import ResetNeeded
@@ -101,7 +102,9 @@ class ArmVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         self._tiles = render_tiles
         pictures = self._cameras.spaces()
         if pictures:
-            self._batch.on_final(self._cameras.keep_final)
+            # The collector does not see what the batch holds: it must hold nothing that could lead back to it.
+            keep = WeakMethod(self._cameras.keep_final)
+            self._batch.on_final(lambda worlds: None if (see := keep()) is None else see(worlds))
         self.single_observation_space = spaces.observation_space(spec, pictures)
         self.single_action_space = spaces.action_space(spec)
         self.observation_space = batch_space(self.single_observation_space, num_envs)

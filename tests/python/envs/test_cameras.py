@@ -1,8 +1,10 @@
 """What environments show: `render`, pictures in the observation, and videos."""
 
 import copy
+import gc
 import math
 import pickle
+import weakref
 from pathlib import Path
 from typing import Any
 
@@ -228,3 +230,13 @@ def test_copies_see_what_the_original_sees() -> None:
     env = ArmEnv("PandaPush", cameras={"front": own, "mine": camera})
     env.reset(seed=1)
     np.testing.assert_equal(copy.deepcopy(env).observe(), env.observe())
+
+
+def test_environments_in_a_circle_with_their_cameras_are_collected() -> None:
+    """What the batch in C++ holds of Python, the collector does not see."""
+    envs = ArmVectorEnv(2, cameras={"front": {"width": 8, "height": 8}})
+    envs._cameras.owner = envs  # pyright: ignore[reportAttributeAccessIssue]
+    seen = weakref.ref(envs)
+    del envs
+    gc.collect()
+    assert seen() is None
