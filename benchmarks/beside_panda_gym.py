@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from manyhands.envs import Expert, PandaEnv
+from manyhands.envs import ArmEnv, Expert
 
 Array = NDArray[np.float64]
 Observation = dict[str, Any]
@@ -83,7 +83,7 @@ def panda_gym(task: str, geared: bool = False) -> Iterator[Any]:
 def reset(env: Any, task: str, seed: int) -> Observation:
     """Starts the same episode as ours: Flip's goal is not seeded in panda-gym 3.0.7, so it is given ours."""
     observation = env.reset(seed=seed)[0]
-    ours = PandaEnv(f"Panda{task}").reset(seed=seed)[0]
+    ours = ArmEnv(f"Panda{task}").reset(seed=seed)[0]
     if task == "Flip":
         env.task.goal = ours["desired_goal"].astype(float)
         env.sim.set_base_pose("object", ours["observation"][7:10].astype(float), np.array([0.0, 0, 0, 1]))
@@ -119,7 +119,7 @@ def recorded(env: Any, observation: Observation, act: Act, steps: int) -> Path:
 
 def ours_of(task: str, seed: int, act: Act, steps: int) -> Path:
     """A path of the native environment."""
-    env = PandaEnv(f"Panda{task}")
+    env = ArmEnv(f"Panda{task}")
     return recorded(env, env.reset(seed=seed)[0], act, steps)
 
 

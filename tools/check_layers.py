@@ -1,17 +1,23 @@
-"""Fails on an include that the layer table of docs/architecture.md forbids.
+"""Fails on an include or import that the layer tables of docs/architecture.md forbid, and on imports in a circle.
 
-The table `| folder | holds | may use |` is the law. A layer may include itself, what its third column names, and what
+The tables `| folder | holds | may use |` are the law. A layer may use itself, what its third column names, and what
 those may use in turn. A name that ends in `.h` allows that one header; `<name>` allows a third-party library to this
-layer alone. `everything` lifts all limits.
+layer alone. `everything` lifts all limits. In Python, imports inside functions and for type checkers count as all do;
+`manyhands._core` and the package's required dependencies are free.
 """
 
+import ast
 import re
 import sys
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)')
 STANDARD = re.compile(r"^[a-z_0-9]+$")  # <vector>, <cmath>: neither dot nor slash
+ROW = re.compile(r"^\| `(manyhands/[\w/]+|bindings|python/[\w/.]+)` \|[^|\n]*\|([^|\n]*)\|", re.MULTILINE)
+FREE = {*sys.stdlib_module_names, "gymnasium", "numpy", "typing_extensions"}  # to Python
 
 
 @dataclass
@@ -28,7 +34,7 @@ class Layer:
 def read_table(document: Path) -> dict[str, Layer]:
     """The layers by folder, `layers` closed under "may use". Raises ValueError if the table is missing or names an
     unknown folder."""
-    rows = re.findall(r"^\| `(manyhands/[\w/]+|bindings)` \|[^|]*\|([^|]*)\|", document.read_text(), re.MULTILINE)
+    rows = ROW.findall(document.read_text())
     if not rows:
         raise ValueError(f"{document}: no layer table `| folder | holds | may use |` found")
     table: dict[str, Layer] = {}
@@ -56,8 +62,8 @@ def read_table(document: Path) -> dict[str, Layer]:
 
 
 def layer_of(path: str, table: dict[str, Layer]) -> Layer | None:
-    """The layer of the deepest folder that holds `path`, a path from the root of the tree."""
-    folders = [folder for folder in table if path.startswith(folder + "/")]
+    """The layer of the deepest row that holds `path`, a path from the root of the tree."""
+    folders = [folder for folder in table if path == folder or path.startswith(folder + "/")]
     return table[max(folders, key=len)] if folders else None
 
 
@@ -80,9 +86,8 @@ def complaint(include: str, quoted: bool, layer: Layer, table: dict[str, Layer])
     return None
 
 
-def check(root: Path) -> list[str]:
+def check_includes(root: Path, table: dict[str, Layer]) -> list[str]:
     """Every forbidden include under `root`, as `file:line: message`."""
-    table = read_table(root / "docs/architecture.md")
     found: list[str] = []
     for top in ("manyhands", "bindings"):
         for path in sorted((root / top).rglob("*")):
@@ -101,7 +106,71 @@ def check(root: Path) -> list[str]:
     return found
 
 
+def imports(file: Path) -> Iterator[tuple[int, str, str]]:
+    """Lines of imports, wherever they stand, with the module and, of `from module import name`, the name."""
+    for node in ast.walk(ast.parse(file.read_text())):
+        if isinstance(node, ast.Import):
+            yield from ((node.lineno, alias.name, "") for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            module = "." * node.level + (node.module or "")
+            yield from ((node.lineno, module, alias.name) for alias in node.names)
+
+
+def file_of(module: str, name: str, root: Path) -> str | None:
+    """The file that an import reads, from the root of the tree; None if it is not of this tree."""
+    for dotted in (f"{module}.{name}", module) if name else (module,):
+        path = f"python/{dotted.replace('.', '/')}"
+        for file in (f"{path}.py", f"{path}/__init__.py"):
+            if (root / file).is_file():
+                return file
+    return None
+
+
+def import_complaint(module: str, file: str | None, layer: Layer, table: dict[str, Layer]) -> str | None:
+    """What is wrong with an import of `module`, which is `file`, in a file of `layer`, or None."""
+    if layer.unlimited or module == "manyhands._core" or module.startswith("manyhands._core."):
+        return None
+    if file is None:
+        package = module.partition(".")[0]
+        if package in FREE or package in layer.libraries:
+            return None
+        return f"`{module}` is not a library that `{layer.folder}` may use"
+    target = layer_of(file, table)
+    if target is not None and target.folder != layer.folder and target.folder not in layer.layers:
+        return f"`{module}`: `{layer.folder}` may not use `{target.folder}`"
+    return None
+
+
+def check_imports(root: Path, table: dict[str, Layer]) -> list[str]:
+    """Every forbidden import under `root`, as `file:line: message`, and a circle if there is one."""
+    found: list[str] = []
+    graph: dict[str, set[str]] = {}
+    for path in sorted((root / "python").rglob("*.py")):
+        name = path.relative_to(root).as_posix()
+        layer = layer_of(name, table)
+        if layer is None:
+            found.append(f"{name}:1: this folder is in no row of the layer table")
+            continue
+        for line, module, item in imports(path):
+            file = file_of(module, item, root)
+            if file is not None:
+                graph.setdefault(name, set()).add(file)
+            if message := import_complaint(module, file, layer, table):
+                found.append(f"{name}:{line}: {message}")
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as circle:
+        found.append(f"{circle.args[1][0]}:1: imports in a circle: {' <- '.join(circle.args[1])}")
+    return found
+
+
+def check(root: Path) -> list[str]:
+    """Everything under `root` that the tables forbid, as `file:line: message`."""
+    table = read_table(root / "docs/architecture.md")
+    return check_includes(root, table) + check_imports(root, table)
+
+
 if __name__ == "__main__":
     complaints = check(Path(__file__).resolve().parent.parent)
-    print("\n".join([*complaints, f"{len(complaints)} forbidden includes (docs/architecture.md, Layers)"]))
+    print("\n".join([*complaints, f"{len(complaints)} forbidden includes and imports (docs/architecture.md, Layers)"]))
     sys.exit(bool(complaints))

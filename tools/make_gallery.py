@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from manyhands.envs import Expert, PandaEnv
+from manyhands.envs import ArmEnv, Expert
 
 ROOT = Path(__file__).resolve().parent.parent
 SIZE = (400, 300)
@@ -29,7 +29,7 @@ TASKS = {
 
 
 def picture(task: str, seed: int, steps: int) -> Image.Image:
-    env = PandaEnv(
+    env = ArmEnv(
         f"Panda{task}", render_mode="rgb_array", render_width=SIZE[0], render_height=SIZE[1],
         render_target_position=[-0.08, 0.0, 0.16], render_distance=0.92, render_yaw=55, render_pitch=-22,
     )  # fmt: skip

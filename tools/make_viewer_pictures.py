@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from playwright.sync_api import sync_playwright
 
-from manyhands.envs import Expert, PandaVectorEnv
+from manyhands.envs import ArmVectorEnv, Expert
 from manyhands.panda_gym import registration
 from manyhands.plots import plot
 from manyhands.recording import Recorder
@@ -112,7 +112,7 @@ def main() -> None:
         browser = driver.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
         for name, prepare in (("viewer_drive", drive), ("viewer_robot", robot)):
             take(name, environment("PandaPickAndPlace", 36), prepare, browser, out)
-        take("viewer_worlds", PandaVectorEnv(64, "PandaPickAndPlace"), worlds, browser, out)
+        take("viewer_worlds", ArmVectorEnv(64, "PandaPickAndPlace"), worlds, browser, out)
         browser.close()
 
 

@@ -239,16 +239,13 @@ void bind_couplings(nb::class_<ModelBuilder>& builder) {
           "ratio"_a = 1.0, "offset"_a = 0.0, "max_force"_a = kInfinity,
           nb::sig(
               "def add_equality(self, name: str, type: typing.Literal['point', 'hinge', 'fixed', 'prismatic', "
-              "'slider', "
-              "'joint', 'gear'], a: str, b: str, *, position_a: numpy.typing.ArrayLike = (0, 0, 0), "
+              "'slider', 'joint', 'gear'], a: str, b: str, *, position_a: numpy.typing.ArrayLike = (0, 0, 0), "
               "quaternion_a: numpy.typing.ArrayLike = (0, 0, 0, 1), position_b: numpy.typing.ArrayLike = (0, 0, 0), "
               "quaternion_b: numpy.typing.ArrayLike = (0, 0, 0, 1), ratio: float = 1.0, offset: float = 0.0, "
               "max_force: float = ...) -> None"),
-          "Holds two parts together: frame B on link b coincides with frame A on link a ('point': in its origin; 'hinge': may "
-          "turn "
-          "about z; 'fixed'; 'prismatic': may slide along z; 'slider': both); or joints a and b move as q_b = ratio "
-          "q_a "
-          "+ offset ('joint') or v_b = ratio v_a ('gear').")
+          "Holds two parts together: frame B on link b coincides with frame A on link a ('point': in its origin; "
+          "'hinge': may turn about z; 'fixed'; 'prismatic': may slide along z; 'slider': both); or joints a and b move "
+          "as q_b = ratio q_a + offset ('joint') or v_b = ratio v_a ('gear').")
       .def(
           "add_actuator",
           [](ModelBuilder& self, const std::string& name, const std::string& type, const std::string& joint,

@@ -51,7 +51,6 @@ class Mlp {
   void initialise(std::uint64_t seed, S last_layer_scale);
 
   [[nodiscard]] const std::vector<int>& sizes() const { return sizes_; }
-  [[nodiscard]] OutputActivation output_activation() const { return output_; }
   [[nodiscard]] int num_layers() const { return static_cast<int>(sizes_.size()) - 1; }
   [[nodiscard]] int num_parameters() const { return static_cast<int>(parameters_.size()); }
 

@@ -57,7 +57,6 @@ class ReplayBuffer {
   [[nodiscard]] int size() const { return size_; }  ///< transitions held
   [[nodiscard]] float lowest_reward() const { return lowest_reward_; }
   [[nodiscard]] float highest_reward() const { return highest_reward_; }
-  [[nodiscard]] float success_reward() const { return success_reward_; }
 
   /// Appends an episode, overwriting the oldest transitions. Throws std::invalid_argument on wrong lengths.
   void add(const EpisodeView& episode);

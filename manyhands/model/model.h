@@ -79,7 +79,6 @@ class Model {
 
   /// For every velocity index, the next one towards the root that moves the same body, or -1: the sparsity of M.
   [[nodiscard]] std::span<const int> dof_parent() const { return dof_parent_; }
-  [[nodiscard]] std::span<const int> dof_body() const { return dof_body_; }
   [[nodiscard]] std::span<const int> dof_joint() const { return dof_joint_; }
 
   /// Limits, damping and so on by velocity index (nv); infinite or 0 for dofs of joints that have none.
@@ -115,7 +114,7 @@ class Model {
   std::vector<ContactExclusion> exclusions_;
   std::vector<ContactPair> contact_pairs_;
   ContactRules contact_rules_;
-  std::vector<int> dof_parent_, dof_body_, dof_joint_, dof_q_;
+  std::vector<int> dof_parent_, dof_joint_, dof_q_;
   std::vector<JointLimits> dof_limits_;
   std::vector<double> dof_damping_, dof_armature_, dof_friction_;
   std::vector<Keyframe> keyframes_;

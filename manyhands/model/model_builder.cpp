@@ -259,7 +259,6 @@ void ModelBuilder::compile_dofs(Model& model) {
     int previous = last_dof[body.parent.index()];
     for (int k = 0; k < body.nv; ++k) {
       model.dof_parent_.push_back(previous);
-      model.dof_body_.push_back(static_cast<int>(b));
       model.dof_joint_.push_back(body.joint.value());
       model.dof_q_.push_back(body.nq == body.nv ? body.iq + k : -1);
       model.dof_limits_.push_back(body.nv == 1 ? joint.limits : JointLimits{});

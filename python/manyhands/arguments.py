@@ -4,6 +4,8 @@ from typing import Any
 
 import numpy as np
 
+MOST_THREADS = 1024
+
 
 def whole_number(name: str, value: Any, lowest: int, highest: int | None = None) -> int:
     """`value` as an int. Raises ValueError unless it is a whole number of `lowest` to `highest`, both included."""

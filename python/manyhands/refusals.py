@@ -1,14 +1,17 @@
 """What was wrong with arguments that the extension module refuses; bindings/refusals.cpp asks for it."""
 
 import ast
-import inspect
 import os
 import re
 from collections.abc import Callable, Mapping, Sequence
+from inspect import Parameter, Signature
 from reprlib import repr as short
 from typing import Any, SupportsFloat, SupportsIndex
 
 import numpy as np
+
+_ARRAY = re.compile(r"ndarray\[dtype=(\w+)[^\]]*\]")
+_DEFAULT = re.compile(r"\\=?(\d+)")
 
 
 def refusal(
@@ -41,14 +44,37 @@ def refusal(
     return TypeError(f"{where}: {reason or f'{shown} does not fit'}; it takes {takes}")
 
 
-def _signature(text: str, defaults: Sequence[Any] | None) -> inspect.Signature:
-    """Of a function as nanobind writes it for stubs, where defaults are numbered and setters have no name."""
-    text = re.sub(r"ndarray\[dtype=(\w+)[^\]]*\]", r"numpy.typing.NDArray[numpy.\1]", text)
-    text = re.sub(r"\\=?(\d+)", r"defaults[\1]", text)
-    text = re.sub(r"^def \w*", "def function", text)
-    scope: dict[str, Any] = {"defaults": defaults}
-    exec(f"from __future__ import annotations\n{text}: ...", scope)
-    return inspect.signature(scope["function"])
+def _signature(text: str, defaults: Sequence[Any] | None) -> Signature:
+    """Of a function as nanobind writes it for stubs: Python, but for arrays' types, numbers that stand for defaults,
+    and setters without a name."""
+    text = _ARRAY.sub(r"numpy.typing.NDArray[numpy.\1]", text)
+    text = _DEFAULT.sub(r"defaults[\1]", text)
+    (function,) = ast.parse(f"def function{text[text.index('(') :]}: ...").body
+    assert isinstance(function, ast.FunctionDef)
+    given = function.args
+    by_position = [*given.posonlyargs, *given.args]
+    positional = [None] * (len(by_position) - len(given.defaults)) + given.defaults
+    kinds = [Parameter.POSITIONAL_ONLY] * len(given.posonlyargs) + [Parameter.POSITIONAL_OR_KEYWORD] * len(given.args)
+    rows = [*zip(kinds, by_position, positional, strict=True)]
+    rows += [(Parameter.KEYWORD_ONLY, *row) for row in zip(given.kwonlyargs, given.kw_defaults, strict=True)]
+    rows += [(Parameter.VAR_KEYWORD, given.kwarg, None)] if given.kwarg is not None else []
+    parameters = [
+        Parameter(
+            argument.arg,
+            kind,
+            default=Parameter.empty if default is None else _value(default, defaults or ()),
+            annotation="Any" if argument.annotation is None else ast.unparse(argument.annotation),
+        )
+        for kind, argument, default in rows
+    ]
+    return Signature(parameters)
+
+
+def _value(default: ast.expr, numbered: Sequence[Any]) -> Any:
+    """What a default is: a literal, or one of those that nanobind numbers."""
+    if isinstance(default, ast.Subscript):
+        return numbered[ast.literal_eval(default.slice)]
+    return ast.literal_eval(default)
 
 
 def _name_of_setter(function: Any, args: Sequence[Any]) -> str:
@@ -118,6 +144,6 @@ def _plain(annotation: str) -> str:
     return re.sub(r"(?:\w+\.)+(\w+)", r"\1", annotation)
 
 
-def _names_alone(signature: inspect.Signature) -> str:
+def _names_alone(signature: Signature) -> str:
     parameters = [p.replace(annotation=p.empty) for name, p in signature.parameters.items() if name != "self"]
-    return str(inspect.Signature(parameters))
+    return str(Signature(parameters))

@@ -1,5 +1,5 @@
-// The autoreset modes on worlds whose episodes are known beforehand. tests/python/test_vector_env.py compares them with
-// Gymnasium's own.
+// The autoreset modes on worlds whose episodes are known beforehand. tests/python/envs/test_vector.py compares them
+// with Gymnasium's own.
 #include <gtest/gtest.h>
 
 #include <stdexcept>

@@ -239,12 +239,20 @@ def test_equalities_hold_at_the_start() -> None:
     model, data = scene.mujoco, scene.data
     mujoco.mj_forward(model, data)
     q = scene.ours.initial_configuration()
-    assert [loop.type for loop in scene.ours.loops] == ["point", "point", "fixed", "fixed", "fixed", "joint", "point"]
-    for loop in scene.ours.loops:
-        if loop.type == "joint":
-            ratio, offset = loop.ratio, loop.offset
+    assert [equality.type for equality in scene.ours.equalities] == [
+        "point",
+        "point",
+        "fixed",
+        "fixed",
+        "fixed",
+        "joint",
+        "point",
+    ]
+    for equality in scene.ours.equalities:
+        if equality.type == "joint":
+            ratio, offset = equality.ratio, equality.offset
             for x in (-1.0, 0.0, 2.0):  # MuJoCo's own residual of the driver at x
-                iq = [scene.ours.joints[i].iq for i in (loop.joint_a, loop.joint_b)]
+                iq = [scene.ours.joints[i].iq for i in (equality.joint_a, equality.joint_b)]
                 data.qpos = model.qpos0
                 data.qpos[iq[0]], data.qpos[iq[1]] = x, ratio * x + offset
                 mujoco.mj_forward(model, data)
@@ -253,16 +261,16 @@ def test_equalities_hold_at_the_start() -> None:
             continue
         ends = []
         for link, p, r in (
-            (loop.link_a, loop.position_a, loop.quaternion_a),
-            (loop.link_b, loop.position_b, loop.quaternion_b),
+            (equality.link_a, equality.position_a, equality.quaternion_a),
+            (equality.link_b, equality.position_b, equality.quaternion_b),
         ):
             position, quaternion = mh.dynamics.frame_pose(scene.ours, q, scene.ours.links[link].name)
             R = Rotation.from_quat(quaternion)
             ends.append((position + R.apply(p), (R * Rotation.from_quat(r)).as_matrix()))
-        if loop.name != "e7":  # between sites, which lie apart
-            assert_close(ends[0][0], ends[1][0], f"{loop.name}: position")
-        if loop.type == "fixed":
-            assert_close(ends[0][1], ends[1][1], f"{loop.name}: rotation")
+        if equality.name != "e7":  # between sites, which lie apart
+            assert_close(ends[0][0], ends[1][0], f"{equality.name}: position")
+        if equality.type == "fixed":
+            assert_close(ends[0][1], ends[1][1], f"{equality.name}: rotation")
 
 
 @pytest.mark.parametrize("name", ["arm", "free"])

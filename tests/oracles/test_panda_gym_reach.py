@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from manyhands._core.envs import make_env_batch
 from manyhands._core.learn import Trainer, TrainerConfig
-from manyhands.envs import PandaEnv
+from manyhands.envs import ArmEnv
 from manyhands.training.evaluation import PolicyFile
 from manyhands.training.policy_file import save_policy
 
@@ -117,7 +117,7 @@ POLICIES = {"random": random_policy, "held": held_policy, "seeking": seeking_pol
 
 def replayed(path: Path, control_type: str, seed: int) -> Path:
     """The path of our environment under the recorded actions."""
-    env = PandaEnv(control_type=control_type)  # pyright: ignore[reportArgumentType]
+    env = ArmEnv(control_type=control_type)  # pyright: ignore[reportArgumentType]
     return recorded(env, seed, lambda t, position, goal: path.actions[t], len(path.actions))
 
 
@@ -161,7 +161,7 @@ def test_what_is_left_is_their_solver_not_converging() -> None:
 def test_goals_are_those_of_panda_gym(seed: int) -> None:
     with panda_gym("ee") as env:
         theirs = env.reset(seed=seed)[0]["desired_goal"]
-    np.testing.assert_allclose(PandaEnv().reset(seed=seed)[0]["desired_goal"], theirs, atol=1e-6)
+    np.testing.assert_allclose(ArmEnv().reset(seed=seed)[0]["desired_goal"], theirs, atol=1e-6)
 
 
 # Displacements measured on panda-gym 3.0.7 as it is: (x, y, z) after each step that holds the action.
@@ -187,14 +187,14 @@ HELD = {
 @pytest.mark.parametrize("action", HELD)
 def test_responses_to_a_held_action(action: tuple[int, int, int]) -> None:
     expected = np.array(HELD[action])
-    path = recorded(PandaEnv(), 0, lambda t, position, goal: np.array(action, float), len(expected))
+    path = recorded(ArmEnv(), 0, lambda t, position, goal: np.array(action, float), len(expected))
     error = np.linalg.norm(path.end_effector - path.start[:3] - expected, axis=1)
     # The reference is read 2 ms late at up to 1.3 m/s, and its controller starts from that reading in every step.
     assert (error < 0.003 + 0.0015 * np.arange(len(error))).all(), error
 
 
 def test_zero_action_stays() -> None:
-    path = recorded(PandaEnv(), 0, lambda t, position, goal: np.zeros(3), 20)
+    path = recorded(ArmEnv(), 0, lambda t, position, goal: np.zeros(3), 20)
     moved = path.end_effector - path.start[:3]
     assert moved[0, 1] == pytest.approx(0.0007, abs=2e-4)
     assert moved[-1, 1] == pytest.approx(0.0012, abs=2e-4)
@@ -218,7 +218,7 @@ def test_the_reference_trajectory(
     def formula(t: int, position: Array, goal: Array) -> Array:
         return np.sin(1.3 * t + 0.7 * np.arange(ACTION_SIZE[control_type]) + 0.4)
 
-    path = recorded(PandaEnv(control_type=control_type), 7, formula, 6)  # pyright: ignore[reportArgumentType]
+    path = recorded(ArmEnv(control_type=control_type), 7, formula, 6)  # pyright: ignore[reportArgumentType]
     # The reference is read 2 ms late; control of the end effector starts from that reading too, so it falls behind.
     read_late = path.end_effector - 0.002 * path.rows[:, 3:]
     np.testing.assert_allclose(read_late[2], third, atol=tolerance)
@@ -227,7 +227,7 @@ def test_the_reference_trajectory(
 
 
 def test_the_manual_policy_succeeds_as_fast() -> None:
-    env, lengths = PandaEnv(), []
+    env, lengths = ArmEnv(), []
     for seed in range(40):
         obs, _ = env.reset(seed=seed)
         for t in range(1, 21):
@@ -255,7 +255,7 @@ def test_the_manual_policy_does_as_well_there_and_here() -> None:
     def policy(obs: Any) -> Array:
         return np.clip(5 * (obs["desired_goal"] - obs["achieved_goal"]), -1, 1)
 
-    here = [episode_length(PandaEnv(), seed, policy) for seed in range(10)]
+    here = [episode_length(ArmEnv(), seed, policy) for seed in range(10)]
     there = []
     for seed in range(10):
         with panda_gym("ee", repaired=False) as env:
@@ -275,7 +275,7 @@ def test_a_policy_learned_here_does_as_well_there(control_type: str, tmp_path: p
         return learned({key: value[None] for key, value in obs.items()})[0]
 
     seeds = range(1000, 1030)
-    env = PandaEnv(control_type=control_type)  # pyright: ignore[reportArgumentType]
+    env = ArmEnv(control_type=control_type)  # pyright: ignore[reportArgumentType]
     here = [episode_length(env, seed, policy) for seed in seeds]
     with panda_gym(control_type, repaired=False) as env:
         there = [episode_length(env, seed, policy) for seed in seeds]

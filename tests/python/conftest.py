@@ -1,11 +1,11 @@
-"""What several tests share: they import modules of this folder, and look at one policy that was learned."""
+"""What several tests share: they import modules of `shared/`, and look at one policy that was learned."""
 
 import sys
 from pathlib import Path
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parent))
+sys.path.insert(0, str(Path(__file__).parent / "shared"))
 
 
 @pytest.fixture(scope="session")

@@ -34,10 +34,6 @@ def _circle(axis: str, centre: Vec3, radius: float, count: int = 12) -> list[Vec
     return points
 
 
-def _rectangle(x: float, y0: float, y1: float, z: float) -> list[Vec3]:
-    return [(-x, y0, z), (x, y0, z), (x, y1, z), (-x, y1, z)]
-
-
 # PyBullet's finger tapers: this is its width where it touches things.
 FINGER: list[Shape] = [
     Box((-0.009, 0.0, 0.035), (0.009, 0.0160, 0.0538)),

@@ -89,9 +89,9 @@ struct Params {
   std::vector<RigidInertia<T>> inertia;        ///< (nb) about the body's origin, in its axes
   std::vector<T> damping, armature;            ///< (nv) [N m s/rad or N s/m], [kg m^2 or kg]
   std::vector<T> lower, upper;                 ///< (nv) position limits [rad or m]; infinite where there are none
-  std::vector<T> motor_kp, motor_kd;           ///< (nv) motor gains, per step and dimensionless (see motors.h)
+  std::vector<T> motor_kp, motor_kd;           ///< (nv) parts of the errors in q and v that a motor removes in a step
   std::vector<T> motor_max_force;              ///< (nv) [N m or N]; 0 where there is no motor
-  std::vector<T> gear, drive_kp, drive_kd;     ///< (nu) of the actuators, see couplings.h
+  std::vector<T> gear, drive_kp, drive_kd;     ///< (nu) of the actuators, see model/couplings.h
   std::vector<T> drive_max_force;              ///< (nu) at the joint [N m or N]
   std::vector<T> friction;                     ///< (nv) dry friction of the joint [N m or N]
   std::vector<Vec3<T>> geom_size;              ///< (geoms) see Shape [m]

@@ -89,7 +89,7 @@ class Batch {
   /// normal forces and of friction.
   void contact_wrench(std::string_view link, std::span<float> normal, std::span<float> friction) const;
 
-  // ---- parameters of each world (batch_params.cpp): values (n), or as said ---------------------------------------
+  // ---- parameters of each world: values (n), or as said -----------------------------------------------------------
   void set_gravity(std::span<const float> gravity);                        ///< (n, 3) [m/s^2]
   void set_mass(std::string_view link, std::span<const float> mass);       ///< [kg]; scales the inertia with it
   void set_friction(std::string_view name, std::span<const float> value);  ///< of a geom, or of a link's geoms

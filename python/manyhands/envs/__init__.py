@@ -1,9 +1,9 @@
 """Gymnasium environments: `gymnasium.make("PandaReach-v3")`, `gymnasium.make_vec("PandaReach-v3", num_envs=4096)`."""
 
-from manyhands.envs.experts import Expert
 from manyhands.envs.parts import ArmSpec, Obstacle
 from manyhands.envs.registration import register
-from manyhands.envs.single import PandaEnv
-from manyhands.envs.vector import PandaVectorEnv
+from manyhands.envs.single import ArmEnv
+from manyhands.envs.vector import ArmVectorEnv
+from manyhands.experts import Expert
 
-__all__ = ["ArmSpec", "Expert", "Obstacle", "PandaEnv", "PandaVectorEnv", "register"]
+__all__ = ["ArmEnv", "ArmSpec", "ArmVectorEnv", "Expert", "Obstacle", "register"]

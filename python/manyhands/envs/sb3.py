@@ -119,7 +119,8 @@ def _refuse(method_name: str) -> NoReturn:
 
 
 def _rows(info: dict[str, Any], num_envs: int) -> list[dict[str, Any]]:
-    """Gymnasium's dict of columns, where `_key` (num_envs,) says which worlds have `key`, as a dict for each world."""
+    """Gymnasium's dict of columns as a dict for each world; of two columns that differ in a leading underscore, that
+    which has it (num_envs,) says which worlds have the other."""
     rows: list[dict[str, Any]] = [{} for _ in range(num_envs)]
     for key, column in info.items():
         if key.startswith("_"):

@@ -17,8 +17,8 @@ from manyhands.envs.spaces import ControlType, EnvOptions, Observation, RewardTy
 _MADE_ANEW = "_batch", "_cameras", "_page", "_turn"  # in a copy
 
 
-class PandaEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
-    """A Panda arm and a task, as panda-gym describes them.
+class ArmEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
+    """A robot arm and a task, as panda-gym describes them; the arm is a Panda unless `robot` names another.
 
     Tasks: PandaReach, PandaPush, PandaSlide, PandaPickAndPlace, PandaStack, PandaFlip. Observations are dicts of
     float32 arrays: `observation` (observation_dim,), `achieved_goal` and `desired_goal` (goal_dim,), in SI units. An
@@ -165,7 +165,7 @@ class PandaEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     def __setstate__(self, saved: dict[str, Any]) -> None:
         kept = saved["kept"]
-        PandaEnv.__init__(self, render_mode=kept["render_mode"], **kept["_arguments"])
+        ArmEnv.__init__(self, render_mode=kept["render_mode"], **kept["_arguments"])
         vars(self).update(kept)
         self._batch.restore(saved["state"])
 

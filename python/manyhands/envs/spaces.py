@@ -10,9 +10,10 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import ArrayLike, NDArray
 
-from manyhands._core.envs import EnvBatch, EnvSpec, control_types, make_env_batch
+from manyhands._core.envs import EnvBatch, EnvSpec, make_env_batch
 from manyhands._core.render import Camera, Look
 from manyhands.arguments import whole_number
+from manyhands.env_names import env_id
 from manyhands.envs.options import require_options
 from manyhands.envs.parts import ArmSpec, Obstacle, as_core
 
@@ -62,34 +63,7 @@ class CameraOptions(TypedDict, total=False):
 
 
 _CONVERTED = {"randomize", "robot", "obstacles", "cameras"}  # `cameras` elsewhere, with what begins with render_
-VERSION = "-v3"  # of all ids
 RENDER_FPS = 25  # one frame per environment step of 0.04 s
-
-
-def versioned(name: str) -> str:
-    """A name with its version: "PandaReach-v3" of "PandaReach" too. Raises TypeError on what is no name."""
-    if not isinstance(name, str):
-        raise TypeError(f"the environment is {name!r}, expected a name, for example 'PandaReach' or 'PandaReach-v3'")
-    return name if name.endswith(VERSION) else name + VERSION
-
-
-def env_id(task: str, reward_type: str, control_type: str) -> str:
-    """The id of a variant, for example "PandaReachJointsDense-v3", of a task with or without its version.
-
-    Controls that panda-gym does not have are variants of none: they get the id of "ee". Raises ValueError on an unknown
-    type or a task that names one, TypeError on a task that is no name.
-    """
-    task = versioned(task).removesuffix(VERSION)
-    if task.endswith(("Joints", "Dense")):
-        raise ValueError(
-            f"task is {task!r}, which names a variant: name the task alone, for example 'PandaReach', and give "
-            "reward_type='dense' or control_type='joints'"
-        )
-    if reward_type not in ("sparse", "dense"):
-        raise ValueError(f"reward_type is {reward_type!r}, expected 'sparse' or 'dense'")
-    if control_type not in control_types():
-        raise ValueError(f"control_type is {control_type!r}, expected one of {control_types()}")
-    return f"{task}{'Joints' * (control_type == 'joints')}{'Dense' * (reward_type == 'dense')}{VERSION}"
 
 
 def make_batch(

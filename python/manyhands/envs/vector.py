@@ -3,6 +3,7 @@
 import threading
 from collections.abc import Sequence
 from typing import Any
+from weakref import WeakMethod
 
 import numpy as np
 from gymnasium.error import ResetNeeded
@@ -13,7 +14,7 @@ from typing_extensions import Unpack
 
 from manyhands._core.envs import AutoresetBatch, EnvBodies
 from manyhands._core.envs import AutoresetMode as CoreMode
-from manyhands.arguments import whole_number
+from manyhands.arguments import MOST_THREADS, whole_number
 from manyhands.envs import spaces
 from manyhands.envs.cameras import RENDER_MODES, EnvCameras, require_mode
 from manyhands.envs.page import Page
@@ -21,14 +22,14 @@ from manyhands.envs.spaces import ControlType, EnvOptions, Observation, RewardTy
 from manyhands.envs.tally import Tally
 
 _MADE_ANEW = "_batch", "_bodies", "_cameras", "_envs", "_page", "_tally", "_turn"  # in a copy
-_MOST_WORLDS, _MOST_THREADS = 2**20, 1024
+_MOST_WORLDS = 2**20
 
 
-class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
-    """`num_envs` worlds of one Panda task: what SyncVectorEnv gives over as many `PandaEnv`, to the bit, but fast.
+class ArmVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
+    """`num_envs` worlds of one task: what SyncVectorEnv gives over as many `ArmEnv`, to the bit, but fast.
 
     Made by `gymnasium.make_vec("PandaReach-v3", num_envs=4096, num_threads=2, autoreset_mode="SameStep")`. Arrays are
-    as in `PandaEnv` with a first axis for the worlds. The results do not depend on the number of threads.
+    as in `ArmEnv` with a first axis for the worlds. The results do not depend on the number of threads.
     Calls from several Python threads take turns. Copies and pickles continue where the environment is.
     """
 
@@ -65,7 +66,7 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         option or one of another type.
         """
         num_envs = whole_number("num_envs", num_envs, 1, _MOST_WORLDS)
-        threads = 0 if num_threads is None else whole_number("num_threads", num_threads, 1, _MOST_THREADS)
+        threads = 0 if num_threads is None else whole_number("num_threads", num_threads, 1, MOST_THREADS)
         if max_episode_steps is not None:
             max_episode_steps = whole_number("max_episode_steps", max_episode_steps, -1, 2**31 - 1)
             if max_episode_steps == 0:
@@ -101,7 +102,9 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         self._tiles = render_tiles
         pictures = self._cameras.spaces()
         if pictures:
-            self._batch.on_final(self._cameras.keep_final)
+            # The collector does not see what the batch holds: it must hold nothing that could lead back to it.
+            keep = WeakMethod(self._cameras.keep_final)
+            self._batch.on_final(lambda worlds: None if (see := keep()) is None else see(worlds))
         self.single_observation_space = spaces.observation_space(spec, pictures)
         self.single_action_space = spaces.action_space(spec)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
@@ -225,7 +228,7 @@ class PandaVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         return {"kept": kept, "state": self.save_state()}
 
     def __setstate__(self, saved: dict[str, Any]) -> None:
-        PandaVectorEnv.__init__(self, **saved["kept"]["_arguments"])
+        ArmVectorEnv.__init__(self, **saved["kept"]["_arguments"])
         vars(self).update(saved["kept"])
         self._batch.restore(saved["state"])
 

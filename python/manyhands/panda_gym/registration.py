@@ -43,7 +43,7 @@ def register() -> list[str]:
         gymnasium.register(
             id=ids[-1],
             entry_point="manyhands.panda_gym.registration:make_env",
-            vector_entry_point="manyhands.envs:PandaVectorEnv",
+            vector_entry_point="manyhands.envs:ArmVectorEnv",
             max_episode_steps=max_episode_steps(variant["task"]),
             kwargs=variant,
         )

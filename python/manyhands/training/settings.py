@@ -1,30 +1,14 @@
 """What a training run is made from."""
 
-import difflib
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from manyhands._core.envs import env_ids
 from manyhands._core.learn import TrainerConfig
 from manyhands.arguments import whole_number
 
 FIRST_EVALUATION_SEED = 10**9  # of the last evaluation: training draws its seeds from all 64-bit numbers by hash
-
-
-def resolve_env_id(name: str) -> str:
-    """The id that `name` means, with or without its version: "PandaReach" is "PandaReach-v3".
-
-    Raises ValueError on an unknown name, with the nearest ones.
-    """
-    ids = env_ids()
-    for candidate in (name, f"{name}-v3"):
-        if candidate in ids:
-            return candidate
-    near = difflib.get_close_matches(name, ids, cutoff=0.4)
-    hint = f"did you mean {', '.join(near)}?" if near else "manyhands envs lists them"
-    raise ValueError(f"there is no environment {name!r}; {hint}")
 
 
 def parse_overrides(assignments: Sequence[str]) -> dict[str, Any]:

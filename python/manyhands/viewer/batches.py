@@ -6,10 +6,9 @@ from gymnasium.vector import VectorEnv
 
 from manyhands import dynamics
 from manyhands._core import Model
-from manyhands.envs.vector import PandaVectorEnv
 from manyhands.viewer.environments import goal_markers
-from manyhands.viewer.neighbours import Neighbours
-from manyhands.viewer.sources import Array, Marker, Source
+from manyhands.viewer.protocols import WatchableWorlds
+from manyhands.viewer.sources import Array, Marker, Neighbours, Source
 
 
 class BatchSource(Source):
@@ -18,7 +17,7 @@ class BatchSource(Source):
 
     moves = False
 
-    def __init__(self, env: PandaVectorEnv, title: str) -> None:
+    def __init__(self, env: WatchableWorlds, title: str) -> None:
         super().__init__()
         self.env, self.title, self.dt = env, title, env.dt
         self.tally = env.count_episodes()
@@ -89,6 +88,9 @@ class BatchSource(Source):
 def source_of_worlds(env: VectorEnv[Any, Any, Any], title: str = "") -> BatchSource:
     """What shows an environment of many worlds. Raises TypeError on one of another package."""
     inner = env.unwrapped
-    if not isinstance(inner, PandaVectorEnv):
-        raise TypeError(f"there is no way to show a {type(inner).__name__}: expected a PandaVectorEnv")
+    if not isinstance(inner, WatchableWorlds):
+        raise TypeError(
+            f"there is no way to show a {type(inner).__name__}: expected an environment of this package, made by "
+            "gymnasium.make_vec"
+        )
     return BatchSource(inner, title or (inner.spec.id if inner.spec is not None else type(inner).__name__))

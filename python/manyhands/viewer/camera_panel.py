@@ -1,7 +1,7 @@
 """The tab with pictures of cameras in the scene."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import viser
@@ -9,11 +9,9 @@ from numpy.typing import NDArray
 
 from manyhands._core.render import Camera, Look, Mark, Renderer
 from manyhands.measures import hand_of
+from manyhands.viewer.host import Host
 from manyhands.viewer.player import Frame
 from manyhands.viewer.sources import Source
-
-if TYPE_CHECKING:
-    from manyhands.viewer.viewer import Viewer
 
 Picture = Callable[[], NDArray[np.uint8] | None]
 
@@ -25,7 +23,7 @@ _LOOK = Look(antialiasing=2, shadow_rays=1)
 class CameraPanel:
     """One picture at a time, taken only while it is chosen."""
 
-    def __init__(self, viewer: "Viewer", tabs: viser.GuiTabGroupHandle) -> None:
+    def __init__(self, viewer: Host, tabs: viser.GuiTabGroupHandle) -> None:
         self._viewer, self._waits = viewer, False
         self._eye = _Eye(viewer.source)
         self._cameras: dict[str, Picture] = {
@@ -41,7 +39,7 @@ class CameraPanel:
         self._cameras[name] = self._eye.through(camera) if isinstance(camera, Camera) else camera
         self._choice.options = (_NOTHING, *self._cameras)
 
-    def _usual(self, viewer: "Viewer") -> dict[str, Camera]:
+    def _usual(self, viewer: Host) -> dict[str, Camera]:
         eye, center = viewer.stage.camera()
         camera = Camera.perspective(_WIDTH, _HEIGHT, _FOV)
         above = center + np.array([0.0, 0.0, 2.4 * viewer.stage.radius])

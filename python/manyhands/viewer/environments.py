@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 
 from manyhands import rotations
 from manyhands._core import Geom, Model, World
-from manyhands._core.envs import EnvBodies
-from manyhands.envs.single import PandaEnv
 from manyhands.measures import chain, hand_of
+from manyhands.viewer.protocols import Watchable
 from manyhands.viewer.sources import BodiesOfWorld, Marker, SimulationSource, Source
 
 Array = NDArray[np.float64]
@@ -181,9 +180,10 @@ class NativeSource(EnvSource):
 
     def __init__(self, env: gymnasium.Env[Any, Any], title: str) -> None:
         super().__init__(env, title)
-        self._inner: Any = env.unwrapped  # a PandaEnv
+        inner: Any = env.unwrapped
+        self._inner: Watchable = inner
         self.dt = self._inner.dt
-        self._bodies: EnvBodies = self._inner.bodies
+        self._bodies = self._inner.bodies
         self._model = self._bodies.model
         self._steps = 0
 
@@ -228,8 +228,8 @@ def source_of_environment(env: Any, title: str = "") -> EnvSource | None:
     inner: Any = env.unwrapped
     if isinstance(getattr(getattr(inner, "sim", None), "world", None), World):
         return DropInSource(inner, name)
-    if isinstance(inner, PandaEnv):
-        return NativeSource(inner, name)
+    if isinstance(inner, Watchable):
+        return NativeSource(env.unwrapped, name)
     return None
 
 

@@ -2,7 +2,7 @@
 
 from collections import deque
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import viser
@@ -10,10 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from manyhands.measures import contact_forces, hand_of, joint_forces, joints_of
 from manyhands.viewer.environments import EnvSource
+from manyhands.viewer.host import Host
 from manyhands.viewer.player import Frame
-
-if TYPE_CHECKING:
-    from manyhands.viewer.viewer import Viewer
 
 _NOTHING = "none"
 _LENGTH = 600  # frames that a plot shows
@@ -31,7 +29,7 @@ class Quantity(NamedTuple):
 class GraphPanel:
     """One plot of a chosen quantity; only that is measured."""
 
-    def __init__(self, viewer: "Viewer", tabs: viser.GuiTabGroupHandle) -> None:
+    def __init__(self, viewer: Host, tabs: viser.GuiTabGroupHandle) -> None:
         self._viewer, self._gui = viewer, viewer.server.gui
         self._own: dict[str, Quantity] = {}
         self._rows: deque[NDArray[np.float64]] = deque(maxlen=_LENGTH)

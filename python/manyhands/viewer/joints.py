@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from manyhands import inverse_kinematics
 from manyhands._core import Model, World
+from manyhands.kinematics import inverse_kinematics
 
 Array = NDArray[np.float64]
 Send = Callable[[list[str], list[float], list[float]], None]
@@ -54,10 +54,6 @@ class JointDrive:
         """All joints that a slider may move, in the model's order."""
         self._refresh()
         return list(self._knobs.values())
-
-    @property
-    def is_driving(self) -> bool:
-        return bool(self._targets)
 
     def value(self, knob: Knob) -> float:
         """Where the joint is [rad or m]."""

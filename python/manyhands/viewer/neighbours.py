@@ -1,7 +1,7 @@
 """The worlds beside the one that is shown."""
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import viser
@@ -11,26 +11,13 @@ from manyhands import rotations
 from manyhands._core import Model
 from manyhands.measures import rotate
 from manyhands.viewer import shapes
-from manyhands.viewer.sources import Marker
+from manyhands.viewer.sources import Neighbours
 
 Array = NDArray[np.float64]
 
 _APART = np.array([-1.8, 1.5, 0.0])  # of worlds, away from who looks [m]
 _GLASS = 0.35  # opacity of goals
 _ABOVE = np.array([-0.6, 0.0, 0.85])  # where a world's number stands [m]
-
-
-class Neighbours(NamedTuple):
-    """n worlds of one model."""
-
-    worlds: list[int]
-    """Their numbers."""
-    positions: Array
-    """(n, links, 3) [m], each in its world."""
-    quaternions: Array
-    """(n, links, 4) xyzw"""
-    markers: list[list[Marker]]
-    """Goals of each world."""
 
 
 def places(count: int) -> Array:

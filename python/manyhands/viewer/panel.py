@@ -2,7 +2,7 @@
 
 import math
 import time
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import viser
 
@@ -11,15 +11,13 @@ from manyhands.viewer.camera_panel import CameraPanel
 from manyhands.viewer.controls import SharedSlider
 from manyhands.viewer.environments import EnvSource
 from manyhands.viewer.graph_panel import GraphPanel
+from manyhands.viewer.host import Host
 from manyhands.viewer.player import Frame
 from manyhands.viewer.record_panel import RecordPanel
 from manyhands.viewer.robot_panel import RobotPanel
 from manyhands.viewer.teleop_panel import TeleopPanel
 from manyhands.viewer.view_panel import ViewPanel
 from manyhands.viewer.worlds_panel import WorldsPanel
-
-if TYPE_CHECKING:
-    from manyhands.viewer.viewer import Viewer
 
 _SPEEDS = {
     "1/10": 0.1,
@@ -36,7 +34,7 @@ _REFRESH = 0.2  # [s] between two updates of numbers on the page
 class Panel:
     """All controls. What they ask for is done between two steps of the simulation."""
 
-    def __init__(self, viewer: "Viewer") -> None:
+    def __init__(self, viewer: Host) -> None:
         self._viewer, self._player = viewer, viewer.player
         self._last_refresh = -math.inf
         self._shown_playing: bool | None = None
@@ -46,7 +44,9 @@ class Panel:
         source = viewer.source
         self.teleop = TeleopPanel(viewer, tabs) if isinstance(source, EnvSource) else None
         self.worlds = WorldsPanel(viewer, tabs) if isinstance(source, BatchSource) else None
-        self.robot = RobotPanel(viewer, tabs) if source.joints is not None and source.joints.knobs else None
+        self.robot = (
+            RobotPanel(viewer, tabs, self.teleop) if source.joints is not None and source.joints.knobs else None
+        )
         self.view = ViewPanel(viewer, tabs)
         self.graphs = GraphPanel(viewer, tabs)
         self.cameras = CameraPanel(viewer, tabs)

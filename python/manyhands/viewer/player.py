@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 from manyhands._core import Contact
 from manyhands.viewer.history import History
-from manyhands.viewer.neighbours import Neighbours
-from manyhands.viewer.sources import Marker, Source
+from manyhands.viewer.sources import Marker, Neighbours, Source
 
 _DRIVEN_FOR = 1.0  # a loop that called `sync` this recently [s] moves the simulation itself
 _MINUTES = 3.0

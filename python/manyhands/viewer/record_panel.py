@@ -1,16 +1,14 @@
 """The tab that keeps what was seen as a page that opens alone."""
 
 from collections import deque
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import viser
 from viser import _messages as messages
 
+from manyhands.viewer.host import Host
 from manyhands.viewer.player import Frame
-
-if TYPE_CHECKING:
-    from manyhands.viewer.viewer import Viewer
 
 _SECONDS = 180.0
 _PASSING = ("/contacts", "/push", "/gizmo", "/beside")  # what does not belong into a recording
@@ -19,7 +17,7 @@ _PASSING = ("/contacts", "/push", "/gizmo", "/beside")  # what does not belong i
 class RecordPanel:
     """Remembers the poses of the last three minutes, and writes them as one HTML file."""
 
-    def __init__(self, viewer: "Viewer", tabs: viser.GuiTabGroupHandle) -> None:
+    def __init__(self, viewer: Host, tabs: viser.GuiTabGroupHandle) -> None:
         self._viewer = viewer
         self._frames: deque[Frame] = deque(maxlen=round(_SECONDS * viewer.player.fps))
         gui = viewer.server.gui

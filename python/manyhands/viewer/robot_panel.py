@@ -2,19 +2,17 @@
 
 import time
 from itertools import takewhile
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import viser
 
 from manyhands.measures import chain, hand_of
 from manyhands.viewer.controls import SharedSlider
-from manyhands.viewer.environments import EnvSource
+from manyhands.viewer.host import Host
 from manyhands.viewer.joints import JointDrive
 from manyhands.viewer.player import Frame
-
-if TYPE_CHECKING:
-    from manyhands.viewer.viewer import Viewer
+from manyhands.viewer.teleop_panel import TeleopPanel
 
 _DRAGGED_FOR = 1.0  # [s] for which the gizmo belongs to the one who moved it
 
@@ -31,8 +29,9 @@ def labels(joints: list[str]) -> list[str]:
 class RobotPanel:
     """Sliders drive joints while time passes, and put them in place while it stands still."""
 
-    def __init__(self, viewer: "Viewer", tabs: viser.GuiTabGroupHandle) -> None:
-        self._viewer, self._player = viewer, viewer.player
+    def __init__(self, viewer: Host, tabs: viser.GuiTabGroupHandle, teleop: TeleopPanel | None) -> None:
+        """teleop: the tab of who acts, in an environment."""
+        self._viewer, self._player, self._teleop = viewer, viewer.player, teleop
         assert viewer.source.joints is not None
         self._drive: JointDrive = viewer.source.joints
         self._sliders: dict[str, SharedSlider] = {}
@@ -89,8 +88,8 @@ class RobotPanel:
 
     def take_over(self) -> None:
         """In an environment: hands, not a policy, move the joints from now on."""
-        if isinstance(self._viewer.source, EnvSource) and self._viewer.panel.teleop is not None:
-            self._viewer.panel.teleop.choose_sliders()
+        if self._teleop is not None:
+            self._teleop.choose_sliders()
 
     def _move(self, name: str, value: float) -> None:
         self.take_over()

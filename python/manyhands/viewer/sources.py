@@ -1,7 +1,7 @@
 """What a page shows and drives."""
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,9 +10,6 @@ from manyhands import dynamics
 from manyhands._core import Model, World
 from manyhands.measures import rotate
 from manyhands.viewer.joints import JointDrive
-
-if TYPE_CHECKING:
-    from manyhands.viewer.neighbours import Neighbours
 
 Array = NDArray[np.float64]
 
@@ -36,6 +33,19 @@ class Marker(NamedTuple):
     rgba: tuple[float, ...]
     position: Array
     quaternion: Array
+
+
+class Neighbours(NamedTuple):
+    """n worlds of one model."""
+
+    worlds: list[int]
+    """Their numbers."""
+    positions: Array
+    """(n, links, 3) [m], each in its world."""
+    quaternions: Array
+    """(n, links, 4) xyzw"""
+    markers: list[list[Marker]]
+    """Goals of each world."""
 
 
 class Source(ABC):
@@ -90,7 +100,7 @@ class Source(ABC):
         """Goals and the like."""
         return []
 
-    def neighbours(self) -> "Neighbours | None":
+    def neighbours(self) -> Neighbours | None:
         """Worlds that are drawn beside this one; None without any."""
         return None
 

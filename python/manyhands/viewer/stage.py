@@ -34,7 +34,7 @@ class Stage:
     """
 
     def __init__(self, server: viser.ViserServer, on_drag: DragHandler | None = None) -> None:
-        self._server, self._scene, self._on_drag = server, server.scene, on_drag
+        self._scene, self._on_drag = server.scene, on_drag
         self._bodies: list[viser.FrameHandle] = []
         self._collision: list[viser.MeshHandle] = []
         self._corners: list[tuple[int, Array]] = []

@@ -2,21 +2,19 @@
 
 import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import viser
 from numpy.typing import NDArray
 
 from manyhands._core.envs import expert_ids
-from manyhands.envs import Expert
-from manyhands.envs.spaces import versioned
+from manyhands.env_names import versioned
+from manyhands.experts import Expert
 from manyhands.viewer.environments import EnvSource, Outcome
 from manyhands.viewer.episodes import EpisodeWriter
+from manyhands.viewer.host import Host
 from manyhands.viewer.player import Frame
-
-if TYPE_CHECKING:
-    from manyhands.viewer.viewer import Viewer
 
 _HELD_FOR = 0.15  # [s] that a key acts: longer than a keyboard takes to repeat it
 _HANDS, _SLIDERS, _STILL, _RANDOM = "keys and buttons", "sliders and gizmo", "nobody", "random actions"
@@ -41,7 +39,7 @@ _JOINT_KEYS = (("I", "K"), ("J", "L"), ("U", "O"), ("1", "2"), ("3", "4"), ("5",
 class TeleopPanel:
     """Turns keys and buttons into actions."""
 
-    def __init__(self, viewer: "Viewer", tabs: viser.GuiTabGroupHandle) -> None:
+    def __init__(self, viewer: Host, tabs: viser.GuiTabGroupHandle) -> None:
         self._viewer = viewer
         assert isinstance(viewer.source, EnvSource)
         self._source = viewer.source

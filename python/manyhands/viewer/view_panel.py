@@ -1,15 +1,13 @@
 """The tab with what is drawn, and from where."""
 
 import io
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import viser
 
 from manyhands.measures import hand_of
-
-if TYPE_CHECKING:
-    from manyhands.viewer.viewer import Viewer
+from manyhands.viewer.host import Host
 
 _DIRECTIONS = {
     "Corner": (1.55, -1.75, 1.0),
@@ -23,7 +21,7 @@ _NOTHING, _ALL = "none", "all links"
 class ViewPanel:
     """Contacts, frames, trails and shapes that collide; the camera; a picture to keep."""
 
-    def __init__(self, viewer: "Viewer", tabs: viser.GuiTabGroupHandle) -> None:
+    def __init__(self, viewer: Host, tabs: viser.GuiTabGroupHandle) -> None:
         self._viewer = viewer
         gui, overlays = viewer.server.gui, viewer.overlays
         with tabs.add_tab("View"):

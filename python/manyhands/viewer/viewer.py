@@ -8,7 +8,7 @@ import weakref
 import webbrowser
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from gymnasium.vector import VectorEnv
@@ -89,7 +89,7 @@ class Viewer:
         gui.main_panel.dock_right()
         gui.main_panel.set_width(390)
         self._look()
-        self.panel = Panel(cast(Any, self))  # checkers may know an installed copy of this class as well
+        self.panel = Panel(self)
         self.player.start()
         _open.add(self)
         if announce:

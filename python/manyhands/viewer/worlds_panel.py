@@ -1,14 +1,12 @@
 """The tab of an environment of many worlds: which of them is shown, and how their episodes go."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import viser
 
 from manyhands.viewer.batches import BatchSource
+from manyhands.viewer.host import Host
 from manyhands.viewer.player import Frame
-
-if TYPE_CHECKING:
-    from manyhands.viewer.viewer import Viewer
 
 _SQUARES, _MOST = (1, 4, 9, 16, 25), 25  # of worlds side by side
 
@@ -16,7 +14,7 @@ _SQUARES, _MOST = (1, 4, 9, 16, 25), 25  # of worlds side by side
 class WorldsPanel:
     """Chooses a world."""
 
-    def __init__(self, viewer: "Viewer", tabs: viser.GuiTabGroupHandle) -> None:
+    def __init__(self, viewer: Host, tabs: viser.GuiTabGroupHandle) -> None:
         self._viewer = viewer
         assert isinstance(viewer.source, BatchSource)
         self._source = viewer.source

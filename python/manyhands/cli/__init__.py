@@ -1,0 +1,84 @@
+"""The command `manyhands`."""
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+
+from manyhands._core.envs import env_ids, make_env_batch
+from manyhands._core.learn import CheckpointError
+from manyhands.cli import evaluate, record, train, view
+from manyhands.extras import install_extra
+from manyhands.interrupts import INTERRUPTED
+
+_EXAMPLES = """\
+start here:
+  manyhands envs                  what there is to learn
+  manyhands train PandaReach      learn it
+  manyhands evaluate runs/...     measure what was learned
+  manyhands view PandaPush        see it in the browser, and drive it
+  manyhands view PandaReach --policy runs/...    see what was learned
+"""
+_UNHEARD = 141  # the shell's code for a broken pipe
+_COMMANDS = (
+    ("train", train, "learn a task from nothing", "Learns a task from nothing, or resumes a run."),
+    (
+        "evaluate", evaluate, "measure a policy on fresh episodes",
+        "Measures the success of a policy on fresh episodes, with onnxruntime.",
+    ),
+    (
+        "view", view, "show a robot, a scene or an environment in the browser",
+        "Shows a robot, a scene or an environment on a page in the browser, to play with.",
+    ),
+    ("record", record, "a video of episodes", "Writes a video of a scripted expert, or of a policy."),
+)  # fmt: skip
+
+
+def _parser() -> argparse.ArgumentParser:
+    raw = argparse.RawDescriptionHelpFormatter
+    parser = argparse.ArgumentParser(
+        "manyhands", description="Robot manipulation: learn tasks and measure policies.", epilog=_EXAMPLES,
+        formatter_class=raw,
+    )  # fmt: skip
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    for name, module, brief, description in _COMMANDS:
+        command = commands.add_parser(
+            name, help=brief, description=description, epilog=module.EXAMPLES, formatter_class=raw
+        )
+        module.add_arguments(command)
+        command.set_defaults(run=module.run)
+    commands.add_parser("envs", help="list the environments").set_defaults(run=_envs)
+    return parser
+
+
+def _envs(_: argparse.Namespace) -> int:
+    for name in env_ids():
+        spec = make_env_batch(name, 1).spec
+        print(
+            f"{name:<26} {spec.action_dim} actions, {spec.observation_dim} observations, goals of {spec.goal_dim}, "
+            f"{spec.max_episode_steps} steps of {spec.dt:g} s"
+        )
+    return 0
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Runs the command; returns its exit code: 2 for a request that makes no sense, 130 after Ctrl-C."""
+    parser = _parser()
+    arguments = parser.parse_args(argv)
+    try:
+        code = arguments.run(arguments)
+        sys.stdout.flush()
+        return code
+    except BrokenPipeError:  # `manyhands envs | head` has read enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # nothing is left to be said at exit
+        return _UNHEARD
+    except (ValueError, OSError, CheckpointError) as error:
+        print(f"manyhands {arguments.command}: {error}", file=sys.stderr)
+        return 2
+    except ModuleNotFoundError as error:
+        extras = {"view": "viewer", "record": "video"}
+        extra = "train" if error.name == "onnxruntime" else extras.get(arguments.command, "train")
+        print(f"manyhands {arguments.command} needs {error.name}: {install_extra(extra)}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        return INTERRUPTED

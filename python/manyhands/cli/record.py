@@ -1,0 +1,107 @@
+"""The command `manyhands record`: a video of episodes."""
+
+import argparse
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from manyhands.cli.named_env import NamedEnv, given_options
+from manyhands.cli.named_env import add_arguments as add_env_arguments
+from manyhands.env_names import resolve_env_id
+from manyhands.envs.single import ArmEnv
+from manyhands.envs.spaces import RENDER_FPS
+from manyhands.interrupts import INTERRUPTED, Interrupts
+from manyhands.video import write_video
+
+EXAMPLES = """\
+examples:
+  manyhands record PandaPickAndPlace                          three episodes of the scripted expert, as MP4
+  manyhands record PandaPush --out push.gif --episodes 1
+  manyhands record PandaReach --policy runs/PandaReach-v3-...  of what was learned
+  manyhands record PandaPush --robot arm6 --option render_yaw=90
+
+Ctrl-C ends the video after the episode that is being filmed.
+"""
+_AFTER_SUCCESS = 8  # steps for which a reached goal is looked at
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """What comes after `manyhands record`."""
+    parser.add_argument("env", metavar="ENV", help="environment, with or without its version")
+    parser.add_argument("--policy", type=Path, metavar="RUN_DIR|POLICY.onnx", help="default: the scripted expert")
+    parser.add_argument("--out", type=Path, help="FILE.mp4 or FILE.gif; default: ENV.mp4")
+    parser.add_argument("--episodes", type=int, default=3, metavar="N")
+    parser.add_argument("--seed", type=int, default=0, help="of the first episode; the others count up")
+    parser.add_argument("--size", type=int, nargs=2, default=(640, 480), metavar=("WIDTH", "HEIGHT"), help="[pixels]")
+    add_env_arguments(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Writes the video; with the first interrupt it ends after the episode that is being filmed."""
+    from rich.console import Console
+    from rich.progress import track
+
+    env = NamedEnv(resolve_env_id(arguments.env), given_options(arguments))
+    out = arguments.out or Path(f"{env.id}.mp4")
+    if arguments.episodes < 1:
+        raise ValueError(f"--episodes is {arguments.episodes}; expected 1 or more")
+    width, height = arguments.size
+    filmed = env.make(render_mode="rgb_array", render_width=width, render_height=height)
+    act = _policy(arguments.policy, env)
+    wanted = arguments.episodes
+    seeds = range(arguments.seed, arguments.seed + wanted)
+    console = Console(stderr=True)
+    begun: list[int] = []
+    with Interrupts() as interrupts:
+        shown = track(
+            _until(interrupts, seeds, begun), f"Filming {env.title}", total=wanted, console=console, transient=True,
+            disable=not console.is_terminal,
+        )  # fmt: skip
+        write_video(episodes(filmed, act, shown, env.max_steps), out, RENDER_FPS)
+    n = len(begun)
+    is_whole = n == wanted
+    count = f"{n} {'episode' if n == 1 else 'episodes'}" if is_whole else f"stopped; {n} of {wanted} episodes"
+    print(f"manyhands: {count} of {env.title} {'is' if n == 1 else 'are'} in {out}")
+    return 0 if is_whole else INTERRUPTED
+
+
+def _until(interrupts: Interrupts, seeds: Iterable[int], begun: list[int]) -> Iterator[int]:
+    """At least one seed, and no other after an interrupt; `begun` tells which."""
+    for seed in seeds:
+        begun.append(seed)
+        yield seed
+        if interrupts.requested:
+            return
+
+
+def episodes(
+    env: ArmEnv, act: Callable[[], Callable[[Any], Any]], seeds: Iterable[int], max_steps: int
+) -> Iterator[NDArray[np.uint8]]:
+    """The pictures of episodes, each under a fresh policy, until shortly after success or max_steps."""
+    for seed in seeds:
+        policy, left = act(), max_steps
+        observation, _ = env.reset(seed=seed)
+        yield _picture(env)
+        while left > 0:
+            observation, _, _, _, info = env.step(policy(observation))
+            left = min(left - 1, _AFTER_SUCCESS) if info["is_success"] else left - 1
+            yield _picture(env)
+
+
+def _picture(env: ArmEnv) -> NDArray[np.uint8]:
+    picture = env.render()
+    assert picture is not None
+    return picture
+
+
+def _policy(path: Path | None, env: NamedEnv) -> Callable[[], Callable[[Any], Any]]:
+    if path is None:
+        env.expert()
+        return env.expert
+    from manyhands.training.evaluation import policy_for
+
+    policy = policy_for(path, env.spec())
+    return lambda: policy.act

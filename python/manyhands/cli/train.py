@@ -1,0 +1,156 @@
+"""The command `manyhands train`."""
+
+import argparse
+import shlex
+import shutil
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from manyhands.arguments import MOST_THREADS, whole_number
+from manyhands.env_names import resolve_env_id
+from manyhands.interrupts import INTERRUPTED
+
+if TYPE_CHECKING:
+    from manyhands.training.run import Outcome
+    from manyhands.training.run_folder import RunFolder
+
+EXAMPLES = """\
+examples:
+  manyhands train PandaReach                          learn to reach, in seconds
+  manyhands train PandaReachJoints --seed 3           drive the joints; another seed
+  manyhands train PandaReach --set gamma=0.9 --set hidden_layers=[128,128]
+  manyhands train --resume runs/PandaReach-v3-...     go on where Ctrl-C stopped a run
+
+A run folder holds config.json, metrics.csv, TensorBoard events, learning_curve.png, checkpoint.bin, policy.onnx and
+evaluation.json. Ctrl-C saves a checkpoint and says how to go on.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """What comes after `manyhands train`."""
+    parser.add_argument("task", nargs="?", help="environment, with or without its version: PandaReach, PandaReach-v3")
+    parser.add_argument("--resume", type=Path, metavar="RUN_DIR", help="go on with this run instead of a new one")
+    parser.add_argument("--seed", type=int, help="of networks, exploration and episodes (default 0)")
+    parser.add_argument("--num-envs", type=int, metavar="N", help="worlds stepped at a time (default 64)")
+    parser.add_argument("--threads", type=int, metavar="N", help="default: MANYHANDS_THREADS, or one for each core")
+    parser.add_argument(
+        "--max-steps", type=int, metavar="N", help="environment steps at most, over all worlds (default 1000000)"
+    )
+    parser.add_argument("--episodes", type=int, metavar="N", help="of the evaluation after training (default 1000)")
+    parser.add_argument("--runs", type=Path, default=Path("runs"), metavar="DIR", help="where run folders go (runs)")
+    parser.add_argument(
+        "--set", action="append", metavar="NAME=VALUE", help="a setting of the trainer; may be given more than once"
+    )
+    parser.add_argument(
+        "--require-success", type=float, metavar="RATE", help="exit with 1 if the evaluation's success rate is below"
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Learns, measures what was learned, and says where it is."""
+    from rich.console import Console
+
+    from manyhands.training.run import TrainingRun
+    from manyhands.training.run_folder import RunFolder
+    from manyhands.training.settings import TrainSettings, parse_overrides
+
+    changes = {
+        "num_threads": arguments.threads,
+        "max_env_steps": arguments.max_steps,
+        "evaluation_episodes": arguments.episodes,
+    }
+    if arguments.threads is not None:
+        whole_number("--threads", arguments.threads, 1, MOST_THREADS)
+    console = Console()
+    if arguments.resume is not None:
+        fixed = ("task", "seed", "num_envs", "set")
+        if given := [name for name in fixed if getattr(arguments, name) is not None]:
+            raise ValueError(f"a resumed run keeps its {', '.join(given)}: leave it out, or start a new run")
+        folder = RunFolder(arguments.resume)
+        settings = folder.read_settings(**changes)
+        run = TrainingRun(folder, settings, resume=True)
+        done = run.metrics.env_steps
+        if run.metrics.solved:
+            text = f"Solved already, after {done:,} steps; only evaluated again: {folder.path}"
+        elif done < settings.max_env_steps:
+            text = f"Resuming at {done:,} steps: {folder.path}"
+        elif arguments.max_steps is not None:
+            raise ValueError(
+                f"{folder.path} has done {done} steps already: --max-steps {arguments.max_steps} adds none"
+            )
+        else:
+            text = f"All {done:,} steps are done, --max-steps would add more; only evaluated again: {folder.path}"
+        folder.write_config(settings)
+        console.print(text, highlight=False, markup=False, soft_wrap=True)
+    else:
+        if arguments.task is None:
+            raise ValueError("name a task, for example: manyhands train PandaReach (manyhands envs lists them)")
+        changes |= {
+            "seed": arguments.seed,
+            "num_envs": arguments.num_envs,
+            "overrides": parse_overrides(arguments.set or []),
+        }
+        given = {name: value for name, value in changes.items() if value is not None}
+        settings = TrainSettings(resolve_env_id(arguments.task), **given)
+        settings.trainer_config()
+        folder = RunFolder.create(arguments.runs, settings)
+        run = TrainingRun(folder, settings)
+        console.print(
+            f"Training {settings.env_id}, seed {settings.seed}: {folder.path}", highlight=False, soft_wrap=True
+        )
+    outcome = run.train(console)
+    _summarise(outcome, folder, settings.seed, console.print)
+    if outcome.evaluation is None:
+        return INTERRUPTED
+    required = arguments.require_success
+    if required is not None and outcome.evaluation.success_rate < required:
+        print(f"manyhands: success {outcome.evaluation.success_rate:.1%} is below {required:.1%}", file=sys.stderr)
+        return 1
+    return 0
+
+
+def _summarise(outcome: "Outcome", folder: "RunFolder", seed: int, say: Callable[..., None]) -> None:
+    lines = [""]
+    program, path = _program("manyhands"), shlex.quote(str(folder.path))
+    if outcome.evaluation is None:
+        lines += [
+            f"Stopped after {outcome.env_steps:,} steps and {outcome.training_seconds:.1f} s. Nothing is lost:",
+            f"  {program} train --resume {path}",
+        ]
+    else:
+        result = outcome.evaluation
+        verdict = "Solved" if outcome.solved else "Not solved within the step limit"
+        lines += [
+            f"{verdict}: success {result.success_rate:.1%} on {result.episodes} fresh episodes "
+            f"(return {result.mean_return:.2f}, length {result.mean_length:.1f})",
+            f"Training took {outcome.training_seconds:.1f} s for {outcome.env_steps:,} steps, "
+            f"the evaluation after it {outcome.evaluation_seconds:.1f} s.",
+            "",
+            f"In {folder.path}:",
+            f"  {folder.curve.name:<20} how it went, as a picture",
+            f"  {folder.metrics.name:<20} and as numbers (also as TensorBoard events)",
+            f"  {folder.policy.name:<20} the policy, for onnxruntime",
+            f"  {folder.evaluation.name:<20} success, return and length",
+            f"  {folder.checkpoint.name:<20} to go on from",
+            "",
+            "Next:",
+            f"  {program} evaluate {path}",
+            f"  {program} view {result.env_id} --policy {path}",
+            f"  {program} train {result.env_id} --seed {seed + 1}",
+            f"  {_program('tensorboard')} --logdir {shlex.quote(str(folder.path.parent))}",
+        ]
+        if not outcome.solved:
+            lines.append(f"  {program} train --resume {path} --max-steps {2 * outcome.env_steps}")
+    say("\n".join(lines), highlight=False, markup=False, soft_wrap=True)
+
+
+def _program(name: str) -> str:
+    """How the user's shell calls a script of this installation: by name if that finds it, else by path as called."""
+    called = Path(sys.argv[0] if Path(sys.argv[0]).name == "manyhands" else sys.executable)
+    script = called.with_name(name)
+    found = shutil.which(name)
+    if not script.exists() or (found is not None and script.samefile(found)):
+        return name
+    return shlex.quote(str(script) if script.parent.name else f"./{script}")

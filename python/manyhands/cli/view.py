@@ -1,0 +1,127 @@
+"""The command `manyhands view`."""
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import gymnasium
+import numpy as np
+
+from manyhands._core import World, asset_path
+from manyhands.cli.named_env import NamedEnv, given_options
+from manyhands.cli.named_env import add_arguments as add_env_arguments
+from manyhands.env_names import resolve_env_id
+from manyhands.viewer import view
+
+if TYPE_CHECKING:
+    from manyhands.viewer import Viewer
+
+EXAMPLES = """\
+examples:
+  manyhands view panda                        a robot that ships with the package
+  manyhands view my_robot.urdf
+  manyhands view scene.xml
+  manyhands view PandaPickAndPlace            an environment: drive it, or watch the scripted expert
+  manyhands view PandaReach --policy runs/PandaReach-v3-...    what was learned acts
+  manyhands view PandaPush --robot arm6 --control ee_pose --option object_shape=cylinder
+  manyhands view PandaPush --host 0.0.0.0     for other machines; the address holds a token
+
+The page has all controls. Ctrl-C ends it.
+"""
+_SCENES = (".urdf", ".xml", ".mjcf")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """What comes after `manyhands view`."""
+    parser.add_argument("target", metavar="ROBOT.urdf|SCENE.xml|ENV", help="a file, an environment, `panda` or `arm6`")
+    parser.add_argument("--host", default="127.0.0.1", help="address to listen on (this machine alone)")
+    parser.add_argument("--port", type=int, default=8080, help="the first to try (8080)")
+    parser.add_argument("--token", help="asked for in the page's address; default: none here, a random one elsewhere")
+    parser.add_argument("--seed", type=int, help="of an environment's first episode")
+    parser.add_argument("--policy", type=Path, metavar="RUN_DIR|POLICY.onnx", help="acts in the environment")
+    parser.add_argument("--open", action="store_true", help="open the page in this machine's browser")
+    parser.add_argument("--play", action="store_true", help="begin at once")
+    add_env_arguments(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Shows the target until Ctrl-C."""
+    with shown(arguments) as viewer:
+        viewer.wait()
+    return 0
+
+
+def shown(arguments: argparse.Namespace) -> "Viewer":
+    """The page of parsed arguments."""
+    page: dict[str, Any] = {
+        "host": arguments.host, "port": arguments.port, "token": arguments.token, "open_browser": arguments.open
+    }  # fmt: skip
+    robot, options = _robot(arguments.target), given_options(arguments)
+    if robot is None:
+        viewer = _show_environment(arguments.target, options, arguments.policy, arguments.seed, page)
+    elif options or arguments.policy is not None:
+        given = "--policy" if arguments.policy is not None else f"the option {next(iter(options))}"
+        raise ValueError(f"{given} is of environments, and {arguments.target} is none (manyhands envs lists them)")
+    else:
+        viewer = view(_world(robot), title=robot.name, **page)
+        if viewer.source.joints is not None:
+            _hold(viewer)
+    if arguments.play:
+        viewer.play()
+    return viewer
+
+
+def _robot(target: str) -> Path | None:
+    """The file that is meant; None if it is not a file. Raises ValueError on a file of another kind."""
+    if Path(target).suffix.lower() in _SCENES:
+        return Path(target)
+    try:
+        return asset_path(f"{target}/{target}.urdf")
+    except (FileNotFoundError, RuntimeError):  # no such robot; no robots at all
+        if Path(target).is_file():
+            raise ValueError(f"{target} is no URDF or MJCF: expected a file {', '.join(_SCENES)}") from None
+        return None
+
+
+def _world(path: Path) -> World:
+    world = World.from_file(path)
+    if len(world.report):
+        print(world.report)
+    return world
+
+
+def _show_environment(
+    target: str, options: dict[str, Any], policy: Path | None, seed: int | None, page: dict[str, Any]
+) -> "Viewer":
+    named, actors = NamedEnv(resolve_env_id(target), options), {}
+    if policy is not None:
+        from manyhands.training.evaluation import policy_for
+
+        actors[policy.resolve().name] = policy_for(policy, named.spec()).act
+    env = _environment(named)
+    env.reset(seed=seed)
+    viewer = view(env, title=named.title, **page)
+    for name, act in actors.items():
+        viewer.actor(name, act)
+    return viewer
+
+
+def _environment(named: NamedEnv) -> gymnasium.Env[Any, Any]:
+    """In a world that may be pushed and pulled, if nothing is asked for that only environments stepped in C++ have."""
+    from manyhands.panda_gym import registration
+
+    variant = named.variant
+    if variant.keys() == {"task", "reward_type", "control_type"} and variant["control_type"] in ("ee", "joints"):
+        env = registration.make_env(**variant)
+    else:
+        env = named.make()
+    env.spec = gymnasium.spec(named.id)
+    return env
+
+
+def _hold(viewer: "Viewer") -> None:
+    """A robot stands where its joints may be, and its motors hold it there."""
+    joints = viewer.source.joints
+    assert joints is not None
+    places = {knob.name: float(np.clip(joints.value(knob), knob.lower, knob.upper)) for knob in joints.knobs}
+    viewer.player.do(lambda: joints.move(places, place=True), wait=2.0)

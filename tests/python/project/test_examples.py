@@ -1,0 +1,27 @@
+"""The Python examples do what they say."""
+
+import runpy
+from pathlib import Path
+
+import numpy as np
+
+EXAMPLES = Path(__file__).parents[3] / "examples"
+
+
+def test_two_arms_hand_over_a_bar() -> None:
+    example = runpy.run_path(str(EXAMPLES / "two_arms.py"))
+    arms = example["TwoArms"]()
+    arms.grip("right", 0.08)
+    arms.move(left=[-0.2, 0, 0.015], right=[0.25, 0, 0.3])
+    arms.grip("left", 0)
+    arms.move(left=[-0.1, 0, 0.25])
+    assert example["held_by"](arms.world) == {"left"}
+    assert arms.world.body_pose("bar")[0][2] > 0.24
+
+    world = example["hand_over"]().world
+    assert example["held_by"](world) == {"right"}
+    position, quaternion = world.body_pose("bar")
+    np.testing.assert_allclose(position, [0.1, -0.1, 0.2], atol=5e-3)
+    assert abs(quaternion[3]) > 0.999  # level
+    world.step(500)
+    np.testing.assert_allclose(world.body_pose("bar")[0], position, atol=1e-3)
