@@ -31,7 +31,7 @@ test: $(VENV)/.test $(VENV)/.installed  ## C++ and Python tests, formatting, typ
 asan: $(VENV)/.cpp  ## C++ tests under address and undefined-behaviour sanitizers
 	tools/cpp_tests.sh asan
 
-tsan: $(VENV)/.cpp  ## C++ tests under the thread sanitizer
+tsan: $(VENV)/.cpp  ## C++ tests with threads under the thread sanitizer
 	tools/cpp_tests.sh tsan
 
 bench: $(VENV)/.test $(VENV)/.installed  ## Benchmarks: a table, and build/bench.json
