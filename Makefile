@@ -21,39 +21,41 @@ help:  ## This list
 	@echo
 	@echo "  Variables: TASK=PandaReach SEED=0 PYTHON=python3 JOBS=$(JOBS)"
 
-train: $(VENV)/.installed  ## Learn a task from nothing: make train TASK=PandaReach SEED=0
+train: $(VENV)/.core $(VENV)/.installed  ## Learn a task from nothing: make train TASK=PandaReach SEED=0
 	@echo "$(VENV)/bin/manyhands train $(TASK) --seed $(SEED)"
 	@PATH='$(USER_PATH)' $(VENV)/bin/manyhands train $(TASK) --seed $(SEED)
 
-test: $(VENV)/.test $(VENV)/.installed $(VENV)/.cpp  ## C++ and Python tests, formatting, types, layers
+test: $(VENV)/.test $(VENV)/.installed  ## C++ and Python tests, formatting, types, layers
 	tools/test.sh
 
 asan: $(VENV)/.cpp  ## C++ tests under address and undefined-behaviour sanitizers
 	tools/cpp_tests.sh asan
 
-tsan: $(VENV)/.cpp  ## C++ tests under the thread sanitizer
+tsan: $(VENV)/.cpp  ## C++ tests with threads under the thread sanitizer
 	tools/cpp_tests.sh tsan
 
-bench: $(VENV)/.test $(VENV)/.installed $(VENV)/.cpp  ## Benchmarks: a table, and build/bench.json
+bench: $(VENV)/.test $(VENV)/.installed  ## Benchmarks: a table, and build/bench.json
 	cmake --preset release >build/configure.log || { cat build/configure.log; exit 1; }
-	cmake --build --preset release -j $(JOBS)
+	cmake --build --preset release -j $(JOBS) --target benchmarks
 	python -m benchmarks
 
 accuracy: $(VENV)/.test $(VENV)/.installed  ## How right the physics is: a table, curves, and build/accuracy.json
 	python -m benchmarks.accuracy
 
-lint: $(VENV)/.test $(VENV)/.installed $(VENV)/.cpp  ## All checks that run no program, with clang-tidy (slow)
+lint: $(VENV)/.test $(VENV)/.installed  ## All checks that run no program, with clang-tidy (slow)
 	tools/lint.sh --tidy
 
 format: $(VENV)/.test  ## Format C++ and Python
 	tools/lint.sh --fix
 
-build: $(VENV)/.installed  ## The Python package, built and installed into .venv
+build: $(VENV)/.core $(VENV)/.installed  ## The Python package, built and installed into .venv
 
 clean:  ## Remove what was built; .venv too
 	rm -rf build $(VENV)
 
 # ---- Set-up, each step once ------------------------------------------------------------------------------------
+# Packages are fetched while the compiler runs.
+MAKEFLAGS += --jobs=2
 LIBRARIES := libeigen3-dev libpugixml-dev libqhull-dev libembree-dev ccache
 SOURCES := CMakeLists.txt $(shell find cmake manyhands bindings python assets -type f -not -path '*/__pycache__/*')
 
@@ -70,12 +72,12 @@ $(VENV)/.core: $(VENV)/.build pyproject.toml
 	@tools/setup.sh python build core all
 	@touch $@
 
-$(VENV)/.test: $(VENV)/.core pyproject.toml
+$(VENV)/.test: $(VENV)/.core $(VENV)/.cpp pyproject.toml
 	@tools/setup.sh python test dev
 	@tools/setup.sh browser
 	@touch $@
 
-$(VENV)/.installed: $(VENV)/.core $(SOURCES)
+$(VENV)/.installed: $(VENV)/.build $(SOURCES)
 	@echo "==> Building the Python package (about three minutes the first time)"
 	@CMAKE_BUILD_PARALLEL_LEVEL=$(JOBS) pip install --quiet --no-build-isolation --no-deps .
 	@touch $@

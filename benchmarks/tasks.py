@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from benchmarks.accuracy.quiet import quiet
 from benchmarks.rows import Contender, Row, calibrate, measure_in_turns
-from manyhands._core.envs import AutoresetBatch, AutoresetMode, make_env_batch
+from manyhands._core.envs import NATIVE_LANES, AutoresetBatch, AutoresetMode, make_env_batch
 from manyhands.envs import Expert, register
 
 TASKS = ("Reach", "Push", "Slide", "PickAndPlace", "Stack", "Flip")
@@ -183,6 +183,6 @@ def panda_gym_contender(task: str, policy: str) -> tuple[Row, Contender | None]:
 def check(row: Row, run: Worlds) -> None:
     """Refuses the row if a replay in another number type observes anything else."""
     worlds = min(run.worlds, REPLAYED_WORLDS)
-    lanes = 4 if worlds == 1 else 1
+    lanes = NATIVE_LANES if worlds == 1 else 1
     if not np.array_equal(run.rows(worlds).view(np.uint32), replay(run, worlds, lanes).view(np.uint32)):
         row.refuse(f"not the bits of a replay with lanes={lanes}")

@@ -1,14 +1,18 @@
 # Options, compiler flags and the helpers that give every target the same ones.
-include(CMakeDependentOption)
-
-cmake_dependent_option(MANYHANDS_TESTS "Build the C++ tests" ON PROJECT_IS_TOP_LEVEL OFF)
-cmake_dependent_option(MANYHANDS_BENCHMARKS "Build the benchmarks" ON PROJECT_IS_TOP_LEVEL OFF)
-cmake_dependent_option(MANYHANDS_EXAMPLES "Build the C++ examples" ON PROJECT_IS_TOP_LEVEL OFF)
-cmake_dependent_option(MANYHANDS_INSTALL "Install the C++ package" ON PROJECT_IS_TOP_LEVEL OFF)
-cmake_dependent_option(MANYHANDS_PYTHON "Build the Python extension" OFF PROJECT_IS_TOP_LEVEL OFF)
+set(developing ${PROJECT_IS_TOP_LEVEL})
+if(SKBUILD)  # a wheel is being made
+  set(developing OFF)
+endif()
+option(MANYHANDS_TESTS "Build the C++ tests" ${developing})
+option(MANYHANDS_BENCHMARKS "Build the benchmarks" ${developing})
+option(MANYHANDS_EXAMPLES "Build the C++ examples" ${developing})
+option(MANYHANDS_INSTALL "Install the C++ package" ${developing})
+option(MANYHANDS_PYTHON "Build the Python extension" OFF)
 
 set(MANYHANDS_ISA native CACHE STRING "Instruction set the library is built for")
 set_property(CACHE MANYHANDS_ISA PROPERTY STRINGS native x86-64-v3 x86-64-v4 armv8)
+option(MANYHANDS_UNITY "Compile the files of a folder together: half the work of a first build, more of a second" OFF)
+set(MANYHANDS_TEST_FILES "" CACHE STRING "Regular expression: only the C++ tests in these files")
 set(MANYHANDS_SANITIZE "" CACHE STRING "Sanitizers for every target, for example address,undefined")
 
 if(PROJECT_IS_TOP_LEVEL)
@@ -35,6 +39,20 @@ endif()
 add_library(manyhands_flags INTERFACE)
 target_compile_features(manyhands_flags INTERFACE cxx_std_20)
 target_compile_options(manyhands_flags INTERFACE ${isa_flags_${MANYHANDS_ISA}} -ffp-contract=off -fno-math-errno)
+
+# The lane width of that instruction set, as in math/instantiate.h.
+include(CheckCXXSymbolExists)
+set(CMAKE_REQUIRED_FLAGS ${isa_flags_${MANYHANDS_ISA}})
+check_cxx_symbol_exists(__AVX512F__ "cstddef" MANYHANDS_AVX512)
+check_cxx_symbol_exists(__AVX__ "cstddef" MANYHANDS_AVX)
+unset(CMAKE_REQUIRED_FLAGS)
+if(MANYHANDS_AVX512)
+  set(native_lanes 16)
+elseif(MANYHANDS_AVX)
+  set(native_lanes 8)
+else()
+  set(native_lanes 4)
+endif()
 
 # What our own targets are compiled with besides.
 add_library(manyhands_options INTERFACE)
@@ -76,13 +94,34 @@ function(manyhands_add_library name)
   target_link_libraries(${name} PUBLIC manyhands_flags PRIVATE "$<BUILD_INTERFACE:manyhands_options>")
 endfunction()
 
-# manyhands_add_programs(folder): each .cpp that lies directly in the folder becomes a program of its name.
+# manyhands_unite(target): with MANYHANDS_UNITY, the files of a folder are compiled as one. Kernels stay apart, each to
+# be optimised alone: those folders, and files named after a number type.
+function(manyhands_unite target)
+  if(NOT MANYHANDS_UNITY)
+    return()
+  endif()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  get_target_property(sources ${target} SOURCES)
+  list(FILTER sources EXCLUDE REGEX "_(scalar|double|float|lanes[0-9]+)[.]cpp$")
+  list(FILTER sources EXCLUDE REGEX "/manyhands/(physics/(dynamics|collision|contact)|render|kinematics|learn/mlp)")
+  foreach(source IN LISTS sources)
+    cmake_path(RELATIVE_PATH source BASE_DIRECTORY "${PROJECT_SOURCE_DIR}" OUTPUT_VARIABLE group)
+    cmake_path(REMOVE_FILENAME group)
+    string(MAKE_C_IDENTIFIER "${group}" group)
+    set_property(SOURCE ${source} PROPERTY UNITY_GROUP ${group})
+  endforeach()
+endfunction()
+
+# manyhands_add_programs(folder libraries...): each .cpp that lies directly in the folder becomes a program of its name.
+# The target of the folder's name builds them all.
 function(manyhands_add_programs folder)
+  add_custom_target(${folder})
   file(GLOB sources CONFIGURE_DEPENDS ${folder}/*.cpp)
   foreach(source IN LISTS sources)
     cmake_path(GET source STEM name)
     add_executable(${name} ${source})
-    target_link_libraries(${name} PRIVATE manyhands_learn manyhands_developer)
+    target_link_libraries(${name} PRIVATE manyhands_learn ${ARGN} manyhands_developer)
+    add_dependencies(${folder} ${name})
     set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/${folder}")
   endforeach()
 endfunction()

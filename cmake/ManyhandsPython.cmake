@@ -16,11 +16,14 @@ if(binding_sources)
   set_target_properties(_core PROPERTIES LIBRARY_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/package/manyhands")
   target_include_directories(_core SYSTEM PRIVATE "${NB_DIR}/include")
   target_link_libraries(_core PRIVATE manyhands_learn manyhands_options)
-  install(TARGETS _core LIBRARY DESTINATION manyhands)
+  manyhands_unite(_core)
+  set_target_properties(nanobind-static PROPERTIES UNITY_BUILD ${MANYHANDS_UNITY} UNITY_BUILD_BATCH_SIZE 0)
+  install(TARGETS _core LIBRARY DESTINATION manyhands COMPONENT python EXCLUDE_FROM_ALL)
 
   nanobind_add_stub(core_stub MODULE manyhands._core RECURSIVE OUTPUT_PATH "${PROJECT_BINARY_DIR}/stubs"
                     MARKER_FILE "${PROJECT_BINARY_DIR}/stubs.stamp"
                     PYTHON_PATH "${PROJECT_BINARY_DIR}/package" DEPENDS _core)
-  install(DIRECTORY "${PROJECT_BINARY_DIR}/stubs/" DESTINATION manyhands FILES_MATCHING PATTERN "*.pyi")
+  install(DIRECTORY "${PROJECT_BINARY_DIR}/stubs/" DESTINATION manyhands COMPONENT python EXCLUDE_FROM_ALL
+          FILES_MATCHING PATTERN "*.pyi")
 endif()
-install(DIRECTORY assets DESTINATION manyhands OPTIONAL)
+install(DIRECTORY assets DESTINATION manyhands COMPONENT python EXCLUDE_FROM_ALL)

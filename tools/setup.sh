@@ -42,12 +42,12 @@ make_venv() {
     fail "Python 3.10 or newer is needed, $python is $("$python" -V). Name another: make PYTHON=python3.12"
   say "Making .venv with the build tools"
   "$python" -m venv --clear .venv
-  .venv/bin/pip install --quiet --upgrade pip "tomli; python_version < '3.11'"
+  .venv/bin/python -c 'import tomllib' 2>/dev/null || .venv/bin/pip install --quiet tomli
   install_requirements build
 }
 
 install_requirements() {
-  .venv/bin/python tools/requirements.py "$@" | .venv/bin/pip install --quiet -r /dev/stdin
+  .venv/bin/python tools/requirements.py "$@" | .venv/bin/pip install --quiet --no-compile -r /dev/stdin
 }
 
 # Ubuntu's package of that name is a snap, which containers cannot run; Playwright's own build needs its download site.

@@ -17,13 +17,13 @@ phase() {
 # A program of somebody else's on the installed library.
 cmake_package() {
   local prefix=$PWD/build/prefix
-  cmake --install build/dev --prefix "$prefix" >/dev/null &&
+  cmake --install build/release --prefix "$prefix" >/dev/null &&
     cmake -S examples/cmake_package -B build/cmake_package -G Ninja -DCMAKE_PREFIX_PATH="$prefix" >/dev/null &&
     cmake --build build/cmake_package && build/cmake_package/example
 }
 
 phase 'layers, formatting, types' tools/lint.sh
-phase 'C++ tests' tools/cpp_tests.sh dev
+phase 'C++ tests' tools/cpp_tests.sh release
 phase 'CMake package' cmake_package
 phase 'Python tests' python -m pytest
 printf '\n\033[1m==> Summary\033[0m\n%s' "$summary"

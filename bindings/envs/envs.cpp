@@ -24,6 +24,7 @@
 #include "manyhands/envs/autoreset.h"
 #include "manyhands/envs/env_batch.h"
 #include "manyhands/envs/make.h"
+#include "manyhands/math/instantiate.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -212,6 +213,7 @@ void bind_bodies(nb::module_& m) {
 using Pair = std::pair<double, double>;
 
 void bind_make(nb::module_& m) {
+  m.attr("NATIVE_LANES") = width_v<NativeLanes>;
   m.def("env_ids", &env_ids, "The ids that `make_env_batch` knows.");
   m.def("max_episode_steps", &max_episode_steps, "id"_a,
         "The steps after which an episode of the environment is truncated. Raises ValueError on an unknown id.");

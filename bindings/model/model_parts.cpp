@@ -28,7 +28,7 @@ nb::object matrix(const SymMat3<double>& m) {
 
 nb::object numbers(const std::vector<double>& v) { return copied(v.data(), {v.size()}); }
 
-void bind_tree(nb::module_& m) {
+void bind_links(nb::module_& m) {
   nb::class_<Link>(m, "Link", "A named rigid part. Its frame L is the frame of the joint that moves it, at q = 0.")
       .def_ro("name", &Link::name)
       .def("__repr__", [](const Link& link) { return "<Link '" + link.name + "'>"; })
@@ -259,7 +259,7 @@ void bind_couplings(nb::module_& m) {
 }  // namespace
 
 void bind_model_parts(nb::module_& m) {
-  bind_tree(m);
+  bind_links(m);
   bind_geom(m);
   bind_couplings(m);
 }

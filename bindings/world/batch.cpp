@@ -129,9 +129,8 @@ void bind_clock(nb::class_<Batch>& batch) {
           nb::sig("def __init__(self, model: Model, n: int, time_step: float | None = None, "
                   "num_threads: int | None = None, lanes: int = 0) -> None"),
           "n worlds. time_step [s]: None for the model's own, or 0.002. num_threads: None for the variable "
-          "MANYHANDS_THREADS, or one for each core. lanes: 0 for the fastest, else 1, 4, 8 or 16; results do not "
-          "depend "
-          "on either.")
+          "MANYHANDS_THREADS, or one for each core. lanes: 0 for the fastest, else 1 or a width that this build has; "
+          "results do not depend on either.")
       // Keeps the interpreter's lock, so that Python's threads take turns with a batch.
       .def(
           "step", [](Batch& self, int n) { step_in_pieces(self, n, 500); }, "n"_a = 1,

@@ -33,7 +33,7 @@ struct ShapeOf : CollisionShape {
 };
 
 /// The number of rows of a call: that of all its arguments which are not single. Throws std::invalid_argument.
-class Rows {
+class RowCount {
  public:
   void see(const char* name, std::size_t n) {
     if (n == 1 || n == count_) return;
@@ -57,7 +57,7 @@ const T& row(const std::vector<T>& rows, std::size_t i) {
 nb::tuple signed_distances(const Shapes& a, const Numbers& p_a, const Numbers& q_a, const Shapes& b, const Numbers& p_b,
                            const Numbers& q_b) {
   const Poses X_WA = bindings::poses("pose_a", p_a, q_a), X_WB = bindings::poses("pose_b", p_b, q_b);
-  Rows rows;
+  RowCount rows;
   rows.see("a", a.size());
   rows.see("pose_a", X_WA.size());
   rows.see("b", b.size());
@@ -111,7 +111,7 @@ nb::tuple ray_casts(const CollisionShape& shape, const Numbers& p, const Numbers
   if (!(max_distance >= 0)) {
     throw std::invalid_argument("max_distance is " + std::to_string(max_distance) + " m; expected 0 or more");
   }
-  Rows rows;
+  RowCount rows;
   rows.see("pose", X_WG.size());
   rows.see("origin", o.size());
   rows.see("direction", d.size());

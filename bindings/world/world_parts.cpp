@@ -183,10 +183,11 @@ void bind_editing(nb::class_<World>& world) {
       .def_prop_ro("names", &World::names, "What `remove` takes as a whole: models, and links on the world.");
 }
 
-using Get = double (World::*)(std::string_view) const;
-using Set = void (World::*)(std::string_view, double);
+using GetNumber = double (World::*)(std::string_view) const;
+using SetNumber = void (World::*)(std::string_view, double);
 
-void bind_parameter(nb::class_<World>& world, const char* name, const char* of, Get get, Set set, const char* doc) {
+void bind_parameter(nb::class_<World>& world, const char* name, const char* of, GetNumber get, SetNumber set,
+                    const char* doc) {
   if (get != nullptr) {
     world.def(name, [get](const World& self, const std::string& part) { return (self.*get)(part); }, nb::arg(of), doc);
   }

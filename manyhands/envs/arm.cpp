@@ -1,15 +1,12 @@
 #include "manyhands/envs/arm.h"
 
 #include <algorithm>
-#include <stdexcept>
+
+#include "manyhands/envs/require.h"
 
 namespace manyhands {
 
 namespace {
-
-void require(bool condition, const std::string& message) {
-  if (!condition) throw std::invalid_argument(message);
-}
 
 const Body& body_of(const Model& scene, const std::string& joint) {
   const bool known = std::ranges::any_of(scene.joints(), [&](const Joint& j) { return j.name == joint; });

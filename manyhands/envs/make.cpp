@@ -1,9 +1,9 @@
 #include "manyhands/envs/make.h"
 
-#include <stdexcept>
-
 #include "manyhands/envs/panda.h"
 #include "manyhands/envs/panda_tasks.h"
+#include "manyhands/envs/require.h"
+#include "manyhands/math/for_width.h"
 
 namespace manyhands {
 
@@ -18,10 +18,6 @@ struct Variant {
   ArmControl control;
   Reward reward;
 };
-
-void require(bool condition, const std::string& message) {
-  if (!condition) throw std::invalid_argument(message);
-}
 
 void check(int num_envs, const EnvOptions& options) {
   require(num_envs >= 1 && num_envs <= kMaxEnvs,
@@ -47,45 +43,11 @@ std::vector<Variant> variants(const std::string& task) {
   return all;
 }
 
-template <class T, class Task>
-std::unique_ptr<EnvBatch> make_task(const Variant& variant, int num_envs, const EnvOptions& options) {
-  return std::make_unique<TaskBatch<T, Task>>(EnvSpec{.id = variant.id}, options.arm.value_or(panda_arm()),
-                                              options.control.value_or(variant.control), variant.reward, num_envs,
-                                              options);
-}
-
-template <class Task>
-std::unique_ptr<EnvBatch> make_task(const Variant& variant, int num_envs, const EnvOptions& options) {
-  switch (options.lanes == 0 ? (num_envs == 1 ? 1 : width_v<NativeLanes>) : options.lanes) {
-    case 1:
-      return make_task<float, Task>(variant, num_envs, options);
-    case 4:
-      return make_task<Lanes4, Task>(variant, num_envs, options);
-    case 8:
-      return make_task<Lanes8, Task>(variant, num_envs, options);
-    case 16:
-      return make_task<Lanes16, Task>(variant, num_envs, options);
-    default:
-      throw std::invalid_argument("lanes is " + std::to_string(options.lanes) + "; expected 0, 1, 4, 8 or 16");
-  }
-}
-
-/// Calls visit(Task{}) for every task.
-template <class Visit>
-void for_each_task(Visit&& visit) {
-  visit(Reach{});
-  visit(Slide{});
-  visit(Push{});
-  visit(PickAndPlace{});
-  visit(Stack{});
-  visit(Flip{});
-}
-
 /// Calls visit(task, variant) for what the id means. Throws std::invalid_argument if it means nothing.
 template <class Visit>
 void find_task(const std::string& id, Visit&& visit) {
   bool found = false;
-  for_each_task([&](const auto& task) {
+  for_each_panda_task([&](const auto& task) {
     for (const Variant& variant : variants(task.kName)) {
       if (variant.id != id) continue;
       visit(task, variant);
@@ -102,7 +64,7 @@ void find_task(const std::string& id, Visit&& visit) {
 
 std::vector<std::string> env_ids() {
   std::vector<std::string> ids;
-  for_each_task([&](const auto& task) {
+  for_each_panda_task([&](const auto& task) {
     for (const Variant& variant : variants(task.kName)) ids.push_back(variant.id);
   });
   return ids;
@@ -116,9 +78,18 @@ int max_episode_steps(const std::string& id) {
 
 std::unique_ptr<EnvBatch> make_env_batch(const std::string& id, int num_envs, const EnvOptions& options) {
   check(num_envs, options);
+  const int lanes = options.lanes == 0 ? (num_envs == 1 ? 1 : width_v<NativeLanes>) : options.lanes;
+  const auto make = for_width("lanes", lanes, []<class T>() { return &make_panda_task<T>; });
   std::unique_ptr<EnvBatch> made;
-  find_task(
-      id, [&]<class Task>(const Task&, const Variant& variant) { made = make_task<Task>(variant, num_envs, options); });
+  find_task(id, [&](const auto& task, const Variant& variant) {
+    made = make({.name = task.kName,
+                 .spec = {.id = variant.id},
+                 .arm = options.arm.value_or(panda_arm()),
+                 .control = options.control.value_or(variant.control),
+                 .reward = variant.reward,
+                 .num_envs = num_envs},
+                options);
+  });
   return made;
 }
 

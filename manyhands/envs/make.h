@@ -28,8 +28,8 @@ struct EnvOptions {
   double distance_threshold = 0;         ///< success is nearer than this; 0: what the task says, 5 cm in Reach
   std::vector<RandomRange> randomize{};  ///< what differs from episode to episode
   std::string object_shape{};            ///< "": as the task says; else one of object_shapes()
-  int lanes = 0;                 ///< 0: the fastest for this build, or scalars for a single world; else 1, 4, 8 or 16
-  std::optional<ArmSpec> arm{};  ///< none: the Panda
+  int lanes = 0;  ///< 0: the fastest for this build, or scalars for a single world; else 1 or a built width
+  std::optional<ArmSpec> arm{};         ///< none: the Panda
   std::optional<ArmControl> control{};  ///< none: what the id says
   Impedance impedance{};                ///< under ArmControl::kImpedance
   std::vector<Obstacle> obstacles{};

@@ -1,8 +1,12 @@
-#include "manyhands/envs/panda_tasks.h"
-#include "manyhands/envs/task_batch.inl"
+#include "manyhands/envs/panda_tasks.inl"
 
 namespace manyhands {
 
 MANYHANDS_PANDA_TASKS(, float)
+
+template <>
+std::unique_ptr<EnvBatch> make_panda_task<float>(const PandaTask& task, const EnvOptions& options) {
+  return internal::make_task_batch<float>(task, options);
+}
 
 }  // namespace manyhands

@@ -1,9 +1,12 @@
-#include "manyhands/envs/panda_tasks.h"
-#include "manyhands/envs/task_batch.inl"
-#include "manyhands/math/instantiate.h"
+#include "manyhands/envs/panda_tasks.inl"
 
 namespace manyhands {
 
 MANYHANDS_PANDA_TASKS(, Lanes16)
+
+template <>
+std::unique_ptr<EnvBatch> make_panda_task<Lanes16>(const PandaTask& task, const EnvOptions& options) {
+  return internal::make_task_batch<Lanes16>(task, options);
+}
 
 }  // namespace manyhands

@@ -9,13 +9,24 @@ using Lanes4 = Lanes<float, 4>;
 using Lanes8 = Lanes<float, 8>;
 using Lanes16 = Lanes<float, 16>;
 
-/// The lane type that runs fastest on the instruction set of this build.
+/// The lane type that runs fastest on the instruction set of this build. Programs other than the tests are linked with
+/// the kernels of no other (cmake: manyhands_other_lanes), so what makes those is declared MANYHANDS_LANES<W>: weak, of
+/// address null where it is not linked in. `for_width` (for_width.h) chooses among those that are there.
 #if defined(__AVX512F__)
 using NativeLanes = Lanes16;
+#define MANYHANDS_LANES4 [[gnu::weak]]
+#define MANYHANDS_LANES8 [[gnu::weak]]
+#define MANYHANDS_LANES16
 #elif defined(__AVX__)
 using NativeLanes = Lanes8;
+#define MANYHANDS_LANES4 [[gnu::weak]]
+#define MANYHANDS_LANES8
+#define MANYHANDS_LANES16 [[gnu::weak]]
 #else
 using NativeLanes = Lanes4;
+#define MANYHANDS_LANES4
+#define MANYHANDS_LANES8 [[gnu::weak]]
+#define MANYHANDS_LANES16 [[gnu::weak]]
 #endif
 
 }  // namespace manyhands

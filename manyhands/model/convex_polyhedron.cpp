@@ -18,7 +18,7 @@ namespace {
 constexpr double kCoplanar = 1e-6;   // of the extent: float files round to 1e-7 of it
 constexpr double kThickness = 1e-4;  // of the extent, given to clouds that have none
 
-struct Triangle {
+struct HullTriangle {
   std::array<int, 3> v;
   Vec3<double> normal;
   double area;
@@ -89,7 +89,7 @@ struct QhullRun {
 };
 
 /// The hull's triangles, counter-clockwise, as indices into `points`.
-std::vector<Triangle> hull_triangles(std::vector<Vec3<double>>& points) {
+std::vector<HullTriangle> hull_triangles(std::vector<Vec3<double>>& points) {
   static_assert(sizeof(Vec3<double>) == 3 * sizeof(coordT));
   QhullRun run;
   qhT* qh = &run.qh;
@@ -98,9 +98,9 @@ std::vector<Triangle> hull_triangles(std::vector<Vec3<double>>& points) {
                    run.log.get()) != 0) {
     throw ModelError("convex hull: no hull of the mesh's vertices can be built; simplify or thicken the mesh");
   }
-  std::vector<Triangle> triangles;
+  std::vector<HullTriangle> triangles;
   for (facetT* facet = qh->facet_list; facet && facet->next; facet = facet->next) {
-    Triangle t{{}, {facet->normal[0], facet->normal[1], facet->normal[2]}, 0};
+    HullTriangle t{{}, {facet->normal[0], facet->normal[1], facet->normal[2]}, 0};
     setT* corners = qh_facet3vertex(qh, facet);
     for (std::size_t k = 0; k < 3; ++k) {
       t.v[k] = qh_pointid(qh, static_cast<vertexT*>(corners->e[k].p)->point);
@@ -116,9 +116,9 @@ std::vector<Triangle> hull_triangles(std::vector<Vec3<double>>& points) {
 }
 
 /// Numbers the vertices that the triangles use from zero, in the order of the points.
-void compact(const std::vector<Vec3<double>>& points, std::vector<Triangle>& triangles, ConvexPolyhedron& hull) {
+void compact(const std::vector<Vec3<double>>& points, std::vector<HullTriangle>& triangles, ConvexPolyhedron& hull) {
   std::vector<int> number(points.size(), -1);
-  for (const Triangle& t : triangles) {
+  for (const HullTriangle& t : triangles) {
     for (const int v : t.v) number[static_cast<std::size_t>(v)] = 0;
   }
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -127,7 +127,7 @@ void compact(const std::vector<Vec3<double>>& points, std::vector<Triangle>& tri
     hull.vertices.push_back(points[i]);
     hull.bound = std::max(hull.bound, norm(points[i]));
   }
-  for (Triangle& t : triangles) {
+  for (HullTriangle& t : triangles) {
     for (int& v : t.v) v = number[static_cast<std::size_t>(v)];
   }
 }
@@ -135,7 +135,7 @@ void compact(const std::vector<Vec3<double>>& points, std::vector<Triangle>& tri
 /// Grows faces over coplanar neighbours, the largest triangles first.
 class FaceMerger {
  public:
-  FaceMerger(ConvexPolyhedron& hull, const std::vector<Triangle>& triangles, double tolerance)
+  FaceMerger(ConvexPolyhedron& hull, const std::vector<HullTriangle>& triangles, double tolerance)
       : hull_(hull), triangles_(triangles), tolerance_(tolerance), taken_(triangles.size(), false) {
     for (std::size_t i = 0; i < triangles.size(); ++i) {
       for (std::size_t k = 0; k < 3; ++k) owner_[{triangles[i].v[k], triangles[i].v[(k + 1) % 3]}] = i;
@@ -154,7 +154,7 @@ class FaceMerger {
   }
 
  private:
-  [[nodiscard]] bool coplanar(const Triangle& seed, const Triangle& t) const {
+  [[nodiscard]] bool coplanar(const HullTriangle& seed, const HullTriangle& t) const {
     const double offset = dot(seed.normal, vertex(seed.v[0]));
     return std::all_of(t.v.begin(), t.v.end(),
                        [&](int v) { return std::abs(dot(seed.normal, vertex(v)) - offset) < tolerance_; }) &&
@@ -165,7 +165,7 @@ class FaceMerger {
     std::vector<std::size_t> region{seed};
     taken_[seed] = true;
     for (std::size_t next = 0; next < region.size(); ++next) {
-      const Triangle& t = triangles_[region[next]];
+      const HullTriangle& t = triangles_[region[next]];
       for (std::size_t k = 0; k < 3; ++k) {
         const auto found = owner_.find({t.v[(k + 1) % 3], t.v[k]});
         if (found == owner_.end() || taken_[found->second]) continue;
@@ -220,16 +220,16 @@ class FaceMerger {
   [[nodiscard]] const Vec3<double>& vertex(int i) const { return hull_.vertices[static_cast<std::size_t>(i)]; }
 
   ConvexPolyhedron& hull_;
-  const std::vector<Triangle>& triangles_;
+  const std::vector<HullTriangle>& triangles_;
   double tolerance_;
   std::vector<bool> taken_;
   std::map<Edge, std::size_t> owner_{};
   std::vector<std::set<int>> faces_of_ = std::vector<std::set<int>>(hull_.vertices.size());
 };
 
-void connect(const std::vector<Triangle>& triangles, ConvexPolyhedron& hull) {
+void connect(const std::vector<HullTriangle>& triangles, ConvexPolyhedron& hull) {
   std::vector<std::set<int>> neighbours(hull.vertices.size());
-  for (const Triangle& t : triangles) {
+  for (const HullTriangle& t : triangles) {
     for (std::size_t k = 0; k < 3; ++k) {
       neighbours[static_cast<std::size_t>(t.v[k])].insert({t.v[(k + 1) % 3], t.v[(k + 2) % 3]});
     }
@@ -237,10 +237,10 @@ void connect(const std::vector<Triangle>& triangles, ConvexPolyhedron& hull) {
   for (const std::set<int>& list : neighbours) hull.neighbours.append(std::vector<int>(list.begin(), list.end()));
 }
 
-void measure(const std::vector<Triangle>& triangles, ConvexPolyhedron& hull) {
+void measure(const std::vector<HullTriangle>& triangles, ConvexPolyhedron& hull) {
   const Vec3<double> o = hull.vertices[0];
   Vec3<double> moment = Vec3<double>::zero();
-  for (const Triangle& t : triangles) {
+  for (const HullTriangle& t : triangles) {
     const auto at = [&](std::size_t k) { return hull.vertices[static_cast<std::size_t>(t.v[k])] - o; };
     const double volume = dot(at(0), cross(at(1), at(2))) / 6;
     hull.volume += volume;
@@ -258,7 +258,7 @@ void IndexLists::append(std::span<const int> list) {
 
 ConvexPolyhedron convex_polyhedron(std::span<const Vec3<double>> points) {
   std::vector<Vec3<double>> cloud = thickened(points);
-  std::vector<Triangle> triangles = hull_triangles(cloud);
+  std::vector<HullTriangle> triangles = hull_triangles(cloud);
   const Vec3<double> o = cloud[0];
   const double extent = farthest(cloud, [&](const Vec3<double>& p) { return norm(p - o); }).second;
   ConvexPolyhedron hull;

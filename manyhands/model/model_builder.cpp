@@ -8,9 +8,6 @@ namespace manyhands {
 
 namespace {
 
-bool finite(double a) { return is_finite(a); }
-bool finite(const Vec3<double>& a) { return finite(a.x) && finite(a.y) && finite(a.z); }
-
 /// The smallest rotation that takes z to the unit vector `axis`; the identity, exactly, if they are equal.
 Mat3<double> rotation_from_z_to(const Vec3<double>& axis) {
   if (axis.z < -0.999999) {

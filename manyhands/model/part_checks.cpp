@@ -6,9 +6,6 @@ namespace manyhands {
 
 namespace {
 
-bool finite(double a) { return is_finite(a); }
-bool finite(const Vec3<double>& a) { return finite(a.x) && finite(a.y) && finite(a.z); }
-
 /// How many of the sizes a shape uses.
 std::size_t sizes_of(ShapeType type) {
   switch (type) {

@@ -5,6 +5,9 @@
 
 namespace manyhands {
 
+[[nodiscard]] inline bool finite(double a) { return is_finite(a); }
+[[nodiscard]] inline bool finite(const Vec3<double>& a) { return finite(a.x) && finite(a.y) && finite(a.z); }
+
 /// Throws ModelError, naming the part, on numbers that are not finite, a negative mass, or an inertia that is not
 /// positive semi-definite.
 void check_inertial(const std::string& link, const Inertial& inertial);

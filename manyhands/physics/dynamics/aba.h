@@ -12,6 +12,7 @@ namespace manyhands {
 template <Number T, Number P>
 void aba(const Tree<real_t<T>>& tree, const Params<P>& params, const T* q, const T* v, const T* tau, T* qdd,
          Workspace<T>& ws) {
+  MANYHANDS_ASSERT(internal::fit(tree, params, ws));
   const std::size_t nb = tree.bodies.size();
 
   // Outward: velocities, inertias, and the force p_A that the velocities call for. F holds

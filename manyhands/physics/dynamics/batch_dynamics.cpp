@@ -1,5 +1,6 @@
 #include "manyhands/physics/dynamics/batch_dynamics.h"
 
+#include "manyhands/math/for_width.h"
 #include "manyhands/physics/dynamics/row_kernel.h"
 
 namespace manyhands {
@@ -12,18 +13,8 @@ std::unique_ptr<internal::RowKernel<R>> choose_kernel(const Model& model, int wi
     if (width == 0 || width == 1) return internal::make_row_kernel<double>(model);
     throw std::invalid_argument("width is " + std::to_string(width) + "; double runs one row at a time: 0 or 1");
   } else {
-    switch (width == 0 ? width_v<NativeLanes> : width) {
-      case 1:
-        return internal::make_row_kernel<float>(model);
-      case 4:
-        return internal::make_row_kernel<Lanes4>(model);
-      case 8:
-        return internal::make_row_kernel<Lanes8>(model);
-      case 16:
-        return internal::make_row_kernel<Lanes16>(model);
-      default:
-        throw std::invalid_argument("width is " + std::to_string(width) + "; expected 0, 1, 4, 8 or 16");
-    }
+    if (width == 0) width = width_v<NativeLanes>;
+    return for_width("width", width, []<class T>() { return &internal::make_row_kernel<T>; })(model);
   }
 }
 

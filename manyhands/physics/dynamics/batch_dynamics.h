@@ -23,8 +23,8 @@ class RowKernel;
 template <Real R>
 class BatchDynamics {
  public:
-  /// `width`: 1, 4, 8 or 16 rows at once; 0 takes the fastest of this build. For double only 0 and 1 exist. Throws
-  /// std::invalid_argument on any other.
+  /// `width`: rows at once, 1 or what for_width.h finds; 0 takes the fastest of this build. For double only 0 and 1
+  /// exist. Throws std::invalid_argument on any other.
   explicit BatchDynamics(const Model& model, int width = 0);
   ~BatchDynamics();
   BatchDynamics(BatchDynamics&&) noexcept;

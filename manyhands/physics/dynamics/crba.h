@@ -29,6 +29,7 @@ MANYHANDS_INLINE void mass_matrix_rows(const Tree<real_t<T>>& tree, const Params
 /// ws.M (lower triangle; 0 between dofs of different branches) at q (nq), armature included.
 template <Number T, Number P>
 void crba(const Tree<real_t<T>>& tree, const Params<P>& params, const T* q, Workspace<T>& ws) {
+  MANYHANDS_ASSERT(internal::fit(tree, params, ws));
   for (std::size_t b = 1; b < tree.bodies.size(); ++b) {
     place(tree, b, q, ws);
     internal::place_inertia(b, params, ws);

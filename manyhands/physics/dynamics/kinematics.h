@@ -4,8 +4,9 @@
 // them in its own pass, so that a body's numbers are still in registers when the next formula needs them.
 #pragma once
 
+#include "manyhands/base/assert.h"
 #include "manyhands/math/quaternion.h"
-#include "manyhands/physics/dynamics/workspace.h"
+#include "manyhands/physics/dynamics/checks.h"
 
 namespace manyhands {
 
@@ -54,6 +55,7 @@ MANYHANDS_INLINE void set_origin(const TreeBody<real_t<T>>& body, std::size_t b,
 /// R_WB, p_OB, p_WO and the joint axes S of body b from the configuration q (nq).
 template <Number T>
 MANYHANDS_INLINE void place(const Tree<real_t<T>>& tree, std::size_t b, const T* q, Workspace<T>& ws) {
+  MANYHANDS_ASSERT(b > 0 && b < tree.bodies.size() && b < ws.R_WB.size());
   const TreeBody<real_t<T>>& body = tree.bodies[b];
   const auto parent = static_cast<std::size_t>(body.parent);
   const Vec3<T> p_PF = broadcast<T>(body.X_PF.p);
@@ -141,6 +143,7 @@ void forward_kinematics(const Tree<real_t<T>>& tree, const T* q, Workspace<T>& w
 template <Number T>
 MANYHANDS_INLINE Transform<T> frame_pose(BodyId body, const Transform<real_t<T>>& X_BF, const Workspace<T>& ws) {
   const std::size_t b = body.index();
+  MANYHANDS_ASSERT(b < ws.R_WB.size());
   const Vec3<T> p_OF = ws.R_WB[b] * broadcast<T>(X_BF.p) + ws.p_OB[b];
   return {ws.R_WB[b] * broadcast<T>(X_BF.R), p_OF + ws.p_WO[b]};
 }

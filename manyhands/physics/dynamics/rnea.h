@@ -30,6 +30,7 @@ MANYHANDS_INLINE void newton_euler(std::size_t b, Workspace<T>& ws) {
 template <Number T, Number P>
 MANYHANDS_INLINE void newton_euler_pass(const Tree<real_t<T>>& tree, const Params<P>& params, const T* q, const T* v,
                                         const T* a, Workspace<T>& ws) {
+  MANYHANDS_ASSERT(fit(tree, params, ws));
   ws.A[0] = minus_gravity<T>(params);
   for (std::size_t b = 1; b < tree.bodies.size(); ++b) {
     const TreeBody<real_t<T>>& body = tree.bodies[b];

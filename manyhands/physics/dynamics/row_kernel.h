@@ -28,10 +28,12 @@ class RowKernel {
 template <Number T>
 [[nodiscard]] std::unique_ptr<RowKernel<real_t<T>>> make_row_kernel(const Model& model);
 
-extern template std::unique_ptr<RowKernel<double>> make_row_kernel<double>(const Model&);
-extern template std::unique_ptr<RowKernel<float>> make_row_kernel<float>(const Model&);
-extern template std::unique_ptr<RowKernel<float>> make_row_kernel<Lanes4>(const Model&);
-extern template std::unique_ptr<RowKernel<float>> make_row_kernel<Lanes8>(const Model&);
-extern template std::unique_ptr<RowKernel<float>> make_row_kernel<Lanes16>(const Model&);
+// clang-format off
+template <> std::unique_ptr<RowKernel<double>> make_row_kernel<double>(const Model&);
+template <> std::unique_ptr<RowKernel<float>> make_row_kernel<float>(const Model&);
+template <> MANYHANDS_LANES4 std::unique_ptr<RowKernel<float>> make_row_kernel<Lanes4>(const Model&);
+template <> MANYHANDS_LANES8 std::unique_ptr<RowKernel<float>> make_row_kernel<Lanes8>(const Model&);
+template <> MANYHANDS_LANES16 std::unique_ptr<RowKernel<float>> make_row_kernel<Lanes16>(const Model&);
+// clang-format on
 
 }  // namespace manyhands::internal

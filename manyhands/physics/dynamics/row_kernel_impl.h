@@ -153,9 +153,4 @@ class RowKernelOf final : public RowKernel<real_t<T>> {
   std::vector<T> in_, out_;  // one block
 };
 
-template <Number T>
-std::unique_ptr<RowKernel<real_t<T>>> make_row_kernel(const Model& model) {
-  return std::make_unique<RowKernelOf<T>>(model);
-}
-
 }  // namespace manyhands::internal

@@ -2,6 +2,9 @@
 
 namespace manyhands::internal {
 
-template std::unique_ptr<RowKernel<float>> make_row_kernel<Lanes16>(const Model&);
+template <>
+std::unique_ptr<RowKernel<float>> make_row_kernel<Lanes16>(const Model& model) {
+  return std::make_unique<RowKernelOf<Lanes16>>(model);
+}
 
 }  // namespace manyhands::internal

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 
+#include "manyhands/base/assert.h"
 #include "manyhands/math/instantiate.h"
+#include "manyhands/physics/dynamics/checks.h"
 
 namespace manyhands {
 
@@ -177,6 +179,7 @@ Tree<R>::Tree(const Model& model)
   for (const JointLimits& limits : model.dof_limits()) {
     dof_limited.push_back(is_finite(limits.lower) || is_finite(limits.upper));
   }
+  MANYHANDS_ASSERT(internal::is_topology_sound(*this));
 }
 
 template <Number T>

@@ -1,6 +1,7 @@
 // One step of one world, or of one block of worlds.
 #pragma once
 
+#include "manyhands/base/assert.h"
 #include "manyhands/math/instantiate.h"
 #include "manyhands/physics/collision/broad/pair_finder.h"
 #include "manyhands/physics/contact/assemble.h"
@@ -158,6 +159,9 @@ template <Number T, Number P>
 void step(const System<real_t<T>>& system, const Params<P>& params, real_t<T> h, State<T>& state,
           StepWorkspace<T>& ws) {
   const Tree<real_t<T>>& tree = system.tree;
+  MANYHANDS_ASSERT(h > 0 && is_finite(h));
+  MANYHANDS_ASSERT(internal::all_finite(state.q(), tree.nq) && internal::all_finite(state.v(), tree.nv));
+  MANYHANDS_ASSERT(internal::are_quaternions_unit(tree, state.q()));
   const Colliders<real_t<T>>& colliders = system.colliders;
   bias_and_mass_matrix(tree, params, state.q(), state.v(), ws.dynamics);                      // 1 dynamics
   const std::span<const ColliderPair> pairs = find_touches(colliders, params, h, state, ws);  // 2 collision

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "manyhands/base/hash.h"
-#include "manyhands/math/instantiate.h"
+#include "manyhands/math/for_width.h"
 #include "manyhands/math/quaternion.h"
 #include "manyhands/physics/world/world_checks.h"
 
@@ -14,19 +14,9 @@ namespace {
 constexpr int kMaxWorlds = 1 << 20;
 
 std::unique_ptr<BatchLanes> make_lanes(const Model& model, int num_worlds, double time_step, int lanes, int workers) {
-  const auto h = static_cast<float>(time_step);
-  switch (lanes == 0 ? (num_worlds == 1 ? 1 : width_v<NativeLanes>) : lanes) {
-    case 1:
-      return make_batch_lanes<float>(model, num_worlds, h, workers);
-    case 4:
-      return make_batch_lanes<Lanes4>(model, num_worlds, h, workers);
-    case 8:
-      return make_batch_lanes<Lanes8>(model, num_worlds, h, workers);
-    case 16:
-      return make_batch_lanes<Lanes16>(model, num_worlds, h, workers);
-    default:
-      throw std::invalid_argument("lanes is " + std::to_string(lanes) + "; expected 0, 1, 4, 8 or 16");
-  }
+  if (lanes == 0) lanes = num_worlds == 1 ? 1 : width_v<NativeLanes>;
+  const auto make = for_width("lanes", lanes, []<class T>() { return &make_batch_lanes<T>; });
+  return make(model, num_worlds, static_cast<float>(time_step), workers);
 }
 
 std::shared_ptr<const Model> checked(std::shared_ptr<const Model> model, int num_worlds, double time_step,

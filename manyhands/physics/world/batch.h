@@ -11,7 +11,7 @@ namespace manyhands {
 
 struct BatchOptions {
   int num_threads = 0;  ///< 0: the variable MANYHANDS_THREADS, else as many as the machine has cores
-  int lanes = 0;        ///< 0: the fastest for this build, or scalars for a single world; else 1, 4, 8 or 16
+  int lanes = 0;        ///< 0: the fastest for this build, or scalars for a single world; else 1 or a built width
 };
 
 /// Bits of `Batch::flags`.

@@ -2,6 +2,9 @@
 
 namespace manyhands {
 
-template std::unique_ptr<BatchLanes> make_batch_lanes<float>(const Model&, int, float, int);
+template <>
+std::unique_ptr<BatchLanes> make_batch_lanes<float>(const Model& model, int num_worlds, float h, int num_workers) {
+  return std::make_unique<BatchLanesOf<float>>(model, num_worlds, h, num_workers);
+}
 
 }  // namespace manyhands

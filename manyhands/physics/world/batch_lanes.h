@@ -48,4 +48,11 @@ template <Number T>
 [[nodiscard]] std::unique_ptr<BatchLanes> make_batch_lanes(const Model& model, int num_worlds, float time_step,
                                                            int num_workers);
 
+// clang-format off
+template <> std::unique_ptr<BatchLanes> make_batch_lanes<float>(const Model&, int, float, int);
+template <> MANYHANDS_LANES4 std::unique_ptr<BatchLanes> make_batch_lanes<Lanes4>(const Model&, int, float, int);
+template <> MANYHANDS_LANES8 std::unique_ptr<BatchLanes> make_batch_lanes<Lanes8>(const Model&, int, float, int);
+template <> MANYHANDS_LANES16 std::unique_ptr<BatchLanes> make_batch_lanes<Lanes16>(const Model&, int, float, int);
+// clang-format on
+
 }  // namespace manyhands

@@ -243,9 +243,4 @@ class BatchLanesOf final : public BatchLanes {
   std::vector<Worker> workers_;
 };
 
-template <Number T>
-std::unique_ptr<BatchLanes> make_batch_lanes(const Model& model, int num_worlds, float time_step, int num_workers) {
-  return std::make_unique<BatchLanesOf<T>>(model, num_worlds, time_step, num_workers);
-}
-
 }  // namespace manyhands

@@ -34,7 +34,8 @@ def test_a_batch_follows_a_world() -> None:
 def test_worlds_differ_and_do_not_depend_on_lanes() -> None:
     model = cube_model()
     hashes = set()
-    for lanes, threads in ((1, 1), (4, 2), (8, 1), (16, 2)):
+    native = mh.Batch(model, 7).lanes  # the C++ tests have the other widths
+    for lanes, threads in ((1, 1), (native, 1), (native, 2)):
         batch = mh.Batch(model, 7, num_threads=threads, lanes=lanes)
         assert batch.lanes == lanes
         batch.set_mass("cube", np.linspace(0.1, 0.7, 7))
@@ -46,6 +47,14 @@ def test_worlds_differ_and_do_not_depend_on_lanes() -> None:
         hashes.add(batch.state_hash())
     assert len(hashes) == 1
     assert len(np.unique(batch.q[:, 0])) == 7
+
+
+def test_a_width_that_is_not_built_is_refused_with_those_that_are() -> None:
+    model = cube_model()
+    native = mh.Batch(model, 2).lanes
+    for lanes in {4, 5, 8, 16, -1} - {native}:
+        with pytest.raises(ValueError, match=rf"lanes is {lanes}; this build has 0 \(automatic\), 1, {native}$"):
+            mh.Batch(model, 2, lanes=lanes)
 
 
 def test_masks_choose_worlds() -> None:
