@@ -16,6 +16,7 @@
 #include "bindings/model/load_warning.h"
 #include "bindings/model/python_model.h"
 #include "bindings/world/world_parts.h"
+#include "manyhands/physics/contact/contact_solver.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -96,24 +97,20 @@ void bind_state(nb::class_<World>& world) {
           nb::for_getter(nb::sig(getter("ctrl").c_str())), nb::for_setter(nb::sig(setter("ctrl").c_str())),
           "Commands of the actuators (nu), each kept within its range: a read-only copy; assign the whole.")
       .def(
-          "snapshot",
-          [](const World& self) {
-            const Numbers numbers = self.snapshot();
-            return copied(numbers.data(), {numbers.size()});
-          },
-          nb::sig(getter("snapshot").c_str()),
-          "All that a run continues from, bit for bit, in the middle of contact too, as plain numbers: state, what "
-          "contacts remember, commands, forces applied, parameters and clock; not the solver's settings.")
+          "snapshot", [](const World& self) { return bindings::as_bytes(self.snapshot()); },
+          "All that a run continues from, bit for bit, in the middle of contact too: state, what contacts remember, "
+          "commands, forces applied, parameters and clock; not the solver's settings.")
       .def(
           "forget", &World::forget,
           "Starts the clock anew and forgets what the solver remembers of the steps before: what follows depends on q, "
           "v, forces and commands alone.")
       .def(
-          "restore", [](World& self, const bindings::Array<double, 1>& s) { self.restore(bindings::as_span(s)); },
-          "snapshot"_a, nb::sig("def restore(self, snapshot: numpy.typing.NDArray[numpy.float64]) -> None"),
-          "Goes back to a snapshot. Raises ValueError if it is of another model or time step. `contacts` and the like "
-          "are empty until the next step.")
-      .def("state_hash", &World::state_hash, "FNV-1a (64 bits) of the snapshot's bytes.");
+          "restore", [](World& self, const nb::bytes& snapshot) { self.restore(bindings::as_bytes(snapshot)); },
+          "snapshot"_a,
+          "Goes back to a snapshot. Raises ValueError if it is damaged, or of another model or time step. `contacts` "
+          "and "
+          "the like are empty until the next step.")
+      .def("state_hash", &World::state_hash, "FNV-1a (64 bits) over what a snapshot holds.");
 }
 
 void bind_measures(nb::class_<World>& world) {

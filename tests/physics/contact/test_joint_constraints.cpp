@@ -22,7 +22,7 @@ struct Answer {
 /// Solves for a copy of the state, from the stances given or, if none are, from those of the state.
 template <Real R>
 Answer<R> answer(const JointProblem<R>& p, std::span<const R> stances = {}) {
-  State<R> state = p.state;
+  StateStorage<R> state = p.state;
   std::copy(stances.begin(), stances.end(), state.stance());
   Workspace<R> ws(p.tree);
   JointConstraints<R> jc(p.tree.nv);
@@ -125,7 +125,7 @@ TEST(JointConstraints, ForgetAMotorThatWasSwitchedOff) {
 /// How many linear systems the search solves: `solve_joint_constraints` with a counter.
 template <Real R>
 int count_pivots(const JointProblem<R>& p) {
-  State<R> state = p.state;
+  StateStorage<R> state = p.state;
   Workspace<R> ws(p.tree);
   JointConstraints<R> jc(p.tree.nv);
   bias_and_mass_matrix(p.tree, p.params, state.q(), state.v(), ws);

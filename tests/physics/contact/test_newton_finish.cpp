@@ -76,8 +76,8 @@ struct Simulation {
 
   Model model;
   System<double> system;
-  Params<double> params;
-  State<double> state;
+  ParamsStorage<double> params;
+  StateStorage<double> state;
   StepWorkspace<double> ws;
 };
 
