@@ -109,7 +109,7 @@ class HandPlacer {
  private:
   manyhands::IkChain chain_;
   manyhands::Tree<double> tree_;
-  manyhands::Params<double> params_;
+  manyhands::ParamsStorage<double> params_;
   manyhands::Workspace<double> ws_;
 };
 

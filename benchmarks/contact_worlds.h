@@ -3,7 +3,7 @@
 
 #include "benchmarks/contact_scenes.h"
 #include "benchmarks/support.h"
-#include "manyhands/physics/world/contact_report.h"
+#include "manyhands/physics/world/contact_residuals.h"
 
 namespace benchmarks {
 
@@ -36,7 +36,7 @@ class ContactWorlds {
         system_(model),
         params_(model),
         ws_(system_),
-        states_(kBlocks, State<T>(model, system_.contact_numbers())) {
+        states_(kBlocks, StateStorage<T>(model, system_.contact_numbers())) {
     for (std::size_t i = 0; i < kPandaJoints; ++i) {
       params_.motor_kp[i] = R(0.1);
       params_.motor_kd[i] = R(1);
@@ -208,9 +208,9 @@ class ContactWorlds {
   ContactScene scene_;
   const Model& model_;
   System<R> system_;
-  Params<R> params_;
+  ParamsStorage<R> params_;
   StepWorkspace<T> ws_;
-  std::vector<State<T>> states_;  // (kBlocks)
+  std::vector<StateStorage<T>> states_;  // (kBlocks)
 };
 
 }  // namespace benchmarks

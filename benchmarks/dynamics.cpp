@@ -28,7 +28,7 @@ struct RandomArms {
     const auto uniform = [&](double low, double high) {
       return static_cast<float>(std::uniform_real_distribution<double>(low, high)(random));
     };
-    const Params<double> params(model);
+    const ParamsStorage<double> params(model);
     for (std::size_t arm = 0; arm < kArms; ++arm) {
       for (std::size_t i = 0; i < nq; ++i) {
         q.push_back(uniform(params.lower[i], params.upper[i]));
@@ -142,11 +142,11 @@ class Dynamics {
 
   Tree<R> tree_;
   System<R> system_, free_system_;  // the second without joint limits
-  Params<R> params_, free_params_;
+  ParamsStorage<R> params_, free_params_;
   StepWorkspace<T> ws_;
   std::size_t nq_;
   std::vector<T> q_, v_, a_, target_;
-  State<T> state_;
+  StateStorage<T> state_;
   std::vector<T> results_;
   std::size_t columns_ = 0;
 };

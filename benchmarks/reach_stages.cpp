@@ -46,10 +46,10 @@ struct Sample {
 std::vector<Sample> sample(const Model& scene) {
   const Arm arm(panda_arm(), scene, ArmControl::kEndEffector, false);
   const System<float> system(scene);
-  Params<float> params(scene);
+  ParamsStorage<float> params(scene);
   set_arm_motors(arm, params);
   StepWorkspace<float> ws(system);
-  State<float> state(scene, system.contact_numbers());
+  StateStorage<float> state(scene, system.contact_numbers());
   const auto numbers = [&] { return std::vector<float>(state.numbers().begin(), state.numbers().end()); };
   const std::vector<float> actions = random_actions(kWarmUpSteps + 1);
   std::vector<Sample> worlds(kWorlds);
@@ -110,7 +110,7 @@ class Stages {
 
  private:
   struct Start {
-    State<T> state;
+    StateStorage<T> state;
     HandState<T> hand;
     std::array<T, 3> action;
   };
@@ -199,11 +199,11 @@ class Stages {
   Arm arm_;
   System<R> system_;
   const Tree<R>& tree_ = system_.tree;
-  Params<R> params_;
+  ParamsStorage<R> params_;
   StepWorkspace<T> ws_;
-  State<T> state_;
-  std::vector<Start> starts_;    // (blocks)
-  std::vector<State<T>> steps_;  // (kSubsteps, blocks)
+  StateStorage<T> state_;
+  std::vector<Start> starts_;           // (blocks)
+  std::vector<StateStorage<T>> steps_;  // (kSubsteps, blocks)
   std::vector<T> results_;
 };
 

@@ -5,6 +5,7 @@
 #include <nanobind/ndarray.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <initializer_list>
 #include <span>
 
@@ -37,6 +38,14 @@ template <class T>
 [[nodiscard]] inline nanobind::object copied_bools(std::span<const unsigned char> bytes) {
   static_assert(sizeof(bool) == 1);
   return copied(reinterpret_cast<const bool*>(bytes.data()), {bytes.size()});
+}
+
+[[nodiscard]] inline nanobind::bytes as_bytes(std::span<const std::uint8_t> bytes) {
+  return nanobind::bytes(bytes.data(), bytes.size());
+}
+
+[[nodiscard]] inline std::span<const std::uint8_t> as_bytes(const nanobind::bytes& bytes) {
+  return {static_cast<const std::uint8_t*>(bytes.data()), bytes.size()};
 }
 
 }  // namespace manyhands::bindings

@@ -34,6 +34,7 @@ namespace manyhands {
 namespace {
 
 using bindings::Array;
+using bindings::as_bytes;
 using bindings::as_span;
 using bindings::copied;
 using bindings::copied_bools;
@@ -51,12 +52,6 @@ std::span<const std::uint8_t> bytes(const Bytes& mask) {
 
 std::span<const std::uint64_t> numbers(const Seeds& seeds) {
   return seeds ? as_span(*seeds) : std::span<const std::uint64_t>{};
-}
-
-nb::bytes as_bytes(const std::vector<std::uint8_t>& numbers) { return nb::bytes(numbers.data(), numbers.size()); }
-
-std::span<const std::uint8_t> as_bytes(const nb::bytes& text) {
-  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
 std::string shape_text(std::size_t rows, std::size_t columns) {

@@ -8,6 +8,7 @@
 #include "bindings/arrays.h"
 #include "bindings/bindings.h"
 #include "bindings/model/python_model.h"
+#include "manyhands/physics/contact/contact_solver.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -17,7 +18,6 @@ namespace manyhands {
 namespace {
 
 using bindings::Array;
-using bindings::as_span;
 using bindings::copied;
 using Bytes = std::optional<Array<bool, 1>>;
 
@@ -93,21 +93,20 @@ void bind_state(nb::class_<Batch>& batch) {
             "Commands of the actuators (n, nu), each kept within its range: a copy; assign the whole.");
   batch
       .def(
-          "snapshot", [](const Batch& self) { return matrix(self, self.snapshot()); },
-          nb::sig(getter("snapshot").c_str()),
-          "All that each world continues from, bit for bit: rows of plain numbers (n, k).")
+          "snapshot", [](const Batch& self) { return bindings::as_bytes(self.snapshot()); },
+          "All that the worlds continue from, bit for bit, whatever the lanes and threads.")
       .def(
           "restore",
-          [](Batch& self, const Array<float, 2>& snapshot, const Bytes& mask) {
-            self.restore(as_span(snapshot), bytes(mask));
+          [](Batch& self, const nb::bytes& snapshot, const Bytes& mask) {
+            self.restore(bindings::as_bytes(snapshot), bytes(mask));
           },
           "snapshot"_a, "mask"_a = nb::none(),
-          "Puts the worlds where `mask` (n) is true back to their rows of a snapshot. Raises ValueError if it is of "
-          "another model or number of worlds.")
+          "Puts the worlds where `mask` (n) is true back to what they were in a snapshot. Raises ValueError if it is "
+          "damaged, or of another model, time step or number of worlds.")
       .def(
           "reset", [](Batch& self, const Bytes& mask) { self.reset(bytes(mask)); }, "mask"_a = nb::none(),
           "Puts the worlds where `mask` (n) is true back to the start; parameters stay.")
-      .def("state_hash", &Batch::state_hash, "FNV-1a (64 bits) over the snapshots of all worlds.")
+      .def("state_hash", &Batch::state_hash, "FNV-1a (64 bits) over what a snapshot holds.")
       .def_prop_ro(
           "flags", [](const Batch& self) { return copied(self.flags().data(), {count(self)}); },
           nb::sig("def flags(self) -> numpy.typing.NDArray[numpy.uint8]"),

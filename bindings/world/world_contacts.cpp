@@ -6,6 +6,7 @@
 
 #include "bindings/model/model_values.h"
 #include "bindings/world/world_parts.h"
+#include "manyhands/physics/world/parameters.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;

@@ -8,6 +8,8 @@
 #include "bindings/model/model_values.h"
 #include "bindings/world/poses.h"
 #include "bindings/world/world_parts.h"
+#include "manyhands/physics/collision/queries/queries.h"
+#include "manyhands/physics/world/parameters.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;

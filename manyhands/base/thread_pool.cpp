@@ -9,6 +9,8 @@
 #include <string>
 #include <utility>
 
+#include "manyhands/base/float_environment.h"
+
 namespace manyhands {
 
 namespace {
@@ -52,7 +54,10 @@ void ThreadPool::run(int n, Call call, void* context) {
     ++round_;
     round_.notify_all();
   }
-  work(0);
+  {
+    const FloatEnvironment floats;
+    work(0);
+  }
   for (int busy = busy_; busy != 0; busy = busy_) busy_.wait(busy);
   if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
 }
@@ -69,6 +74,7 @@ void ThreadPool::work(int worker) {
 }
 
 void ThreadPool::serve(int worker) {
+  const FloatEnvironment floats;
   std::uint32_t seen = 0;
   while (true) {
     for (int spin = 0; spin < spins_ && round_ == seen; ++spin) std::this_thread::yield();

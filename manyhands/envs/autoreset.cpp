@@ -1,9 +1,12 @@
 #include "manyhands/envs/autoreset.h"
 
 #include <algorithm>
-#include <cstring>
+#include <limits>
 #include <stdexcept>
 #include <string>
+
+#include "manyhands/base/hash.h"
+#include "manyhands/physics/world/snapshot.h"
 
 namespace manyhands {
 
@@ -94,24 +97,42 @@ void AutoresetBatch::step(std::span<const float> action) {
   }
 }
 
+namespace {
+
+SnapshotOwner episodes_of(const EnvBatch& envs, int max_episode_steps) {
+  Hash hash;
+  hash.add(max_episode_steps);
+  return {"episodes of at most " + std::to_string(max_episode_steps) + " steps of " + envs.spec().id + ", " +
+              std::to_string(envs.num_envs()) + " worlds",
+          hash.value()};
+}
+
+}  // namespace
+
 std::vector<std::uint8_t> AutoresetBatch::snapshot() const {
-  std::vector<std::uint8_t> bytes = envs_.snapshot();
-  const auto* steps = reinterpret_cast<const std::uint8_t*>(steps_.data());
-  bytes.insert(bytes.end(), steps, steps + sizeof(std::int32_t) * steps_.size());
-  bytes.insert(bytes.end(), done_.begin(), done_.end());
-  return bytes;
+  const std::vector<std::uint8_t> inner = envs_.snapshot();
+  SnapshotWriter out(episodes_of(envs_, max_episode_steps_));
+  out.put(static_cast<std::int64_t>(inner.size()));
+  out.put_bytes(inner);
+  for (const std::int32_t steps : steps_) out.put(static_cast<std::int64_t>(steps));
+  out.put_bytes(done_);
+  return out.finish();
 }
 
 void AutoresetBatch::restore(std::span<const std::uint8_t> snapshot) {
-  const std::size_t own = (sizeof(std::int32_t) + 1) * steps_.size();
-  if (snapshot.size() < own) {
-    throw std::invalid_argument("AutoresetBatch::restore: the snapshot has " + std::to_string(snapshot.size()) +
-                                " bytes, too few for " + std::to_string(steps_.size()) + " worlds");
+  SnapshotReader in(snapshot, episodes_of(envs_, max_episode_steps_));
+  const auto inner =
+      in.take_bytes(static_cast<std::size_t>(in.take_count("a length", static_cast<std::int64_t>(in.left()))));
+  std::vector<std::int32_t> steps;
+  std::vector<std::uint8_t> done;
+  for (std::size_t i = 0; i < steps_.size(); ++i) {
+    steps.push_back(static_cast<std::int32_t>(in.take_count("a count of steps", std::numeric_limits<int>::max())));
   }
-  envs_.restore(snapshot.first(snapshot.size() - own));
-  const auto rest = snapshot.last(own);
-  std::memcpy(steps_.data(), rest.data(), own - done_.size());
-  std::ranges::copy(rest.last(done_.size()), done_.begin());
+  for (std::size_t i = 0; i < done_.size(); ++i) done.push_back(in.take<std::uint8_t>() != 0);
+  in.finish();
+  envs_.restore(inner);
+  steps_ = std::move(steps);
+  done_ = std::move(done);
   std::ranges::fill(reward_, 0);
   std::ranges::fill(terminated_, std::uint8_t{0});
   std::ranges::fill(truncated_, std::uint8_t{0});

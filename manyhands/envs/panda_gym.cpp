@@ -50,7 +50,7 @@ std::vector<double> approach(const Model& model, FrameId frame, const Transform<
   std::vector<double> q(start.begin(), start.end());
   if (model.frame(frame).body.value() == 0) return q;
   const Tree<double> tree(model);
-  const Params<double> params(model);
+  const ParamsStorage<double> params(model);
   Workspace<double> ws(tree);
   improve_ik(tree, params, IkChain(model, frame), panda_gym_ik(), X_WF, q.data(), ws);
   return q;

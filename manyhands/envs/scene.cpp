@@ -6,6 +6,7 @@
 #include "manyhands/model/compose.h"
 #include "manyhands/model/io/urdf/urdf.h"
 #include "manyhands/model/solids.h"
+#include "manyhands/physics/collision/queries/queries.h"
 #include "manyhands/physics/world/world.h"
 
 namespace manyhands {

@@ -12,6 +12,7 @@
 #include "manyhands/envs/randomize.h"
 #include "manyhands/envs/room.h"
 #include "manyhands/envs/tasks/task.h"
+#include "manyhands/physics/world/snapshot.h"
 
 namespace manyhands {
 
@@ -52,14 +53,13 @@ class TaskBatch final : public EnvBatch {
   static constexpr int kSubstepsBetweenGatherings = 2;
   static constexpr int blocks_of(int worlds) { return (worlds + W - 1) / W; }
 
-  struct Block {
-    State<T> state;
-    std::array<T, Task::kGoalSize> goal;
-    HandState<T> hand;                        ///< at the end of the last step
-    std::array<T, Arm::kMostActions> action;  ///< of this step
-    std::array<int, W> worlds;                ///< in its lanes; -1: none
-    std::array<std::uint64_t, W> touching;    ///< what its worlds did in the last step: see `note_touching`
-    std::optional<Params<T>> params{};        ///< its worlds' own, where physics are randomised
+  struct Block : WorldBlock<T> {  ///< with parameters of its own where physics are randomised
+    using WorldBlock<T>::WorldBlock;
+    std::array<T, Task::kGoalSize> goal{};
+    HandState<T> hand{};                        ///< at the end of the last step
+    std::array<T, Arm::kMostActions> action{};  ///< of this step
+    std::array<int, W> worlds{};                ///< in its lanes; -1: none
+    std::array<std::uint64_t, W> touching{};    ///< what its worlds did in the last step: see `note_touching`
   };
   struct World {
     NumpyRandom random;
@@ -116,7 +116,8 @@ class TaskBatch final : public EnvBatch {
   [[nodiscard]] View look(Block& block, StepWorkspace<T>& ws) const;
   static void note_touching(const ContactSolver<T>& contact, Block& block);
   void write_row(int world, int lane, const View& view, const Block& block);
-  [[nodiscard]] std::size_t bytes_of_world() const;
+  [[nodiscard]] const SnapshotOwner& snapshot_owner() const;
+  void check_snapshot(SnapshotReader in) const;
 
   EnvSpec spec_;
   Task task_;
@@ -129,10 +130,10 @@ class TaskBatch final : public EnvBatch {
   Arm arm_;
   std::vector<Object> objects_;
   System<R> system_;
-  Params<R> params_;  ///< the same for all worlds, unless they are randomised
+  ParamsStorage<R> params_;  ///< the same for all worlds, unless they are randomised
   Randomizer randomizer_;
   SceneParts parts_;
-  State<T> start_;  ///< the arm as every episode begins
+  StateStorage<T> start_;  ///< the arm as every episode begins
   std::vector<Block> blocks_;
   std::vector<World> worlds_;
   LaneGatherer gatherer_;
@@ -142,6 +143,7 @@ class TaskBatch final : public EnvBatch {
   std::vector<R> q_before_;          ///< (n, nq) at the start of the step
   std::vector<float> late_actions_;  ///< (n, longest latency, action_dim) those of the last steps, in a circle
   std::vector<std::uint8_t> is_success_, terminated_, truncated_, unstable_;
+  mutable std::optional<SnapshotOwner> snapshot_owner_;  ///< once it is asked for
 };
 
 }  // namespace manyhands

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "manyhands/base/float_environment.h"
 #include "manyhands/envs/task_batch.h"
 
 namespace manyhands {
@@ -93,12 +94,11 @@ TaskBatch<T, Task>::TaskBatch(EnvSpec spec, const ArmSpec& arm, ArmControl contr
     objects_.push_back({id.index(), static_cast<std::size_t>(body.iq), static_cast<std::size_t>(body.iv)});
   }
   for (int k = 0; k < W; ++k) reset_arm(arm_, start_, k);
-  Block empty{start_, {}, {}, {}, {}, {}};
+  const bool own_params = randomizer_.varies_physics();
+  Block empty(scene_, system_.contact_numbers(), own_params ? BlockParts::kParams : BlockParts::kState);
+  std::ranges::copy(start_.numbers(), empty.state.numbers().begin());
   empty.worlds.fill(-1);
-  if (randomizer_.varies_physics()) {
-    empty.params.emplace(scene_);
-    set_arm_motors(arm_, *empty.params);
-  }
+  if (own_params) set_arm_motors(arm_, empty.params);
   blocks_.assign(static_cast<std::size_t>(blocks_of(num_envs)), empty);
   for (int worker = 0; worker < pool_.num_threads(); ++worker) workspaces_.emplace_back(system_);
   std::random_device device;
@@ -126,6 +126,7 @@ template <Number T, TaskLike Task>
 void TaskBatch<T, Task>::reset(std::span<const std::uint8_t> mask, std::span<const std::uint64_t> seeds) {
   if (!mask.empty()) internal::check_size(mask.size(), worlds_.size(), "the reset mask");
   if (!seeds.empty()) internal::check_size(seeds.size(), worlds_.size(), "the list of seeds");
+  const FloatEnvironment floats;
   pool_.for_each(static_cast<int>(blocks_.size()), [&](int block, int worker) {
     reset_block(block, workspaces_[static_cast<std::size_t>(worker)], mask, seeds);
   });
@@ -168,6 +169,7 @@ void TaskBatch<T, Task>::step(std::span<const float> action) {
                                 std::to_string(i / static_cast<std::size_t>(spec_.action_dim)) +
                                 " is not a finite number");
   }
+  const FloatEnvironment floats;
   for (int done = 0; done < options_.n_substeps; done += kSubstepsBetweenGatherings) {
     const int substeps = std::min(kSubstepsBetweenGatherings, options_.n_substeps - done);
     if constexpr (W > 1) gather();
@@ -257,8 +259,8 @@ void TaskBatch<T, Task>::act(Block& block, StepWorkspace<T>& ws, std::span<const
 
 template <Number T, TaskLike Task>
 void TaskBatch<T, Task>::simulate(Block& block, StepWorkspace<T>& ws, int substeps) {
-  if (block.params) {
-    simulate(block, *block.params, ws, substeps);
+  if (block.has_params()) {
+    simulate(block, block.params, ws, substeps);
   } else {
     simulate(block, params_, ws, substeps);
   }
@@ -286,11 +288,10 @@ void TaskBatch<T, Task>::finish_step(Block& block, StepWorkspace<T>& ws) {
 /// Whether all numbers are finite: of the state, and of what is seen of it.
 template <Number T, TaskLike Task>
 mask_t<T> TaskBatch<T, Task>::is_sound(const Block& block, const View& view) const {
-  mask_t<T> sound = is_finite(view.outcome.reward);
+  mask_t<T> sound = block.is_finite() & is_finite(view.outcome.reward);
   const auto check = [&](const T* numbers, int count) {
     for (int k = 0; k < count; ++k) sound = sound & is_finite(numbers[k]);
   };
-  check(block.state.q(), system_.tree.nq + system_.tree.nv);  // v follows q
   check(view.observation.data(), spec_.observation_dim);
   check(view.achieved.data(), spec_.goal_dim);
   return sound;
@@ -299,14 +300,12 @@ mask_t<T> TaskBatch<T, Task>::is_sound(const Block& block, const View& view) con
 /// Puts the worlds that are not sound to rest where the step began, without memory of contacts.
 template <Number T, TaskLike Task>
 void TaskBatch<T, Task>::put_back(Block& block, mask_t<T> sound) {
-  for (int k = 0; k < W; ++k) {
-    if (lane(sound, k)) continue;
-    copy_lane(start_, k, block.state, k);
-    const int world = block.worlds[static_cast<std::size_t>(k)];
-    if (world < 0) continue;
+  block.put_back(sound, start_.numbers());
+  for_each_world(block, [&](int world, int k) {
+    if (lane(sound, k)) return;
     const R* q = &q_before_[internal::rows(world, system_.tree.nq)];
     for (int i = 0; i < system_.tree.nq; ++i) set_lane(block.state.q()[i], k, q[i]);
-  }
+  });
 }
 
 template <Number T, TaskLike Task>

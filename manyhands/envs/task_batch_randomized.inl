@@ -20,8 +20,10 @@ void TaskBatch<T, Task>::begin_randomized(int i) {
 /// Gives the world its parameters where it lives.
 template <Number T, TaskLike Task>
 void TaskBatch<T, Task>::settle(const World& world) {
-  std::optional<Params<T>>& params = blocks_[static_cast<std::size_t>(world.block)].params;
-  if (params) write_params(world.values, parts_, view(params_, 0), view(*params, static_cast<std::size_t>(world.lane)));
+  Block& block = blocks_[static_cast<std::size_t>(world.block)];
+  if (!block.has_params()) return;
+  const auto lane = static_cast<std::size_t>(world.lane);
+  write_params(world.values, parts_, manyhands::view(params_, 0), manyhands::view(block.params, lane));
 }
 
 /// What becomes of an action on its way to the arm: it comes late, and with noise.

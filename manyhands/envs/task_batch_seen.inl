@@ -27,8 +27,8 @@ void TaskBatch<T, Task>::see(int i, std::span<double> q, std::span<Vec3<double>>
   for (std::size_t k = 0; k < q.size(); ++k) q[k] = static_cast<double>(lane(block.state.q()[k], world.lane));
   for (std::size_t k = 0; k < sizes.size(); ++k) {
     const std::size_t geom = parts_.object_geoms[k];
-    sizes[k] =
-        broadcast<double>(block.params ? lane(block.params->geom_size[geom], world.lane) : params_.geom_size[geom]);
+    sizes[k] = broadcast<double>(block.has_params() ? lane(block.params.geom_size[geom], world.lane)
+                                                    : params_.geom_size[geom]);
   }
 }
 

@@ -45,7 +45,7 @@ class Search {
   /// Solutions are refined and judged in double, the others only measured.
   IkSolutions finish(const Model& model) {
     const Tree<double> tree(model);
-    const Params<double> params(model);
+    const ParamsStorage<double> params(model);
     Workspace<double> ws(tree);
     for (std::size_t i = 0; i < targets_.size(); ++i) {
       double* q = &found_.q[i * q_.size()];
@@ -122,7 +122,7 @@ class Search {
   std::span<const Transform<double>> targets_;
   IkSearchSettings settings_;
   Tree<float> tree_;
-  Params<float> params_;
+  ParamsStorage<float> params_;
   Workspace<T> ws_;
   std::vector<double> start_;
   std::vector<T> q_;

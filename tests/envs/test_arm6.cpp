@@ -64,7 +64,7 @@ TEST(Arm6, StartsPointingDownAboveTheTable) {
   const Model model = load_arm(spec);
   const Arm arm(spec, model, ArmControl::kEndEffector, true);
   const System<double> system(model);
-  State<double> state(model, system.contact_numbers());
+  StateStorage<double> state(model, system.contact_numbers());
   StepWorkspace<double> ws(system);
   reset_arm(arm, state, 0);
   const HandState<double> hand = observe_hand(arm, system.tree, state, ws.dynamics);

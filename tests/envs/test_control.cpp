@@ -56,8 +56,8 @@ struct Driven {
   Model model;
   Arm arm;
   System<double> system;
-  Params<double> params;
-  State<double> state;
+  ParamsStorage<double> params;
+  StateStorage<double> state;
   StepWorkspace<double> ws;
 };
 

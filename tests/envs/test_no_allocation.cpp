@@ -92,7 +92,7 @@ TYPED_TEST(NoAllocation, InAStep) {
   using R = real_t<T>;
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     const testing::JointProblem<R> p(seed, 7);
-    State<T> state(p.model, 0);
+    StateStorage<T> state(p.model, 0);
     for (std::size_t i = 0; i < state.numbers().size(); ++i) state.numbers()[i] = T(p.state.numbers()[i]);
     const System<R> system(p.tree);
     StepWorkspace<T> ws(system);
@@ -105,7 +105,7 @@ TYPED_TEST(NoAllocation, InAStep) {
 TYPED_TEST(NoAllocation, InTheDynamics) {
   using T = TypeParam;
   const testing::JointProblem<real_t<T>> p(3, 9);
-  const State<T> state(p.model, 0);
+  const StateStorage<T> state(p.model, 0);
   std::vector<T> a(p.size()), tau(p.size(), T(real_t<T>(0)));
   Workspace<T> ws(p.tree);
   const Watch watch;
@@ -120,7 +120,7 @@ TYPED_TEST(NoAllocation, InInverseKinematics) {
   using R = real_t<T>;
   const LonePanda robot;
   const Tree<R> tree(robot.model);
-  const Params<R> params(robot.model);
+  const ParamsStorage<R> params(robot.model);
   Workspace<T> ws(tree);
   std::vector<T> q;
   for (const double x : robot.arm.neutral) q.push_back(T(static_cast<R>(x)));
@@ -156,8 +156,8 @@ TEST(NoAllocation, InNewtonSteps) {
       testing::add_cube(builder, "cube" + std::to_string(i), {0, 0, 0.02 + 0.04 * i}, i + 1 == cubes ? 10 : 0.1);
     const Model model = builder.build();
     const System<double> system(model);
-    const Params<double> params(model);
-    State<double> state(model, system.contact_numbers());
+    const ParamsStorage<double> params(model);
+    StateStorage<double> state(model, system.contact_numbers());
     StepWorkspace<double> ws(system);
     int newton_steps = 0;
     const auto shake = [&] {

@@ -237,14 +237,14 @@ TEST(Physics, ParametersAreThoseOfTheEpisode) {
   const std::array<ObjectSpec, 1> objects{cube("object")};
   const Model scene = task_scene(panda_arm(), Table{}, objects);
   const Arm arm(panda_arm(), scene, ArmControl::kEndEffector, true);
-  Params<float> base(scene), own(scene);
+  ParamsStorage<float> base(scene), own(scene);
   set_arm_motors(arm, base);
   const RandomValues values{2, 0.5, 3, 4, 5, 1.5, 7, 2, 0.5, 0, 0, 0};
   write_params(values, SceneParts(scene, arm, objects), view(base, 0), view(own, 0));
   const std::size_t body = scene.link(scene.link_id("object")).body.index();
   EXPECT_FLOAT_EQ(own.inertia[body].m, 2);
   EXPECT_FLOAT_EQ(own.inertia[body].I.xx, 2 * 0.02f * 0.02f / 6) << "m (2 a)^2 / 6 for half an edge of a = 1 cm";
-  EXPECT_FLOAT_EQ(own.gravity.z, -9.81f * 1.5f);
+  EXPECT_FLOAT_EQ(own.gravity[0].z, -9.81f * 1.5f);
   int fingers = 0;
   for (std::size_t i = 0; i < scene.geoms().size(); ++i) {
     const Geom& geom = scene.geoms()[i];

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <random>
 
@@ -13,6 +12,7 @@
 #include "manyhands/envs/panda.h"
 #include "manyhands/envs/tasks/push.h"
 #include "tests/envs/rough_policy.h"
+#include "tests/physics/world/snapshot_testing.h"
 
 namespace manyhands {
 namespace {
@@ -84,9 +84,9 @@ TEST_P(Tasks, EndWhereTheyStopBeingFinite) {
     env->reset({}, seeds(n));
     const std::vector<std::uint8_t> sound = env->snapshot();
     std::vector<std::uint8_t> broken = sound;
-    const float nan = std::numeric_limits<float>::quiet_NaN();
-    const auto v = static_cast<std::size_t>(env->scene().model.nq()) * sizeof(float);
-    std::memcpy(&broken[kLost * broken.size() / n + v], &nan, sizeof(nan));
+    const std::size_t first = testing::payload_of(broken), v = static_cast<std::size_t>(env->scene().model.nq());
+    testing::put(broken, first + kLost * (broken.size() - first) / n + v * sizeof(float), 1e38f);
+    testing::repair(broken);
     const std::vector<float> before(env->achieved_goal().begin(), env->achieved_goal().end()),
         a = rough_actions(*env, 1);
 
@@ -223,7 +223,7 @@ TEST(Objects, AreObservedInTheWorld) {
   const std::array<ObjectSpec, 1> objects{cube("object")};
   const Model scene = task_scene(panda_arm(), Table{}, objects);
   const Tree<double> tree(scene);
-  State<double> state(scene, 0);
+  StateStorage<double> state(scene, 0);
   const Body& body = scene.body(scene.link(scene.link_id("object")).body);
   double *q = state.q() + body.iq, *v = state.v() + body.iv;
   const Quat<double> r = quat_from_rotation_vector(Vec3<double>{0.4, -1.1, 2});

@@ -15,7 +15,7 @@ constexpr std::size_t kJoints = 9;  // of the arm and its fingers
 struct Panda {
   LonePanda robot;
   Tree<double> tree{robot.model};
-  Params<double> params{robot.model};
+  ParamsStorage<double> params{robot.model};
   Workspace<double> ws{tree};
   std::vector<double> neutral = robot.arm.neutral;
 

@@ -15,7 +15,7 @@ using testing::Generator;
 struct Panda {
   LonePanda robot;
   Tree<double> tree{robot.model};
-  Params<double> params{robot.model};
+  ParamsStorage<double> params{robot.model};
   Workspace<double> ws{tree};
 
   Transform<double> pose(const IkChain& chain, const double* q) {
@@ -95,7 +95,7 @@ TYPED_TEST(IkLanes, EqualTheScalarBitForBit) {
   using T = TypeParam;
   Panda panda;
   const Tree<float> tree(panda.robot.model);
-  const Params<float> params(panda.robot.model);
+  const ParamsStorage<float> params(panda.robot.model);
   const auto n = static_cast<std::size_t>(width_v<T>);
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     Generator rng(seed);

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "manyhands/math/quaternion.h"
+#include "manyhands/model/model_builder.h"
 #include "manyhands/physics/world/world.h"
 #include "manyhands/render/renderer.h"
 

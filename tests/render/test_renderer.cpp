@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "manyhands/physics/collision/queries/queries.h"
 #include "tests/render/render_testing.h"
 
 namespace manyhands {

@@ -97,7 +97,7 @@ MANYHANDS_INLINE CombinedSurface<T> combine_surfaces(const Colliders<real_t<T>>&
     stiffness = own.stiffness;
     damping = own.damping;
   } else {
-    const auto all = [&](CombineRule rule, const std::vector<P>& values) {
+    const auto all = [&](CombineRule rule, const Field<P>& values) {
       return internal::combined(rule, broadcast<T>(values[a.geom]), broadcast<T>(values[b.geom]));
     };
     const bool mixed = a.surface.friction_y.has_value() != b.surface.friction_y.has_value();

@@ -1,15 +1,10 @@
 // Energy, momentum and centre of mass: the invariants that tests watch.
 #pragma once
 
+#include "manyhands/physics/dynamics/measures.h"
 #include "manyhands/physics/dynamics/rnea.h"
 
 namespace manyhands {
-
-template <Number T>
-struct Energy {
-  T kinetic;    ///< rotors included [J]
-  T potential;  ///< of gravity; 0 at the world's origin [J]
-};
 
 /// Total energy in the state q (nq), v (nv).
 template <Number T, Number P>
@@ -22,20 +17,13 @@ Energy<T> energy(const Tree<real_t<T>>& tree, const Params<P>& params, const T* 
     internal::place_inertia(b, params, ws);
     sum.kinetic = fma(half, dot(ws.V[b], ws.I[b] * ws.V[b]), sum.kinetic);
     const Vec3<T> first_moment = fma(ws.I[b].m, ws.p_WO[b], ws.I[b].h);
-    sum.potential = sum.potential - dot(broadcast<T>(params.gravity), first_moment);
+    sum.potential = sum.potential - dot(broadcast<T>(params.gravity[0]), first_moment);
   }
   for (std::size_t i = 0; i < static_cast<std::size_t>(tree.nv); ++i) {
     sum.kinetic = fma(half * broadcast<T>(params.armature[i]), v[i] * v[i], sum.kinetic);
   }
   return sum;
 }
-
-template <Number T>
-struct MassProperties {
-  T mass;             ///< [kg]
-  Vec3<T> com;        ///< centre of mass in the world [m]
-  Force<T> momentum;  ///< about the world's origin: n angular [kg m^2/s], f linear [kg m/s]
-};
 
 /// Mass, centre of mass and momentum of all moving bodies in the state q (nq), v (nv).
 template <Number T, Number P>

@@ -10,7 +10,7 @@ namespace internal {
 /// Acceleration of the world that stands in for gravity: bodies then need no gravity force.
 template <Number T, Number P>
 MANYHANDS_INLINE Motion<T> minus_gravity(const Params<P>& params) {
-  return {Vec3<T>::zero(), -broadcast<T>(params.gravity)};
+  return {Vec3<T>::zero(), -broadcast<T>(params.gravity[0])};
 }
 
 /// The body's inertia about O in world axes.

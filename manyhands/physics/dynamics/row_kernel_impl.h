@@ -147,7 +147,7 @@ class RowKernelOf final : public RowKernel<real_t<T>> {
   }
 
   Tree<R> tree_;
-  Params<R> params_;
+  ParamsStorage<R> params_;
   Workspace<T> ws_;
   std::size_t nq_, nv_;
   std::vector<T> in_, out_;  // one block

@@ -1,67 +1,145 @@
 // The minimum from which a run continues bit for bit.
 #pragma once
 
+#include <algorithm>
 #include <span>
+#include <vector>
 
 #include "manyhands/physics/dynamics/tree.h"
 
 namespace manyhands {
 
-/// One world, or one block of worlds if T is lanes. Plain memory: copy it to save a world, compare or hash its numbers.
+/// The one list of what State holds: array(name, one for each, range), whose getter gives a pointer, or list(...),
+/// whose getter gives a span. Views, snapshots, hashes and what a World carries over to other parts all follow it. A
+/// step changes what stands before the equality constraints, and rebuilds the rest.
+// clang-format off
+#define MANYHANDS_STATE_FIELDS(array, list)                                                                           \
+  array(q,                kCoordinate,    kFinite) /* configuration */                                                \
+  array(v,                kDof,           kFinite) /* velocity */                                                     \
+  array(tau,              kDof,           kFinite) /* applied joint force [N m or N] */                               \
+  array(target_q,         kDof,           kFinite) /* motor target [rad or m] */                                      \
+  array(target_v,         kDof,           kFinite) /* motor target [rad/s or m/s] */                                  \
+  array(ctrl,             kActuator,      kFinite) /* commands of the actuators */                                    \
+  array(active_set,       kDof,           kFinite) /* where each dof is on its force law, see JointConstraintState */   \
+  array(dv,               kDof,           kFinite) /* change of v in the last step: a hint to the next */             \
+  array(joint_impulse,    kDof,           kFinite) /* impulse of motor and limit in the last step */                  \
+  list(equality_impulses, kEqualityRow,   kFinite) /* warm start */                                                   \
+  list(contact_cache,    kContactNumber, kFinite) /* see CachedManifold */
+// clang-format on
+
+/// One world's State: the numbers of a lane.
+template <Real R>
+struct StateView {
+#define MANYHANDS_FIELD(name, each, range) Strided<R> name;
+  MANYHANDS_STATE_FIELDS(MANYHANDS_FIELD, MANYHANDS_FIELD)
+#undef MANYHANDS_FIELD
+
+  template <class Visit, class... Views>
+  static void visit_fields(Visit&& visit, Views&... views) {
+#define MANYHANDS_FIELD(name, each, range) visit(FieldInfo{#name, Each::each, Range::range}, views.name...);
+    MANYHANDS_STATE_FIELDS(MANYHANDS_FIELD, MANYHANDS_FIELD)
+#undef MANYHANDS_FIELD
+  }
+};
+
+/// One world, or one block of worlds if T is lanes. A view: the numbers lie in the memory of a WorldBlock or a
+/// StateStorage.
 template <Number T>
 class State {
  public:
-  /// `contact_numbers`: how many numbers the memory of contacts takes, which System::contact_numbers tells.
-  State(const Model& model, std::size_t contact_numbers)
-      : nq_(static_cast<std::size_t>(model.nq())),
-        nv_(static_cast<std::size_t>(model.nv())),
-        nu_(static_cast<std::size_t>(model.nu())),
-        nl_(equality_rows(model)),
-        numbers_(nq_ + 7 * nv_ + nu_ + nl_ + contact_numbers, T(real_t<T>(0))) {
+  State() = default;
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+
+#define MANYHANDS_ARRAY(name, each, range)           \
+  [[nodiscard]] T* name() { return name##_.data(); } \
+  [[nodiscard]] const T* name() const { return name##_.data(); }
+#define MANYHANDS_LIST(name, each, range)                                        \
+  [[nodiscard]] std::span<T> name() { return {name##_.data(), name##_.size()}; } \
+  [[nodiscard]] std::span<const T> name() const { return {name##_.data(), name##_.size()}; }
+  MANYHANDS_STATE_FIELDS(MANYHANDS_ARRAY, MANYHANDS_LIST)
+#undef MANYHANDS_ARRAY
+#undef MANYHANDS_LIST
+
+  /// Calls visit(info, field of each of `states`...) for every field, in the order of memory.
+  template <class Visit, class... States>
+  static void visit_fields(Visit&& visit, States&... states) {
+#define MANYHANDS_FIELD(name, each, range) visit(FieldInfo{#name, Each::each, Range::range}, states.name##_...);
+    MANYHANDS_STATE_FIELDS(MANYHANDS_FIELD, MANYHANDS_FIELD)
+#undef MANYHANDS_FIELD
+  }
+
+  /// All fields in a row, but for a contact cache that grows.
+  [[nodiscard]] std::span<T> numbers() { return {q(), size_}; }
+  [[nodiscard]] std::span<const T> numbers() const { return {q(), size_}; }
+  /// Those that a step changes, or that command it; the rest are warm starts that the next step can do without.
+  [[nodiscard]] std::span<T> moved_numbers() { return {q(), equality_impulses_.data()}; }
+  [[nodiscard]] std::span<const T> moved_numbers() const { return {q(), equality_impulses_.data()}; }
+
+  /// Lets the fields lie from `memory` on; a contact cache that grows lies in `grown`. Returns where the fields end.
+  T* place(const Layout& layout, T* memory, std::vector<T>& grown) {
+    T* end = internal::place_fields(layout, memory, *this);
+    size_ = static_cast<std::size_t>(end - memory);
+    grown_ = &grown;
+    if (!grown.empty()) contact_cache_ = {grown.data(), grown.size()};
+    return end;
+  }
+
+  [[nodiscard]] StateView<real_t<T>> view(std::size_t lane) {
+    return {
+#define MANYHANDS_FIELD(name, each, range) .name = lane_of<T>(name##_, lane),
+        MANYHANDS_STATE_FIELDS(MANYHANDS_FIELD, MANYHANDS_FIELD)
+#undef MANYHANDS_FIELD
+    };
+  }
+
+  /// Sets q to where the model's joints begin.
+  void take(const Model& model) {
     const std::vector<double> initial = model.initial_configuration();
-    for (std::size_t i = 0; i < nq_; ++i) numbers_[i] = T(static_cast<real_t<T>>(initial[i]));
+    for (std::size_t i = 0; i < initial.size(); ++i) q_[i] = T(static_cast<real_t<T>>(initial[i]));
   }
 
-  [[nodiscard]] T* q() { return numbers_.data(); }            ///< (nq) configuration
-  [[nodiscard]] T* v() { return q() + nq_; }                  ///< (nv) velocity
-  [[nodiscard]] T* tau() { return v() + nv_; }                ///< (nv) applied joint force [N m or N]
-  [[nodiscard]] T* target_q() { return tau() + nv_; }         ///< (nv) motor target [rad or m]
-  [[nodiscard]] T* target_v() { return target_q() + nv_; }    ///< (nv) motor target [rad/s or m/s]
-  [[nodiscard]] T* active_set() { return target_v() + nv_; }  ///< (nv) where each dof is on its force law
-  [[nodiscard]] T* dv() { return active_set() + nv_; }        ///< (nv) change of v in the last step: a hint to the next
-  [[nodiscard]] T* joint_impulse() { return dv() + nv_; }     ///< (nv) impulse of motor and limit in the last step
-  [[nodiscard]] T* ctrl() { return joint_impulse() + nv_; }   ///< (nu) commands of the actuators
-  [[nodiscard]] std::span<T> equality_impulses() {
-    return numbers().subspan(nq_ + 7 * nv_ + nu_, nl_);
-  }  ///< warm start: impulses
-  [[nodiscard]] std::span<T> contact_cache() {
-    return numbers().subspan(nq_ + 7 * nv_ + nu_ + nl_);
-  }  ///< what they remember
-  [[nodiscard]] const T* q() const { return numbers_.data(); }
-  [[nodiscard]] const T* v() const { return q() + nq_; }
-  [[nodiscard]] const T* tau() const { return v() + nv_; }
-  [[nodiscard]] const T* target_q() const { return tau() + nv_; }
-  [[nodiscard]] const T* target_v() const { return target_q() + nv_; }
-  [[nodiscard]] const T* active_set() const { return target_v() + nv_; }
-  [[nodiscard]] const T* dv() const { return active_set() + nv_; }
-  [[nodiscard]] const T* joint_impulse() const { return dv() + nv_; }
-  [[nodiscard]] const T* ctrl() const { return joint_impulse() + nv_; }
-
-  [[nodiscard]] std::span<const T> contact_cache() const { return numbers().subspan(nq_ + 7 * nv_ + nu_ + nl_); }
-
-  /// Makes room for other contacts; the old ones are forgotten.
+  /// Makes room for another number of contacts, of large worlds that list no pairs; the old ones are forgotten.
   void resize_contact_cache(std::size_t count) {
-    numbers_.resize(nq_ + 7 * nv_ + nu_ + nl_);
-    numbers_.resize(nq_ + 7 * nv_ + nu_ + nl_ + count, T(real_t<T>(0)));
+    grown_->assign(count, T(real_t<T>(0)));
+    contact_cache_ = {grown_->data(), count};
   }
-
-  [[nodiscard]] std::span<T> numbers() { return numbers_; }
-  [[nodiscard]] std::span<const T> numbers() const { return numbers_; }
 
  private:
-  std::size_t nq_, nv_, nu_, nl_;
-  std::vector<T>
-      numbers_;  // q, v, tau, target_q, target_v, active_set, dv, joint_impulse, ctrl, equality_impulses, contact_cache
+#define MANYHANDS_FIELD(name, each, range) Field<T> name##_;
+  MANYHANDS_STATE_FIELDS(MANYHANDS_FIELD, MANYHANDS_FIELD)
+#undef MANYHANDS_FIELD
+  std::size_t size_ = 0;
+  std::vector<T>* grown_ = nullptr;
+};
+
+/// A state that owns its memory.
+template <Number T>
+class StateStorage : public State<T> {
+ public:
+  /// `contact_numbers`: how many numbers the contact cache takes, which System::contact_numbers tells.
+  StateStorage(const Model& model, std::size_t contact_numbers)
+      : layout_(model, contact_numbers), memory_(internal::numbers_of<T>(layout_, state()), T(real_t<T>(0))) {
+    this->place(layout_, memory_.data(), grown_);
+    this->take(model);
+  }
+  StateStorage(const StateStorage& other)
+      : State<T>(), layout_(other.layout_), memory_(other.memory_), grown_(other.grown_) {
+    this->place(layout_, memory_.data(), grown_);
+  }
+  StateStorage& operator=(const StateStorage& other) {
+    layout_ = other.layout_;
+    memory_ = other.memory_;
+    grown_ = other.grown_;
+    this->place(layout_, memory_.data(), grown_);
+    return *this;
+  }
+
+ private:
+  [[nodiscard]] State<T>& state() { return *this; }
+
+  Layout layout_;
+  std::vector<T> memory_, grown_;
 };
 
 /// Copies lane `from_lane` of one state into lane `to_lane` of another of the same model.

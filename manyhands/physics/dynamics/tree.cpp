@@ -109,13 +109,6 @@ void join_clusters(Tree<R>& tree) {
   }
 }
 
-template <Number T>
-std::vector<T> broadcast_all(std::span<const double> values) {
-  std::vector<T> result;
-  for (const double value : values) result.push_back(T(static_cast<real_t<T>>(value)));
-  return result;
-}
-
 }  // namespace
 
 std::size_t equality_rows(const Model& model) {
@@ -182,42 +175,7 @@ Tree<R>::Tree(const Model& model)
   MANYHANDS_ASSERT(internal::is_topology_sound(*this));
 }
 
-template <Number T>
-Params<T>::Params(const Model& model)
-    : gravity(broadcast<T>(model.gravity())),
-      damping(broadcast_all<T>(model.dof_damping())),
-      armature(broadcast_all<T>(model.dof_armature())),
-      motor_kp(static_cast<std::size_t>(model.nv()), T(real_t<T>(0))),
-      motor_kd(motor_kp),
-      motor_max_force(motor_kp),
-      friction(broadcast_all<T>(model.dof_friction())) {
-  for (const Body& body : model.bodies()) inertia.push_back(broadcast<T>(body.inertia));
-  for (const JointLimits& limits : model.dof_limits()) {
-    lower.push_back(T(static_cast<real_t<T>>(limits.lower)));
-    upper.push_back(T(static_cast<real_t<T>>(limits.upper)));
-  }
-  const auto number = [](double value) { return T(static_cast<real_t<T>>(value)); };
-  for (const Geom& geom : model.geoms()) {
-    const SurfaceMaterial& surface = geom.surface;
-    geom_size.push_back(broadcast<T>(geom.shape.size));
-    geom_friction.push_back(number(surface.lateral_friction));
-    geom_friction_y.push_back(number(surface.friction_y.value_or(surface.lateral_friction)));
-    geom_spinning.push_back(number(surface.spinning_friction));
-    geom_rolling.push_back(number(surface.rolling_friction));
-    geom_restitution.push_back(number(surface.restitution));
-  }
-  for (const Actuator& actuator : model.actuators()) {
-    gear.push_back(T(static_cast<real_t<T>>(actuator.gear)));
-    drive_kp.push_back(T(static_cast<real_t<T>>(actuator.type == ActuatorType::kPosition ? actuator.kp : 0.0)));
-    drive_kd.push_back(T(static_cast<real_t<T>>(actuator.kd)));
-    drive_max_force.push_back(T(static_cast<real_t<T>>(actuator.max_force)));
-  }
-}
-
 template struct Tree<double>;
 template struct Tree<float>;
-
-#define MANYHANDS_INSTANTIATE(T) template struct Params<T>;
-MANYHANDS_FOR_EACH_NUMBER(MANYHANDS_INSTANTIATE)
 
 }  // namespace manyhands

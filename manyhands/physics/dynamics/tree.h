@@ -1,10 +1,11 @@
-// The model's kinematic tree in the precision of a kernel, and the numbers that may differ from world to world.
+// The model's kinematic tree in the precision of a kernel.
 #pragma once
 
 #include <vector>
 
 #include "manyhands/math/spatial.h"
 #include "manyhands/model/model.h"
+#include "manyhands/physics/dynamics/params.h"
 
 namespace manyhands {
 
@@ -78,27 +79,5 @@ struct Tree {
 
 /// Rows of all equality constraints of a model: three each, six where they hold rotations.
 [[nodiscard]] std::size_t equality_rows(const Model& model);
-
-/// What may differ from world to world: set from the model, then randomised at will. Kernels take P = T, numbers of
-/// their own for every lane, or P = real_t<T>, the same for all: that is smaller and stays in the nearest cache.
-template <Number T>
-struct Params {
-  explicit Params(const Model& model);
-
-  Vec3<T> gravity;                             ///< [m/s^2], in the world frame
-  std::vector<RigidInertia<T>> inertia;        ///< (nb) about the body's origin, in its axes
-  std::vector<T> damping, armature;            ///< (nv) [N m s/rad or N s/m], [kg m^2 or kg]
-  std::vector<T> lower, upper;                 ///< (nv) position limits [rad or m]; infinite where there are none
-  std::vector<T> motor_kp, motor_kd;           ///< (nv) parts of the errors in q and v that a motor removes in a step
-  std::vector<T> motor_max_force;              ///< (nv) [N m or N]; 0 where there is no motor
-  std::vector<T> gear, drive_kp, drive_kd;     ///< (nu) of the actuators, see model/couplings.h
-  std::vector<T> drive_max_force;              ///< (nu) at the joint [N m or N]
-  std::vector<T> friction;                     ///< (nv) dry friction of the joint [N m or N]
-  std::vector<Vec3<T>> geom_size;              ///< (geoms) see Shape [m]
-  std::vector<T> geom_friction;                ///< (geoms) lateral, along the geom's x
-  std::vector<T> geom_friction_y;              ///< (geoms) along its y
-  std::vector<T> geom_spinning, geom_rolling;  ///< (geoms) [m]
-  std::vector<T> geom_restitution;             ///< (geoms)
-};
 
 }  // namespace manyhands

@@ -110,7 +110,7 @@ MANYHANDS_INLINE void correct_free_fall(const Tree<real_t<T>>& tree, const Param
     const bool free = body.type == JointType::kFloating && body.parent == 0 &&
                       tree.end_dof[static_cast<std::size_t>(body.iv)] == body.iv + body.nv;
     if (!free) continue;
-    const Vec3<T> gravity = transpose_times(broadcast<T>(body.X_PF.R), broadcast<T>(params.gravity));
+    const Vec3<T> gravity = transpose_times(broadcast<T>(body.X_PF.R), broadcast<T>(params.gravity[0]));
     const T* force = state.tau() + body.iv + 3;
     const T inverse_mass = one / broadcast<T>(params.inertia[b].m);
     const T share = overshoot * (one - resting[b]);

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 
+#include "manyhands/base/float_environment.h"
 #include "manyhands/base/hash.h"
 #include "manyhands/math/for_width.h"
-#include "manyhands/math/quaternion.h"
-#include "manyhands/physics/world/world_checks.h"
+#include "manyhands/physics/world/batch_impl.h"
 
 namespace manyhands {
+
+using internal::require_rows;
 
 namespace {
 
@@ -37,174 +39,169 @@ std::shared_ptr<const Model> checked(std::shared_ptr<const Model> model, int num
 
 }  // namespace
 
-Batch::Batch(std::shared_ptr<const Model> model, int num_worlds, double time_step, const BatchOptions& options)
-    : model_(checked(std::move(model), num_worlds, time_step, options)),
-      num_worlds_(num_worlds),
-      time_step_(time_step),
-      pool_(std::min(choose_num_threads(options.num_threads), num_worlds)),
-      steps_(static_cast<std::size_t>(num_worlds)),
-      flags_(steps_.size()),
-      layout_(*model_, 0),
-      pose_(12 * steps_.size()),
-      velocity_(6 * steps_.size()) {
-  lanes_ = make_lanes(*model_, num_worlds, time_step, options.lanes, pool_.num_threads());
-  const Strided<float> state = lanes_->state(0);
-  for (std::size_t i = 0; i < state.size(); ++i) start_.push_back(state[i]);
+Batch::Impl::Impl(std::shared_ptr<const Model> shared_model, int n, double h, const BatchOptions& options)
+    : model(checked(std::move(shared_model), n, h, options)),
+      num_worlds(n),
+      time_step(h),
+      pool(std::min(choose_num_threads(options.num_threads), n)),
+      steps(static_cast<std::size_t>(n)),
+      flags(steps.size()),
+      pose(12 * steps.size()),
+      velocity(6 * steps.size()) {
+  const FloatEnvironment floats;
+  lanes = make_lanes(*model, n, h, options.lanes, pool.num_threads());
+  const StateView<float> state = world(0).state;
+  StateView<float>::visit_fields(
+      [this](const FieldInfo&, const Strided<float>& field) {
+        for (std::size_t k = 0; k < field.size(); ++k) start.push_back(field[k]);
+      },
+      state);
 }
+
+NamedParameters<float> Batch::Impl::parameters() {
+  return {*model, lanes->colliders(), steps.size(), [this](std::size_t i) { return world(i); }};
+}
+
+void Batch::Impl::forget_step(std::size_t i) {
+  const ExtrasView<float> extras = world(i).extras;
+  ExtrasView<float>::visit_fields(
+      [](const FieldInfo& info, const Strided<float>& field) {
+        if (info.range != Range::kResult) return;
+        for (std::size_t k = 0; k < field.size(); ++k) field[k] = 0;
+      },
+      extras);
+  extras.frozen[0] = 0;
+  flags[i] = 0;
+}
+
+void Batch::Impl::require_mask(Mask mask) const {
+  if (mask.empty() || mask.size() == steps.size()) return;
+  throw std::invalid_argument("the mask has " + std::to_string(mask.size()) + " numbers; expected " +
+                              std::to_string(num_worlds));
+}
+
+std::vector<float> Batch::Impl::rows(StateField field) const {
+  std::vector<float> result;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const Strided<float> numbers = world(i).state.*field;
+    for (std::size_t k = 0; k < numbers.size(); ++k) result.push_back(numbers[k]);
+  }
+  return result;
+}
+
+void Batch::Impl::set_rows(StateField field, std::span<const float> values, Mask mask) {
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    if (!chosen(mask, i)) continue;
+    const Strided<float> numbers = world(i).state.*field;
+    for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = values[i * numbers.size() + k];
+  }
+}
+
+Batch::Batch(std::shared_ptr<const Model> model, int num_worlds, double time_step, const BatchOptions& options)
+    : impl_(std::make_unique<Impl>(std::move(model), num_worlds, time_step, options)) {}
+
+Batch::Batch(Batch&&) noexcept = default;
+Batch& Batch::operator=(Batch&&) noexcept = default;
+Batch::~Batch() = default;
+
+const Model& Batch::model() const { return *impl_->model; }
+std::shared_ptr<const Model> Batch::shared_model() const { return impl_->model; }
+int Batch::num_worlds() const { return impl_->num_worlds; }
+int Batch::lanes() const { return impl_->lanes->width(); }
+int Batch::num_threads() const { return impl_->pool.num_threads(); }
+double Batch::time_step() const { return impl_->time_step; }
+const SolverSettings& Batch::solver() const { return impl_->lanes->solver(); }
+std::span<const std::uint8_t> Batch::flags() const { return impl_->flags; }
 
 void Batch::step(int n) {
   if (n < 0) throw std::invalid_argument("the number of steps is " + std::to_string(n) + "; expected 0 or more");
   if (n == 0) return;
-  lanes_->step(n, pool_);
-  for (std::size_t i = 0; i < steps_.size(); ++i) {
-    const BatchExtras extras = lanes_->extras(i);
-    steps_[i] += static_cast<std::int64_t>(extras.advanced);
-    const bool deep = extras.deepest > static_cast<float>(kDeepPenetration);
-    flags_[i] =
-        static_cast<std::uint8_t>((extras.frozen > 0 ? BatchFlag::kNotFinite : 0) | (deep ? BatchFlag::kDeep : 0));
+  const FloatEnvironment floats;
+  impl_->lanes->step(n, impl_->pool);
+  for (std::size_t i = 0; i < impl_->steps.size(); ++i) {
+    const ExtrasView<float> extras = impl_->world(i).extras;
+    impl_->steps[i] += static_cast<std::int64_t>(extras.advanced[0]);
+    const bool deep = extras.deepest[0] > static_cast<float>(kDeepPenetration);
+    impl_->flags[i] =
+        static_cast<std::uint8_t>((extras.frozen[0] > 0 ? BatchFlag::kNotFinite : 0) | (deep ? BatchFlag::kDeep : 0));
   }
 }
 
 std::vector<double> Batch::time() const {
   std::vector<double> result;
-  result.reserve(steps_.size());
-  for (const std::int64_t steps : steps_) result.push_back(static_cast<double>(steps) * time_step_);
+  result.reserve(impl_->steps.size());
+  for (const std::int64_t steps : impl_->steps) result.push_back(static_cast<double>(steps) * impl_->time_step);
   return result;
 }
 
 void Batch::set_solver(const SolverSettings& settings) {
   internal::require_solver(settings);
-  lanes_->set_solver(settings);
+  impl_->lanes->set_solver(settings);
 }
 
 // ---- state -------------------------------------------------------------------------------------------------------
 
-Batch::Range Batch::range(Part part) const {
-  const auto nq = static_cast<std::size_t>(model_->nq()), nv = static_cast<std::size_t>(model_->nv());
-  const auto at = [&](const float* first, std::size_t count) {
-    return Range{static_cast<std::size_t>(first - layout_.q()), count};
-  };
-  switch (part) {
-    case Part::kQ:
-      return at(layout_.q(), nq);
-    case Part::kV:
-      return at(layout_.v(), nv);
-    case Part::kTau:
-      return at(layout_.tau(), nv);
-    case Part::kTargetQ:
-      return at(layout_.target_q(), nv);
-    case Part::kTargetV:
-      return at(layout_.target_v(), nv);
-    default:
-      return at(layout_.ctrl(), static_cast<std::size_t>(model_->nu()));
-  }
-}
-
-std::vector<float> Batch::rows(Part part) const {
-  const auto [first, count] = range(part);
-  std::vector<float> result;
-  result.reserve(count * steps_.size());
-  for (std::size_t i = 0; i < steps_.size(); ++i) {
-    const Strided<float> state = lanes_->state(i);
-    for (std::size_t k = 0; k < count; ++k) result.push_back(state[first + k]);
-  }
-  return result;
-}
-
-std::vector<float> Batch::q() const { return rows(Part::kQ); }
-std::vector<float> Batch::v() const { return rows(Part::kV); }
-std::vector<float> Batch::tau() const { return rows(Part::kTau); }
-std::vector<float> Batch::ctrl() const { return rows(Part::kCtrl); }
-
-void Batch::require_rows(const std::string& name, std::span<const float> values, std::size_t columns) const {
-  if (values.size() != columns * steps_.size()) {
-    throw std::invalid_argument(name + " has " + std::to_string(values.size()) + " numbers; expected " +
-                                std::to_string(num_worlds_) + " rows of " + std::to_string(columns));
-  }
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (is_finite(values[i])) continue;
-    throw std::invalid_argument(name + " of world " + std::to_string(i / columns) + " has a number at " +
-                                std::to_string(i % columns) + " that is not finite");
-  }
-}
-
-void Batch::require_mask(std::span<const std::uint8_t> mask) const {
-  if (mask.empty() || mask.size() == steps_.size()) return;
-  throw std::invalid_argument("the mask has " + std::to_string(mask.size()) + " numbers; expected " +
-                              std::to_string(num_worlds_));
-}
-
-void Batch::set_rows(Part part, std::span<const float> values, std::span<const std::uint8_t> mask) {
-  const auto [first, count] = range(part);
-  for (std::size_t i = 0; i < steps_.size(); ++i) {
-    if (!chosen(mask, i)) continue;
-    const Strided<float> state = lanes_->state(i);
-    for (std::size_t k = 0; k < count; ++k) state[first + k] = values[i * count + k];
-  }
-}
+std::vector<float> Batch::q() const { return impl_->rows(&StateView<float>::q); }
+std::vector<float> Batch::v() const { return impl_->rows(&StateView<float>::v); }
+std::vector<float> Batch::tau() const { return impl_->rows(&StateView<float>::tau); }
+std::vector<float> Batch::ctrl() const { return impl_->rows(&StateView<float>::ctrl); }
 
 void Batch::set_q(std::span<const float> q, std::span<const std::uint8_t> mask) {
-  require_mask(mask);
-  const auto nq = static_cast<std::size_t>(model_->nq());
-  require_rows("q", q, nq);
+  const FloatEnvironment floats;
+  impl_->require_mask(mask);
+  const std::size_t n = impl_->steps.size();
+  const auto nq = static_cast<std::size_t>(impl_->model->nq());
+  require_rows("q", q, n, nq);
   std::vector<float> rows(q.begin(), q.end());
-  for (const Body& body : model_->bodies()) {
-    if (body.type != JointType::kSpherical && body.type != JointType::kFloating) continue;
-    const auto offset = static_cast<std::size_t>(body.iq + (body.type == JointType::kFloating ? 3 : 0));
-    for (std::size_t i = 0; i < steps_.size(); ++i) {
-      float* r = &rows[i * nq + offset];
-      const float length = sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3]);
-      if (chosen(mask, i) && !(abs(length - 1) <= 1e-5f)) {
-        throw std::invalid_argument("the quaternion at q[" + std::to_string(i) + ", " + std::to_string(offset) +
-                                    "] has length " + std::to_string(length) + "; expected 1 (order x, y, z, w)");
-      }
-      for (int k = 0; k < 4; ++k) r[k] /= length;
-    }
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!chosen(mask, i)) continue;
+    internal::normalise_quaternions(*impl_->model, std::span(rows).subspan(i * nq, nq), std::to_string(i) + ", ");
   }
-  set_rows(Part::kQ, rows, mask);
+  impl_->set_rows(&StateView<float>::q, rows, mask);
 }
 
 void Batch::set_v(std::span<const float> v, std::span<const std::uint8_t> mask) {
-  require_mask(mask);
-  require_rows("v", v, static_cast<std::size_t>(model_->nv()));
-  set_rows(Part::kV, v, mask);
+  impl_->require_mask(mask);
+  require_rows("v", v, impl_->steps.size(), static_cast<std::size_t>(impl_->model->nv()));
+  impl_->set_rows(&StateView<float>::v, v, mask);
 }
 
 void Batch::set_tau(std::span<const float> tau, std::span<const std::uint8_t> mask) {
-  require_mask(mask);
-  require_rows("tau", tau, static_cast<std::size_t>(model_->nv()));
-  set_rows(Part::kTau, tau, mask);
+  impl_->require_mask(mask);
+  require_rows("tau", tau, impl_->steps.size(), static_cast<std::size_t>(impl_->model->nv()));
+  impl_->set_rows(&StateView<float>::tau, tau, mask);
 }
 
 void Batch::set_ctrl(std::span<const float> ctrl, std::span<const std::uint8_t> mask) {
-  require_mask(mask);
-  const auto nu = static_cast<std::size_t>(model_->nu());
-  require_rows("ctrl", ctrl, nu);
+  impl_->require_mask(mask);
+  const auto nu = static_cast<std::size_t>(impl_->model->nu());
+  require_rows("ctrl", ctrl, impl_->steps.size(), nu);
   std::vector<float> rows(ctrl.begin(), ctrl.end());
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const Actuator& actuator = model_->actuators()[i % nu];
+    const Actuator& actuator = impl_->model->actuators()[i % nu];
     rows[i] = clamp(rows[i], static_cast<float>(actuator.min_ctrl), static_cast<float>(actuator.max_ctrl));
   }
-  set_rows(Part::kCtrl, rows, mask);
+  impl_->set_rows(&StateView<float>::ctrl, rows, mask);
 }
 
 void Batch::set_motors(const BatchMotors& commands) {
-  const auto nv = static_cast<std::size_t>(model_->nv());
-  require_rows("target_q", commands.target_q, nv);
-  require_rows("target_v", commands.target_v, nv);
-  require_rows("kp", commands.kp, nv);
-  require_rows("kd", commands.kd, nv);
-  require_rows("max_force", commands.max_force, nv);
+  const std::size_t n = impl_->steps.size();
+  const auto nv = static_cast<std::size_t>(impl_->model->nv());
+  require_rows("target_q", commands.target_q, n, nv);
+  require_rows("target_v", commands.target_v, n, nv);
+  require_rows("kp", commands.kp, n, nv);
+  require_rows("kd", commands.kd, n, nv);
+  require_rows("max_force", commands.max_force, n, nv);
   internal::require_not_negative("kp", commands.kp);
   internal::require_not_negative("kd", commands.kd);
   internal::require_not_negative("max_force", commands.max_force);
-  for (std::size_t i = 0; i < steps_.size() && nv > 0; ++i) {
-    require_undriven(*model_, commands.max_force.subspan(i * nv, nv));
+  for (std::size_t i = 0; i < n && nv > 0; ++i) {
+    require_undriven(*impl_->model, commands.max_force.subspan(i * nv, nv));
   }
-  set_rows(Part::kTargetQ, commands.target_q, {});
-  set_rows(Part::kTargetV, commands.target_v, {});
-  for (std::size_t i = 0; i < steps_.size(); ++i) {
-    const ParamsView<float> params = lanes_->params(i);
+  impl_->set_rows(&StateView<float>::target_q, commands.target_q, {});
+  impl_->set_rows(&StateView<float>::target_v, commands.target_v, {});
+  for (std::size_t i = 0; i < n; ++i) {
+    const ParamsView<float> params = impl_->world(i).params;
     for (std::size_t k = 0; k < nv; ++k) {
       params.motor_kp[k] = commands.kp[i * nv + k];
       params.motor_kd[k] = commands.kd[i * nv + k];
@@ -213,95 +210,76 @@ void Batch::set_motors(const BatchMotors& commands) {
   }
 }
 
-void Batch::forget_step(std::size_t world) {
-  const BatchExtras extras = lanes_->extras(world);
-  for (std::size_t k = 0; k < extras.wrench.size(); ++k) extras.wrench[k] = 0;
-  extras.contacts = extras.penetration = extras.deepest = extras.frozen = 0;
-  flags_[world] = 0;
-}
-
 void Batch::reset(std::span<const std::uint8_t> mask) {
-  require_mask(mask);
-  for (std::size_t i = 0; i < steps_.size(); ++i) {
+  impl_->require_mask(mask);
+  for (std::size_t i = 0; i < impl_->steps.size(); ++i) {
     if (!chosen(mask, i)) continue;
-    const Strided<float> state = lanes_->state(i);
-    for (std::size_t k = 0; k < start_.size(); ++k) state[k] = start_[k];
-    const BatchExtras extras = lanes_->extras(i);
-    for (std::size_t k = 0; k < extras.external.size(); ++k) extras.external[k] = 0;
-    extras.pushed = 0;
-    steps_[i] = 0;
-    forget_step(i);
+    const WorldView<float> world = impl_->world(i);
+    const float* next = impl_->start.data();
+    StateView<float>::visit_fields(
+        [&](const FieldInfo&, const Strided<float>& field) {
+          for (std::size_t k = 0; k < field.size(); ++k) field[k] = *next++;
+        },
+        world.state);
+    for (std::size_t k = 0; k < world.extras.external.size(); ++k) world.extras.external[k] = 0;
+    world.extras.pushed[0] = 0;
+    impl_->steps[i] = 0;
+    impl_->forget_step(i);
   }
 }
 
-namespace {
+// ---- snapshots -----------------------------------------------------------------------------------------------------
 
-/// Calls visit(number) for every number of a world's snapshot but its clock.
-template <class Visit>
-void visit_world(BatchLanes& lanes, std::size_t world, Visit&& visit) {
-  const auto all = [&](const Strided<float>& numbers) {
-    for (std::size_t k = 0; k < numbers.size(); ++k) visit(numbers[k]);
-  };
-  const BatchExtras extras = lanes.extras(world);
-  all(lanes.state(world));
-  all(extras.link_mass);
-  all(extras.external);
-  visit(extras.pushed);
-  visit(extras.frozen);
-  lanes.params(world).for_each(all);
+const SnapshotOwner& Batch::Impl::snapshot_owner() {
+  if (!owner) {
+    owner = manyhands::snapshot_owner("a Batch", *model, time_step, fingerprint(*model));
+    owner->text += ", " + std::to_string(num_worlds) + (num_worlds == 1 ? " world" : " worlds");
+  }
+  return *owner;
 }
 
-/// A count of steps in two numbers, exact where one float would not be.
-constexpr std::int64_t kClockUnit = 1 << 20;
-
-}  // namespace
-
-std::size_t Batch::snapshot_size() const {
-  std::size_t size = 2;
-  visit_world(*lanes_, 0, [&](float&) { ++size; });
-  return size;
+std::vector<std::uint8_t> Batch::snapshot() const {
+  SnapshotWriter out(impl_->snapshot_owner());
+  for (std::size_t i = 0; i < impl_->steps.size(); ++i) {
+    out.put(impl_->steps[i]);
+    out.put_world(impl_->world(i));
+  }
+  return out.finish();
 }
 
-std::vector<float> Batch::snapshot() const {
-  std::vector<float> numbers;
-  numbers.reserve(snapshot_size() * steps_.size());
-  for (std::size_t i = 0; i < steps_.size(); ++i) {
-    const auto units = steps_[i] / kClockUnit, rest = steps_[i] % kClockUnit;
-    numbers.push_back(static_cast<float>(units));
-    numbers.push_back(static_cast<float>(rest));
-    visit_world(*lanes_, i, [&](const float& number) { numbers.push_back(number); });
+void Batch::restore(std::span<const std::uint8_t> snapshot, std::span<const std::uint8_t> mask) {
+  impl_->require_mask(mask);
+  const std::size_t n = impl_->steps.size();
+  SnapshotReader check(snapshot, impl_->snapshot_owner());
+  SnapshotReader in = check;
+  WorldBlock<float> draft(*impl_->model, impl_->world(0).state.contacts.size());
+  for (std::size_t i = 0; i < n; ++i) {  // all is looked at before anything changes
+    (void)check.take_count("a count of steps", kMostSteps);
+    check.take_world(draft.view(0));
+    require_sound(*impl_->model, draft.view(0));
+    require_listed_contacts(draft.view(0).state);
   }
-  return numbers;
-}
-
-void Batch::restore(std::span<const float> snapshot, std::span<const std::uint8_t> mask) {
-  require_mask(mask);
-  const std::size_t size = snapshot_size();
-  if (snapshot.size() != size * steps_.size()) {
-    throw std::invalid_argument("the snapshot has " + std::to_string(snapshot.size()) + " numbers; expected " +
-                                std::to_string(num_worlds_) + " rows of " + std::to_string(size) +
-                                ": is it of another model?");
-  }
-  if (std::ranges::any_of(snapshot, [](float x) { return x != x; })) {
-    throw std::invalid_argument("the snapshot holds a NaN");
-  }
-  for (std::size_t i = 0; i < steps_.size(); ++i) {
-    if (!chosen(mask, i)) continue;
-    const float* next = &snapshot[i * size];
-    forget_step(i);
-    steps_[i] = static_cast<std::int64_t>(next[0]) * kClockUnit + static_cast<std::int64_t>(next[1]);
-    next += 2;
-    visit_world(*lanes_, i, [&](float& number) { number = *next++; });
-    if (lanes_->extras(i).frozen > 0) flags_[i] = BatchFlag::kNotFinite;
-    let_resist_turning(lanes_->params(i), lanes_->colliders());
+  check.finish();
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto steps = in.take<std::int64_t>();
+    if (!chosen(mask, i)) {
+      in.take_world(draft.view(0));
+      continue;
+    }
+    impl_->forget_step(i);
+    impl_->steps[i] = steps;
+    const WorldView<float> world = impl_->world(i);
+    in.take_world(world);
+    if (world.extras.frozen[0] > 0) impl_->flags[i] = BatchFlag::kNotFinite;
+    let_resist_turning(world.params, impl_->lanes->colliders());
   }
 }
 
 std::uint64_t Batch::state_hash() const {
   Hash hash;
-  for (std::size_t i = 0; i < steps_.size(); ++i) {
-    hash.add(steps_[i]);
-    visit_world(*lanes_, i, [&](const float& number) { hash.add(number); });
+  for (std::size_t i = 0; i < impl_->steps.size(); ++i) {
+    hash.add(impl_->steps[i]);
+    add_world(impl_->world(i), hash);
   }
   return hash.value();
 }

@@ -3,15 +3,19 @@
 
 #include <cstdint>
 #include <memory>
-
-#include "manyhands/base/thread_pool.h"
-#include "manyhands/physics/world/batch_lanes.h"
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
 
 namespace manyhands {
 
+class Model;
+struct SolverSettings;
+
 struct BatchOptions {
   int num_threads = 0;  ///< 0: the variable MANYHANDS_THREADS, else as many as the machine has cores
-  int lanes = 0;        ///< 0: the fastest for this build, or scalars for a single world; else 1 or a built width
+  int lanes = 0;        ///< 0: the fastest for this build, or scalars for a single world; else 1, 4, 8 or 16
 };
 
 /// Bits of `Batch::flags`.
@@ -37,17 +41,21 @@ class Batch {
   /// All worlds start at rest in the model's initial configuration, with motors off.
   Batch(std::shared_ptr<const Model> model, int num_worlds, double time_step = 0.002, const BatchOptions& options = {});
 
+  Batch(Batch&&) noexcept;
+  Batch& operator=(Batch&&) noexcept;
+  ~Batch();
+
   /// Advances all worlds by n steps. A world whose numbers stop being finite stays as it was before that step.
   void step(int n = 1);
 
-  [[nodiscard]] const Model& model() const { return *model_; }
-  [[nodiscard]] std::shared_ptr<const Model> shared_model() const { return model_; }
-  [[nodiscard]] int num_worlds() const { return num_worlds_; }
-  [[nodiscard]] int lanes() const { return lanes_->width(); }
-  [[nodiscard]] int num_threads() const { return pool_.num_threads(); }
-  [[nodiscard]] double time_step() const { return time_step_; }
+  [[nodiscard]] const Model& model() const;
+  [[nodiscard]] std::shared_ptr<const Model> shared_model() const;
+  [[nodiscard]] int num_worlds() const;
+  [[nodiscard]] int lanes() const;
+  [[nodiscard]] int num_threads() const;
+  [[nodiscard]] double time_step() const;
   [[nodiscard]] std::vector<double> time() const;  ///< (n) [s] since each world began
-  [[nodiscard]] const SolverSettings& solver() const { return lanes_->solver(); }
+  [[nodiscard]] const SolverSettings& solver() const;
   /// Throws std::invalid_argument unless max_iterations is 1 or more and the tolerance 0 or more.
   void set_solver(const SolverSettings& settings);
 
@@ -64,13 +72,16 @@ class Batch {
   /// Back to the start, parameters kept.
   void reset(std::span<const std::uint8_t> mask = {});
 
-  [[nodiscard]] std::size_t snapshot_size() const;  ///< numbers of one world
-  /// (n, snapshot_size()): all that each world continues from, bit for bit; not the solver's settings.
-  [[nodiscard]] std::vector<float> snapshot() const;
-  void restore(std::span<const float> snapshot, std::span<const std::uint8_t> mask = {});
-  /// FNV-1a over the bits of every world's snapshot, in order.
+  /// All that each world continues from, bit for bit, as bytes (see snapshot.h): state, contact memory, commands,
+  /// forces applied, parameters and clock; not the solver's settings. Lanes and threads may differ where it is
+  /// restored.
+  [[nodiscard]] std::vector<std::uint8_t> snapshot() const;
+  /// Throws std::invalid_argument if the snapshot is not of a batch of this size, model and time step, or holds numbers
+  /// that cannot be; then nothing has changed.
+  void restore(std::span<const std::uint8_t> snapshot, std::span<const std::uint8_t> mask = {});
+  /// FNV-1a over the bits of what a snapshot holds of each world, in order.
   [[nodiscard]] std::uint64_t state_hash() const;
-  [[nodiscard]] std::span<const std::uint8_t> flags() const { return flags_; }  ///< (n) see BatchFlag
+  [[nodiscard]] std::span<const std::uint8_t> flags() const;  ///< (n) see BatchFlag
 
   // ---- bodies: links and frames by name ------------------------------------------------------------------------
   /// In the world: position (n, 3) [m] and quaternion xyzw (n, 4).
@@ -89,7 +100,7 @@ class Batch {
   /// normal forces and of friction.
   void contact_wrench(std::string_view link, std::span<float> normal, std::span<float> friction) const;
 
-  // ---- parameters of each world: values (n), or as said -----------------------------------------------------------
+  // ---- parameters of each world, see NamedParameters: values (n), or as said --------------------------------------
   void set_gravity(std::span<const float> gravity);                        ///< (n, 3) [m/s^2]
   void set_mass(std::string_view link, std::span<const float> mass);       ///< [kg]; scales the inertia with it
   void set_friction(std::string_view name, std::span<const float> value);  ///< of a geom, or of a link's geoms
@@ -103,36 +114,9 @@ class Batch {
   void set_gains(std::string_view actuator, std::span<const float> kp, std::span<const float> kd);
 
  private:
-  enum class Part { kQ, kV, kTau, kTargetQ, kTargetV, kCtrl };
-  struct Range {
-    std::size_t first, count;
-  };
+  struct Impl;
 
-  [[nodiscard]] Range range(Part part) const;
-  [[nodiscard]] std::vector<float> rows(Part part) const;
-  void set_rows(Part part, std::span<const float> values, std::span<const std::uint8_t> mask);
-  [[nodiscard]] bool chosen(std::span<const std::uint8_t> mask, std::size_t world) const {
-    return mask.empty() || mask[world] != 0;
-  }
-  void require_rows(const std::string& name, std::span<const float> values, std::size_t columns) const;
-  void require_mask(std::span<const std::uint8_t> mask) const;
-  void require_least(const std::string& name, std::span<const float> values) const;
-  void set_geoms(std::string_view name, const std::string& what, Strided<float> ParamsView<float>::* field,
-                 std::span<const float> value);
-  void set_dofs(std::string_view joint, const std::string& what, Strided<float> ParamsView<float>::* field,
-                std::span<const float> value);
-  void forget_step(std::size_t world);
-
-  std::shared_ptr<const Model> model_;
-  int num_worlds_;
-  double time_step_;
-  std::unique_ptr<BatchLanes> lanes_;
-  ThreadPool pool_;
-  std::vector<float> start_;            // (state numbers) of a world that begins
-  std::vector<std::int64_t> steps_;     // (n)
-  std::vector<std::uint8_t> flags_;     // (n)
-  State<float> layout_;                 // tells where a world's numbers lie
-  std::vector<float> pose_, velocity_;  // (n, 12), (n, 6) of one frame
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace manyhands

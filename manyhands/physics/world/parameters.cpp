@@ -50,6 +50,12 @@ std::vector<GeomId> geoms_named(const Model& model, std::string_view name) {
   return found;
 }
 
+const Joint& moving_joint(const Model& model, std::string_view name) {
+  const Joint& joint = model.joint(model.joint_id(name));
+  if (joint.iv < 0) throw std::invalid_argument("joint '" + joint.name + "' is fixed: it has no such parameter");
+  return joint;
+}
+
 ActuatorId actuator_id(const Model& model, std::string_view name) {
   std::vector<std::string> known;
   for (std::size_t i = 0; i < model.actuators().size(); ++i) {

@@ -1,4 +1,4 @@
-// The parameters of one world by name: where they lie in Params, and how a link's mass becomes its body's inertia.
+// The parts that parameters belong to, by name, and how a link's mass becomes its body's inertia.
 #pragma once
 
 #include <span>
@@ -8,78 +8,9 @@
 #include <vector>
 
 #include "manyhands/physics/collision/colliders.h"
-#include "manyhands/physics/dynamics/tree.h"
+#include "manyhands/physics/dynamics/params.h"
 
 namespace manyhands {
-
-/// Numbers of one world that lie `stride` apart: those of one lane.
-template <Real R>
-struct Strided {
-  R* first = nullptr;
-  std::size_t stride = 1, count = 0;
-
-  [[nodiscard]] std::size_t size() const { return count; }
-  [[nodiscard]] R& operator[](std::size_t i) const { return first[i * stride]; }
-};
-
-/// One lane of a vector of numbers, or of structs that consist of numbers.
-template <Real R, class Item>
-[[nodiscard]] Strided<R> lane_of(std::vector<Item>& items, std::size_t lane, std::size_t width) {
-  static_assert(sizeof(Item) % sizeof(R) == 0);
-  if (items.empty()) return {};
-  return {reinterpret_cast<R*>(items.data()) + lane, width, items.size() * sizeof(Item) / sizeof(R) / width};
-}
-
-/// What one world's Params hold, field by field.
-template <Real R>
-struct ParamsView {
-  Strided<R> gravity;  ///< (3)
-  Strided<R> inertia;  ///< (nb, 10): m, h, then xx yy zz xy xz yz
-  Strided<R> damping, armature, lower, upper, motor_kp, motor_kd, motor_max_force, friction;  ///< (nv)
-  Strided<R> gear, drive_kp, drive_kd, drive_max_force;                                       ///< (nu)
-  Strided<R> geom_size;                                                                       ///< (geoms, 3)
-  Strided<R> geom_friction, geom_friction_y, geom_spinning, geom_rolling, geom_restitution;   ///< (geoms)
-
-  /// Calls visit(field) for every field, always in the same order.
-  template <class Visit>
-  void for_each(Visit&& visit) const {
-    for (const Strided<R>* field :
-         {&gravity,       &inertia,         &damping,       &armature,        &lower,
-          &upper,         &motor_kp,        &motor_kd,      &motor_max_force, &friction,
-          &gear,          &drive_kp,        &drive_kd,      &drive_max_force, &geom_size,
-          &geom_friction, &geom_friction_y, &geom_spinning, &geom_rolling,    &geom_restitution}) {
-      visit(*field);
-    }
-  }
-};
-
-/// The numbers of lane `lane` of `params`.
-template <Number T>
-[[nodiscard]] ParamsView<real_t<T>> view(Params<T>& params, std::size_t lane) {
-  using R = real_t<T>;
-  constexpr auto width = static_cast<std::size_t>(width_v<T>);
-  const auto of = [&](auto& items) { return lane_of<R>(items, lane, width); };
-  return {.gravity = {reinterpret_cast<R*>(&params.gravity) + lane, width, 3},
-          .inertia = of(params.inertia),
-          .damping = of(params.damping),
-          .armature = of(params.armature),
-          .lower = of(params.lower),
-          .upper = of(params.upper),
-          .motor_kp = of(params.motor_kp),
-          .motor_kd = of(params.motor_kd),
-          .motor_max_force = of(params.motor_max_force),
-          .friction = of(params.friction),
-          .gear = of(params.gear),
-          .drive_kp = of(params.drive_kp),
-          .drive_kd = of(params.drive_kd),
-          .drive_max_force = of(params.drive_max_force),
-          .geom_size = of(params.geom_size),
-          .geom_friction = of(params.geom_friction),
-          .geom_friction_y = of(params.geom_friction_y),
-          .geom_spinning = of(params.geom_spinning),
-          .geom_rolling = of(params.geom_rolling),
-          .geom_restitution = of(params.geom_restitution)};
-}
 
 /// A geom's name, or "link#k" for the k-th nameless geom of its link.
 [[nodiscard]] std::string geom_label(const Model& model, GeomId id);
@@ -87,6 +18,8 @@ template <Number T>
 [[nodiscard]] GeomId geom_id(const Model& model, std::string_view label);
 /// The colliding geoms of the link of that name, or the one geom of that label. Throws std::out_of_range.
 [[nodiscard]] std::vector<GeomId> geoms_named(const Model& model, std::string_view name);
+/// The joint of that name. Throws std::invalid_argument for fixed joints, which have no parameters.
+[[nodiscard]] const Joint& moving_joint(const Model& model, std::string_view name);
 /// The actuator of that name. Throws std::out_of_range that lists those there are.
 [[nodiscard]] ActuatorId actuator_id(const Model& model, std::string_view name);
 

@@ -2,12 +2,13 @@
 
 #include <algorithm>
 
+#include "manyhands/base/float_environment.h"
 #include "manyhands/base/hash.h"
-#include "manyhands/physics/world/world_checks.h"
+#include "manyhands/model/fingerprint.h"
+#include "manyhands/physics/world/world_impl.h"
 
 namespace manyhands {
 
-using internal::require_finite;
 using internal::require_not_negative;
 using internal::require_numbers;
 
@@ -15,12 +16,58 @@ World::World(double time_step, Integrator integrator)
     : World(std::make_shared<const Model>(ModelBuilder("world").build()), time_step, integrator) {}
 
 World::World(std::shared_ptr<const Model> model, double time_step, Integrator integrator)
-    : time_step_(time_step), integrator_(integrator), core_(std::move(model)) {
+    : time_step_(time_step),
+      integrator_(integrator),
+      solver_(std::make_unique<SolverSettings>()),
+      core_(std::make_unique<WorldCore>(std::move(model))) {
   internal::require_time_step(time_step);
 }
 
+World::World(const World& other)
+    : time_step_(other.time_step_),
+      integrator_(other.integrator_),
+      steps_(other.steps_),
+      report_(other.report_),
+      solver_(std::make_unique<SolverSettings>(*other.solver_)),
+      core_(std::make_unique<WorldCore>(*other.core_)),
+      edit_(other.edit_ ? std::make_unique<Edit>(*other.edit_) : nullptr) {}
+
+World::World(World&& other) noexcept = default;
+World::~World() = default;
+
+World& World::operator=(World other) noexcept {
+  time_step_ = other.time_step_;
+  integrator_ = other.integrator_;
+  steps_ = other.steps_;
+  report_ = std::move(other.report_);
+  solver_ = std::move(other.solver_);
+  core_ = std::move(other.core_);
+  edit_ = std::move(other.edit_);
+  return *this;
+}
+
+const WorldCore& World::core() const {
+  if (edit_) apply_edit();
+  return *core_;
+}
+
+WorldCore& World::core() {
+  if (edit_) apply_edit();
+  return *core_;
+}
+
+const Model& World::model() const { return *core().model; }
+std::shared_ptr<const Model> World::shared_model() const { return core().model; }
+std::span<const double> World::q() const { return {core().state.q(), core().nq()}; }
+std::span<const double> World::v() const { return {core().state.v(), core().nv()}; }
+std::span<const double> World::tau() const { return {core().state.tau(), core().nv()}; }
+std::span<const double> World::ctrl() const { return {core().state.ctrl(), core().nu()}; }
+int World::solver_iterations() const { return core().has_stepped ? core().step.contact.iterations : 0; }
+const SolverSettings& World::solver() const { return *solver_; }
+
 void World::step(int n) {
   if (n < 0) throw std::invalid_argument("the number of steps is " + std::to_string(n) + "; expected 0 or more");
+  const FloatEnvironment floats;
   WorldCore& now = core();
   for (int i = 0; i < n; ++i) step_once(now);
 }
@@ -41,53 +88,36 @@ std::string joints_without_numbers(const WorldCore& core) {
   return count > kMostNamed ? names + " and " + std::to_string(count - kMostNamed) + " more" : names;
 }
 
-/// J^T F of the forces applied to links, added to tau.
-void push(WorldCore& core) {
-  const Workspace<double>& ws = core.placed();
-  const Tree<double>& tree = core.system.tree;
-  for (std::size_t i = 0; i < core.external.size(); ++i) {
-    const std::size_t body = core.model->links()[i].body.index();
-    const Force<double>& F = core.external[i];
-    const Force<double> about_tree{F.n - cross(ws.p_WO[body], F.f), F.f};
-    for (int k = tree.last_dof[body]; k >= 0; k = tree.dof_parent[static_cast<std::size_t>(k)]) {
-      core.state.tau()[k] += dot(ws.S[static_cast<std::size_t>(k)], about_tree);
-    }
-  }
-}
-
 }  // namespace
 
 void World::step_once(WorldCore& core) {
-  core.before = core.state;
-  core.external_before = core.external;
-  const bool pushed = core.pushed;
-  if (pushed) {
-    push(core);
-    std::ranges::fill(core.external, Force<double>::zero());
-    core.pushed = false;
-  }
+  core.keep_all(core.before);
+  std::ranges::copy(core.extras.external, core.external_before.begin());
+  const bool pushed = core.extras.pushed[0] != 0;
+  if (pushed) core.push(core.system.tree, core.model->frames(), core.placed());
   if (integrator_ == Integrator::kRungeKutta4) {
     try {
       runge_kutta_step_or_throw(core);
     } catch (const std::runtime_error&) {
-      core.state = core.before;
+      core.put_back(false, core.before);
       core.moved();
       throw;
     }
   } else {
-    core.system.solver = solver_;
+    core.system.solver = *solver_;
     manyhands::step(core.system, core.params, time_step_, core.state, core.step);
   }
   core.moved();
-  if (const std::string joints = joints_without_numbers(core); !joints.empty()) {
-    core.state = core.before;
+  if (!core.is_finite()) {
+    const std::string joints = joints_without_numbers(core);
+    core.put_back(false, core.before);
     core.forget_step();
     throw SimulationError("the step at " + std::to_string(time()) +
                           " s leads to numbers that are not finite at joint " + joints +
                           ": look for forces, speeds or mass ratios beyond reason, or take a smaller "
                           "time_step. The world is as it was before this step");
   }
-  if (pushed) std::copy_n(core.before.tau(), core.nv(), core.state.tau());
+  if (pushed) core.restore_tau(core.before);
   core.has_stepped = integrator_ == Integrator::kSemiImplicit;
   ++steps_;
 }
@@ -130,19 +160,11 @@ void World::runge_kutta_step_or_throw(WorldCore& core) {
 }
 
 void World::set_q(std::span<const double> q) {
+  const FloatEnvironment floats;
   WorldCore& now = core();
   require_numbers("q", q, now.nq());
   std::vector<double> checked(q.begin(), q.end());
-  for (const TreeBody<double>& body : now.system.tree.bodies) {
-    if (body.type != JointType::kSpherical && body.type != JointType::kFloating) continue;
-    double* r = &checked[static_cast<std::size_t>(body.iq + (body.type == JointType::kFloating ? 3 : 0))];
-    const double length = sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3]);
-    if (!(abs(length - 1) <= 1e-6)) {
-      throw std::invalid_argument("the quaternion at q[" + std::to_string(r - checked.data()) + "] has length " +
-                                  std::to_string(length) + "; expected 1 (order x, y, z, w)");
-    }
-    for (int k = 0; k < 4; ++k) r[k] /= length;
-  }
+  internal::normalise_quaternions(*now.model, std::span(checked));
   std::ranges::copy(checked, now.state.q());
   now.moved();
 }
@@ -190,7 +212,7 @@ void World::set_motors(const MotorCommands& commands) {
 
 void World::set_solver(const SolverSettings& settings) {
   internal::require_solver(settings);
-  solver_ = settings;
+  *solver_ = settings;
 }
 
 Energy<double> World::energy() const {
@@ -207,83 +229,54 @@ MassProperties<double> World::mass_properties() const {
 
 namespace {
 
-/// Tells models apart; a whole number that a double holds.
-double fingerprint(const Model& model) {
-  Hash hash;
-  const auto add_text = [&](const std::string& text) {
-    for (const char c : text) hash.add(c);
-    hash.add('\0');
-  };
-  for (const Link& link : model.links()) add_text(link.name);
-  for (const Joint& joint : model.joints()) {
-    add_text(joint.name);
-    hash.add(static_cast<int>(joint.type));
+SnapshotOwner owner_of(const WorldCore& core, double time_step) {
+  if (!core.fingerprint) core.fingerprint = fingerprint(*core.model);
+  return snapshot_owner("a World", *core.model, time_step, *core.fingerprint);
+}
+
+/// Reads a world's part of a snapshot; `draft` has the core's model. Throws std::invalid_argument on numbers that
+/// cannot be.
+std::int64_t take_world(SnapshotReader& in, const WorldCore& core, WorldBlock<double>& draft) {
+  const std::int64_t steps = in.take_count("a count of steps", kMostSteps);
+  const auto most = static_cast<std::int64_t>(in.left() / sizeof(double));
+  const std::int64_t contacts = in.take_count("a number of contacts", most);
+  const bool swept = core.system.colliders.search == PairSearch::kSwept;
+  if (swept && static_cast<std::size_t>(contacts) % kManifoldNumbers<double> == 0) {
+    draft.state.resize_contact_cache(static_cast<std::size_t>(contacts));
   }
-  for (const Geom& geom : model.geoms()) hash.add(static_cast<int>(geom.shape.type));
-  hash.add(model.nu());
-  return static_cast<double>(hash.value() >> 11);
+  if (static_cast<std::size_t>(contacts) != draft.state.contact_cache().size()) {
+    throw std::invalid_argument("the snapshot holds another number of contacts than its world can have");
+  }
+  const WorldView<double> view = draft.view(0);
+  in.take_world(view);
+  in.finish();
+  require_sound(*core.model, view);
+  if (swept) {
+    require_found_contacts(view.state, core.system.colliders.geoms.size());
+  } else {
+    require_listed_contacts(view.state);
+  }
+  return steps;
 }
-
-/// Calls visit(first number, how many) for every piece of a snapshot after its head.
-template <class Core, class Visit>
-void visit_pieces(Core& core, Visit&& visit) {
-  visit(core.state.numbers().data(), core.state.numbers().size());
-  visit(core.link_mass.data(), core.link_mass.size());
-  if (!core.external.empty()) visit(&core.external.front().n.x, 6 * core.external.size());
-}
-
-constexpr std::size_t kSnapshotHead = 5;  // fingerprint, time step, steps, whether forces are applied, contact numbers
-
-/// The count that a number of a snapshot means; 0 if it means none.
-std::size_t whole(double x) { return x >= 0 && x < 1e12 ? static_cast<std::size_t>(x) : 0; }
 
 }  // namespace
 
-std::vector<double> World::snapshot() const {
+std::vector<std::uint8_t> World::snapshot() const {
   const WorldCore& now = core();
-  std::vector<double> numbers{fingerprint(*now.model), time_step_, static_cast<double>(steps_), now.pushed ? 1.0 : 0.0,
-                              static_cast<double>(now.state.contact_cache().size())};
-  visit_pieces(now,
-               [&](const double* first, std::size_t count) { numbers.insert(numbers.end(), first, first + count); });
-  view(const_cast<Params<double>&>(now.params), 0).for_each([&](const Strided<double>& field) {
-    numbers.insert(numbers.end(), field.first, field.first + field.count);
-  });
-  return numbers;
+  SnapshotWriter out(owner_of(now, time_step_));
+  out.put(steps_);
+  out.put(static_cast<std::int64_t>(now.state.contact_cache().size()));
+  out.put_world(now.view(0));
+  return out.finish();
 }
 
-void World::restore(std::span<const double> snapshot) {
+void World::restore(std::span<const std::uint8_t> snapshot) {
   WorldCore& now = core();
-  // A large world remembers as many contacts as it has.
-  const bool grows = now.system.colliders.search == PairSearch::kSwept && snapshot.size() >= kSnapshotHead;
-  const std::size_t contacts = grows ? whole(snapshot[4]) : now.state.contact_cache().size();
-  std::size_t expected = kSnapshotHead + contacts - now.state.contact_cache().size();
-  visit_pieces(now, [&](double*, std::size_t count) { expected += count; });
-  const ParamsView<double> params = view(now.params, 0);
-  params.for_each([&](const Strided<double>& field) { expected += field.count; });
-  if (snapshot.size() != expected || snapshot[0] != fingerprint(*now.model)) {
-    throw std::invalid_argument("the snapshot is of another model, or of a world with other parts: it holds " +
-                                std::to_string(snapshot.size()) + " numbers, this world's hold " +
-                                std::to_string(expected));
-  }
-  if (snapshot[1] != time_step_) {
-    throw std::invalid_argument("the snapshot is of a world with a time_step of " + std::to_string(snapshot[1]) +
-                                " s; this world's is " + std::to_string(time_step_) + " s");
-  }
-  require_finite("the snapshot", snapshot.first(kSnapshotHead + now.nq() + now.nv()));
-  if (std::ranges::any_of(snapshot, [](double x) { return x != x; })) {
-    throw std::invalid_argument("the snapshot holds a NaN");
-  }
-  steps_ = static_cast<std::int64_t>(snapshot[2]);
-  now.pushed = snapshot[3] != 0;
-  now.state.resize_contact_cache(contacts);
-  const double* next = snapshot.data() + kSnapshotHead;
-  const auto take = [&](double* first, std::size_t count) {
-    std::copy_n(next, count, first);
-    next += count;
-  };
-  visit_pieces(now, take);
-  params.for_each([&](const Strided<double>& field) { take(field.first, field.count); });
-  let_resist_turning(params, now.system.colliders);
+  SnapshotReader in(snapshot, owner_of(now, time_step_));
+  WorldBlock<double> draft(now);
+  steps_ = take_world(in, now, draft);
+  static_cast<WorldBlock<double>&>(now) = std::move(draft);
+  let_resist_turning(now.view(0).params, now.system.colliders);
   now.moved();
   now.forget_step();
 }
@@ -301,7 +294,8 @@ void World::forget() {
 
 std::uint64_t World::state_hash() const {
   Hash hash;
-  for (const double number : snapshot()) hash.add(number);
+  hash.add(steps_);
+  add_world(core().view(0), hash);
   return hash.value();
 }
 

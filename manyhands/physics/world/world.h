@@ -3,15 +3,24 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <map>
-#include <set>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string_view>
 
-#include "manyhands/model/compose.h"
-#include "manyhands/physics/collision/queries/queries.h"
+#include "manyhands/model/description.h"
+#include "manyhands/model/load_report.h"
+#include "manyhands/physics/dynamics/measures.h"
 #include "manyhands/physics/world/contact_report.h"
-#include "manyhands/physics/world/world_core.h"
 
 namespace manyhands {
+
+struct Body;
+class Model;
+struct LinkDistance;    // queries.h
+struct SolverSettings;  // contact_solver.h
+struct WorldCore;
+struct WorldRayHit;  // queries.h
 
 enum class Integrator {
   kSemiImplicit,  ///< first order, implicit damping, motors, limits and contacts
@@ -46,7 +55,7 @@ struct NewBody {
 };
 
 /// A model in motion. Arrays are copied in and out; setters throw std::invalid_argument if a length is not what the
-/// model asks for, a number is not finite, or a quaternion not of unit length (to 1e-6; it is normalised). Names that
+/// model asks for, a number is not finite, or a quaternion not of unit length (to 1e-5; it is normalised). Names that
 /// are not there throw std::out_of_range. Not to be shared by threads, its const members included.
 class World {
  public:
@@ -56,6 +65,10 @@ class World {
   /// time_step > 0.
   explicit World(std::shared_ptr<const Model> model, double time_step = 0.002,
                  Integrator integrator = Integrator::kSemiImplicit);
+  World(const World& other);
+  World(World&& other) noexcept;
+  World& operator=(World other) noexcept;
+  ~World();
   /// Loads a URDF file, base fixed, or an MJCF file, told by its root element, and keeps its report. Without time_step:
   /// the file's, or 0.002 s. Throws what the loaders throw.
   [[nodiscard]] static World from_file(const std::filesystem::path& path, std::optional<double> time_step = {},
@@ -66,18 +79,18 @@ class World {
   /// integrator would ignore these. The state stays as it was before that step; forces of `apply_force` are gone.
   void step(int n = 1);
 
-  [[nodiscard]] const Model& model() const { return *core().model; }
-  [[nodiscard]] std::shared_ptr<const Model> shared_model() const { return core().model; }
+  [[nodiscard]] const Model& model() const;
+  [[nodiscard]] std::shared_ptr<const Model> shared_model() const;
   [[nodiscard]] const LoadReport& report() const { return report_; }  ///< of `from_file` and files added since
   [[nodiscard]] double time_step() const { return time_step_; }
   [[nodiscard]] Integrator integrator() const { return integrator_; }
   [[nodiscard]] double time() const { return static_cast<double>(steps_) * time_step_; }  ///< [s]
 
   // ---- state (world.cpp) ---------------------------------------------------------------------------------------
-  [[nodiscard]] std::span<const double> q() const { return {core().state.q(), core().nq()}; }      ///< (nq)
-  [[nodiscard]] std::span<const double> v() const { return {core().state.v(), core().nv()}; }      ///< (nv)
-  [[nodiscard]] std::span<const double> tau() const { return {core().state.tau(), core().nv()}; }  ///< (nv) [N m or N]
-  [[nodiscard]] std::span<const double> ctrl() const { return {core().state.ctrl(), core().nu()}; }  ///< (nu)
+  [[nodiscard]] std::span<const double> q() const;     ///< (nq)
+  [[nodiscard]] std::span<const double> v() const;     ///< (nv)
+  [[nodiscard]] std::span<const double> tau() const;   ///< (nv) [N m or N]
+  [[nodiscard]] std::span<const double> ctrl() const;  ///< (nu)
   void set_q(std::span<const double> q);
   void set_v(std::span<const double> v);
   void set_tau(std::span<const double> tau);  ///< acts in every step until it is set again
@@ -92,16 +105,16 @@ class World {
   [[nodiscard]] Energy<double> energy() const;                   ///< [J]
   [[nodiscard]] MassProperties<double> mass_properties() const;  ///< centre of mass, momentum about the world's origin
 
-  /// All that a run continues from, bit for bit, as plain numbers: state, contact memory, commands, forces applied,
-  /// parameters and clock; not the solver's settings.
-  [[nodiscard]] std::vector<double> snapshot() const;
-  /// Throws std::invalid_argument if the snapshot is of another model or time step. What the last step found
-  /// (contacts, reactions) is forgotten.
-  void restore(std::span<const double> snapshot);
+  /// All that a run continues from, bit for bit, as bytes (see snapshot.h): state, contact memory, commands, forces
+  /// applied, parameters and clock; not the solver's settings.
+  [[nodiscard]] std::vector<std::uint8_t> snapshot() const;
+  /// Throws std::invalid_argument if the snapshot is not of a world with this model and time step, or holds numbers
+  /// that cannot be; then nothing has changed. What the last step found (contacts, reactions) is forgotten.
+  void restore(std::span<const std::uint8_t> snapshot);
   /// Starts the clock anew and forgets what the solver remembers of the steps before: what follows depends on q, v,
   /// forces and commands alone.
   void forget();
-  /// FNV-1a of the snapshot's bytes.
+  /// FNV-1a over the bits of what a snapshot holds.
   [[nodiscard]] std::uint64_t state_hash() const;
 
   // ---- bodies by name: links and frames (world_bodies.cpp) -----------------------------------------------------
@@ -126,8 +139,8 @@ class World {
   [[nodiscard]] Force<double> joint_wrench(std::string_view joint) const;
   [[nodiscard]] ContactResiduals residuals() const;
   [[nodiscard]] double max_penetration() const;  ///< deepest contact before the last step [m]; 0 if none
-  [[nodiscard]] int solver_iterations() const { return core().has_stepped ? core().step.contact.iterations : 0; }
-  [[nodiscard]] const SolverSettings& solver() const { return solver_; }
+  [[nodiscard]] int solver_iterations() const;
+  [[nodiscard]] const SolverSettings& solver() const;
   /// Throws std::invalid_argument unless max_iterations is 1 or more and the tolerance 0 or more.
   void set_solver(const SolverSettings& settings);
 
@@ -159,7 +172,7 @@ class World {
   [[nodiscard]] std::vector<std::string> names() const;
 
   // ---- parameters of this world (world_params.cpp); the model keeps its own --------------------------------------
-  [[nodiscard]] Vec3<double> gravity() const { return core().params.gravity; }
+  [[nodiscard]] Vec3<double> gravity() const;
   void set_gravity(const Vec3<double>& gravity);
   [[nodiscard]] double mass(std::string_view link) const;  ///< [kg]
   void set_mass(std::string_view link, double mass);       ///< scales the inertia with it
@@ -180,20 +193,10 @@ class World {
   void set_gains(std::string_view actuator, double kp, double kd);
 
  private:
-  struct Edit {
-    ModelBuilder builder{"world"};
-    PartMap map;             // from the present model to the builder
-    std::set<int> left_out;  // links of the builder that will be removed
-  };
+  struct Edit;
 
-  [[nodiscard]] const WorldCore& core() const {
-    if (edit_) apply_edit();
-    return core_;
-  }
-  [[nodiscard]] WorldCore& core() {
-    if (edit_) apply_edit();
-    return core_;
-  }
+  [[nodiscard]] const WorldCore& core() const;
+  [[nodiscard]] WorldCore& core();
   void apply_edit() const;
   Edit& edit();
   void drop_left_out();
@@ -206,10 +209,10 @@ class World {
   double time_step_;
   Integrator integrator_;
   std::int64_t steps_ = 0;
-  SolverSettings solver_;
   LoadReport report_;
-  mutable WorldCore core_;            // of the parts before `edit_`
-  mutable std::optional<Edit> edit_;  // parts added and removed since
+  std::unique_ptr<SolverSettings> solver_;
+  mutable std::unique_ptr<WorldCore> core_;  // of the parts before `edit_`
+  mutable std::unique_ptr<Edit> edit_;       // parts added and removed since
 };
 
 }  // namespace manyhands

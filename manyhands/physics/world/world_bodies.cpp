@@ -1,7 +1,7 @@
 // World: where bodies are, how they move, and what pushes them.
+#include "manyhands/base/float_environment.h"
 #include "manyhands/math/quaternion.h"
-#include "manyhands/physics/world/world.h"
-#include "manyhands/physics/world/world_checks.h"
+#include "manyhands/physics/world/world_impl.h"
 
 namespace manyhands {
 
@@ -33,6 +33,7 @@ const Body& World::free_body(const WorldCore& core, const Link& link, const char
 }
 
 void World::set_body_pose(std::string_view name, const Transform<double>& X_WL) {
+  const FloatEnvironment floats;
   require_pose("link '" + std::string(name) + "'", X_WL);
   const LinkId id = core().model->link_id(name);
   if (id.value() != 0 && core().model->link(id).joint.value() < 0) {
@@ -50,6 +51,7 @@ void World::set_body_pose(std::string_view name, const Transform<double>& X_WL) 
 }
 
 void World::set_body_velocity(std::string_view name, const Motion<double>& V_WL) {
+  const FloatEnvironment floats;
   require_vector("the angular velocity of link '" + std::string(name) + "'", V_WL.w);
   require_vector("the velocity of link '" + std::string(name) + "'", V_WL.v);
   WorldCore& now = core();
@@ -65,6 +67,7 @@ void World::set_body_velocity(std::string_view name, const Motion<double>& V_WL)
 
 void World::apply_force(std::string_view name, const Vec3<double>& force, const Vec3<double>& torque,
                         const std::optional<Vec3<double>>& point) {
+  const FloatEnvironment floats;
   require_vector("the force on '" + std::string(name) + "'", force);
   require_vector("the torque on '" + std::string(name) + "'", torque);
   if (point) require_vector("the point of the force on '" + std::string(name) + "'", *point);
@@ -72,9 +75,9 @@ void World::apply_force(std::string_view name, const Vec3<double>& force, const 
   const LinkId id = now.model->link_id(name);
   const Link& link = now.model->link(id);
   const Vec3<double> p = point ? *point : frame_pose(link.body, link.X_BL, now.placed()) * link.inertial.com;
-  Force<double>& sum = now.external[id.index()];
+  Force<double>& sum = now.extras.external[id.index()];
   sum = sum + Force<double>{torque + cross(p, force), force};
-  now.pushed = true;
+  now.extras.pushed[0] = 1;
 }
 
 }  // namespace manyhands

@@ -7,6 +7,7 @@
 
 #include "manyhands/math/number.h"
 #include "manyhands/math/vec3.h"
+#include "manyhands/model/model.h"
 #include "manyhands/physics/contact/contact_solver.h"
 
 namespace manyhands::internal {
@@ -37,6 +38,51 @@ void require_not_negative(const std::string& name, std::span<const R> values) {
     if (!(values[i] >= 0))
       throw std::invalid_argument(name + "[" + std::to_string(i) + "] is negative; expected 0 or more");
   }
+}
+
+/// Of n worlds, one row each.
+template <Real R>
+void require_rows(const std::string& name, std::span<const R> values, std::size_t n, std::size_t columns) {
+  if (values.size() != n * columns) {
+    throw std::invalid_argument(name + " has " + std::to_string(values.size()) + " numbers; expected " +
+                                std::to_string(n) + " rows of " + std::to_string(columns));
+  }
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (is_finite(values[i])) continue;
+    throw std::invalid_argument(name + (n == 1 ? "" : " of world " + std::to_string(i / columns)) +
+                                " has a number at " + std::to_string(i % columns) + " that is not finite");
+  }
+}
+
+/// How far the length of a quaternion may be from 1: what single precision leaves of one after some arithmetic.
+inline constexpr double kQuaternionTolerance = 1e-5;
+
+/// Calls visit(the first index in q) for every quaternion of a configuration.
+template <class Visit>
+void for_each_quaternion(const Model& model, Visit&& visit) {
+  for (const Body& body : model.bodies()) {
+    if (body.type == JointType::kSpherical) visit(static_cast<std::size_t>(body.iq));
+    if (body.type == JointType::kFloating) visit(static_cast<std::size_t>(body.iq + 3));
+  }
+}
+
+/// The length of the quaternion at q[i]; throws std::invalid_argument unless it is 1 to kQuaternionTolerance. `row`
+/// tells in the message which world's it is.
+template <Real R, class Q>
+R require_unit_quaternion(const Q& q, std::size_t i, const std::string& row) {
+  const R length = sqrt(q[i] * q[i] + q[i + 1] * q[i + 1] + q[i + 2] * q[i + 2] + q[i + 3] * q[i + 3]);
+  if (abs(length - 1) <= static_cast<R>(kQuaternionTolerance)) return length;
+  throw std::invalid_argument("the quaternion at q[" + row + std::to_string(i) + "] has length " +
+                              std::to_string(length) + "; expected 1 (order x, y, z, w)");
+}
+
+/// Checks the quaternions of q (nq), and makes their length 1.
+template <Real R>
+void normalise_quaternions(const Model& model, std::span<R> q, const std::string& row = {}) {
+  for_each_quaternion(model, [&](std::size_t i) {
+    const R length = require_unit_quaternion<R>(q, i, row);
+    for (std::size_t k = i; k < i + 4; ++k) q[k] /= length;
+  });
 }
 
 inline void require_vector(const std::string& name, const Vec3<double>& a) {

@@ -1,7 +1,9 @@
 // World: contacts, net forces and reactions of the last step.
 #include <algorithm>
 
-#include "manyhands/physics/world/world.h"
+#include "manyhands/physics/world/contact_forces.h"
+#include "manyhands/physics/world/contact_residuals.h"
+#include "manyhands/physics/world/world_impl.h"
 
 namespace manyhands {
 
@@ -62,12 +64,9 @@ ContactWrench World::contact_wrench(std::string_view link_name, std::string_view
     if (contact.link_a != link && contact.link_b != link) continue;
     const bool is_b = contact.link_b == link;
     if (other.is_valid() && (is_b ? contact.link_a : contact.link_b) != other) continue;
-    const double sign = is_b ? 1 : -1;
-    const Vec3<double> arm = contact.position - origin;
-    const Vec3<double> normal = (sign * contact.normal_force) * contact.normal;
-    const Vec3<double> friction = sign * contact.friction_force;
-    sum.normal = sum.normal + Force<double>{cross(arm, normal), normal};
-    sum.friction = sum.friction + Force<double>{cross(arm, friction) + sign * contact.moment, friction};
+    const PointForces<double> forces{contact.normal_force * contact.normal, contact.friction_force};
+    add_forces(forces, contact.position - origin, is_b ? 1.0 : -1.0, sum);
+    sum.friction.n = fma(is_b ? 1.0 : -1.0, contact.moment, sum.friction.n);
   }
   return sum;
 }
@@ -105,12 +104,12 @@ Force<double> inertial_force(const WorldCore& core, const std::vector<std::uint8
   for (std::size_t i = 0; i < a.size(); ++i) a[i] = core.state.dv()[i] / h;
   Workspace<double>& ws = core.scratch;
   core.is_placed = false;
-  internal::newton_euler_pass(tree, core.params, core.before.q(), core.before.v(), a.data(), ws);
+  internal::newton_euler_pass(tree, core.params, core.before.data(), core.before.data() + core.nq(), a.data(), ws);
   Force<double> sum = Force<double>::zero();
   for (std::size_t i = 1; i < inside.size(); ++i) {
     const Link& link = model.links()[i];
     if (inside[i] == 0 || !(link.inertial.mass > 0)) continue;
-    const double factor = core.link_mass[i] / link.inertial.mass;
+    const double factor = core.extras.link_mass[i] / link.inertial.mass;
     const std::size_t b = link.body.index();
     const Transform<double> X_OL = Transform<double>{ws.R_WB[b], ws.p_OB[b]} * link.X_BL;
     const RigidInertia<double> I = transformed(X_OL, link.inertial.about_origin());

@@ -15,9 +15,10 @@ std::shared_ptr<const Model> required(std::shared_ptr<const Model> model) {
 /// Beyond so many colliding geoms a broad phase is faster than a list of all pairs.
 constexpr std::ptrdiff_t kMostListed = 60;
 
-PairSearch search_of(const Model& model) {
+System<double> system_of(const std::shared_ptr<const Model>& shared_model) {
+  const Model& model = *required(shared_model);
   const auto count = std::ranges::count(model.geoms(), GeomRole::kCollision, &Geom::role);
-  return count > kMostListed ? PairSearch::kSwept : PairSearch::kListed;
+  return System<double>(model, count > kMostListed ? PairSearch::kSwept : PairSearch::kListed);
 }
 
 /// The two colliders, lower index first, and the number of the manifold between them that a large world's key tells.
@@ -38,18 +39,17 @@ double key_of(const Colliders<double>& colliders, const ManifoldOf& m) {
 }  // namespace
 
 WorldCore::WorldCore(std::shared_ptr<const Model> shared_model)
-    : model(required(std::move(shared_model))),
-      system(*model, search_of(*model)),
-      params(*model),
-      state(*model, system.contact_numbers()),
-      before(state),
+    : WorldCore(required(shared_model), system_of(shared_model)) {}
+
+WorldCore::WorldCore(std::shared_ptr<const Model> shared_model, System<double> own_system)
+    : WorldBlock<double>(*shared_model, own_system.contact_numbers()),
+      model(std::move(shared_model)),
+      system(std::move(own_system)),
       step(system),
       runge_kutta(system.tree),
-      external(model->links().size(), Force<double>::zero()),
-      external_before(external),
+      external_before(model->links().size(), Force<double>::zero()),
       scratch(system.tree) {
-  std::ranges::copy(model->initial_configuration(), state.q());
-  for (const Link& link : model->links()) link_mass.push_back(link.inertial.mass);
+  keep_all(before);
 }
 
 const Workspace<double>& WorldCore::placed() const {
@@ -82,62 +82,48 @@ void WorldCore::forget_step() {
 
 namespace {
 
-void copy_dofs(const double* from, int i, double* to, int k, int count) { std::copy_n(from + i, count, to + k); }
+/// Copies a joint's items of every field that has one for each of `each`, from index i on to index k on.
+template <class Fields>
+void copy_items(const Fields& from, Fields& to, Each each, int i, int k, int count) {
+  Fields::visit_fields(
+      [&](const FieldInfo& info, const auto& a, auto& b) {
+        if (info.each == each) std::copy_n(a.begin() + i, count, b.begin() + k);
+      },
+      from, to);
+}
 
 void carry_joint(const WorldCore& from, const Joint& a, const Joint& b, WorldCore& to) {
   const int nq = configuration_size(a.type), nv = velocity_size(a.type);
   if (nv == 0) return;
-  const State<double>& old = from.state;
-  State<double>& state = to.state;
-  copy_dofs(old.q(), a.iq, state.q(), b.iq, nq);
-  copy_dofs(old.v(), a.iv, state.v(), b.iv, nv);
-  copy_dofs(old.tau(), a.iv, state.tau(), b.iv, nv);
-  copy_dofs(old.target_q(), a.iv, state.target_q(), b.iv, nv);
-  copy_dofs(old.target_v(), a.iv, state.target_v(), b.iv, nv);
-  copy_dofs(old.active_set(), a.iv, state.active_set(), b.iv, nv);
-  copy_dofs(old.dv(), a.iv, state.dv(), b.iv, nv);
-  copy_dofs(old.joint_impulse(), a.iv, state.joint_impulse(), b.iv, nv);
-  for (const auto field : {&Params<double>::damping, &Params<double>::armature, &Params<double>::lower,
-                           &Params<double>::upper, &Params<double>::motor_kp, &Params<double>::motor_kd,
-                           &Params<double>::motor_max_force, &Params<double>::friction}) {
-    copy_dofs((from.params.*field).data(), a.iv, (to.params.*field).data(), b.iv, nv);
-  }
+  copy_items(from.state, to.state, Each::kCoordinate, a.iq, b.iq, nq);
+  copy_items(from.state, to.state, Each::kDof, a.iv, b.iv, nv);
+  copy_items(from.params, to.params, Each::kDof, a.iv, b.iv, nv);
 }
 
+/// Inertias of bodies follow the masses of their links.
 void carry_links(const WorldCore& from, const std::vector<int>& links, WorldCore& to) {
-  const ParamsView<double> params = view(to.params, 0);
-  const Strided<double> masses = lane_of<double>(to.link_mass, 0, 1);
+  const WorldView<double> view = to.view(0);
   for (std::size_t i = 0; i < links.size(); ++i) {
     if (links[i] < 0) continue;
     const auto k = static_cast<std::size_t>(links[i]);
-    to.external[k] = from.external[i];
-    if (to.link_mass[k] != from.link_mass[i]) set_link_mass(*to.model, LinkId(k), from.link_mass[i], masses, params);
+    to.extras.external[k] = from.extras.external[i];
+    const double mass = from.extras.link_mass[i];
+    if (to.extras.link_mass[k] != mass) set_link_mass(*to.model, LinkId(k), mass, view.extras.link_mass, view.params);
   }
-  to.pushed = from.pushed;
+  to.extras.pushed[0] = from.extras.pushed[0];
 }
 
 void carry_geoms(const WorldCore& from, const std::vector<int>& geoms, WorldCore& to) {
   for (std::size_t i = 0; i < geoms.size(); ++i) {
-    if (geoms[i] < 0) continue;
-    const auto k = static_cast<std::size_t>(geoms[i]);
-    to.params.geom_size[k] = from.params.geom_size[i];
-    for (const auto field :
-         {&Params<double>::geom_friction, &Params<double>::geom_friction_y, &Params<double>::geom_spinning,
-          &Params<double>::geom_rolling, &Params<double>::geom_restitution}) {
-      (to.params.*field)[k] = (from.params.*field)[i];
-    }
+    if (geoms[i] >= 0) copy_items(from.params, to.params, Each::kGeom, static_cast<int>(i), geoms[i], 1);
   }
 }
 
 void carry_actuators(const WorldCore& from, const std::vector<int>& actuators, WorldCore& to) {
   for (std::size_t i = 0; i < actuators.size(); ++i) {
     if (actuators[i] < 0) continue;
-    const auto k = static_cast<std::size_t>(actuators[i]);
-    to.state.ctrl()[k] = from.state.ctrl()[i];
-    for (const auto field : {&Params<double>::gear, &Params<double>::drive_kp, &Params<double>::drive_kd,
-                             &Params<double>::drive_max_force}) {
-      (to.params.*field)[k] = (from.params.*field)[i];
-    }
+    copy_items(from.state, to.state, Each::kActuator, static_cast<int>(i), actuators[i], 1);
+    copy_items(from.params, to.params, Each::kActuator, static_cast<int>(i), actuators[i], 1);
   }
 }
 
@@ -202,7 +188,7 @@ void carry_contacts(const WorldCore& from, const std::vector<int>& geoms, WorldC
 }  // namespace
 
 void carry(const WorldCore& from, const PartMap& map, WorldCore& to) {
-  to.params.gravity = from.params.gravity;
+  copy_items(from.params, to.params, Each::kWorld, 0, 0, 1);
   for (std::size_t i = 0; i < map.joints.size(); ++i) {
     if (map.joints[i] < 0) continue;
     carry_joint(from, from.model->joints()[i], to.model->joints()[static_cast<std::size_t>(map.joints[i])], to);

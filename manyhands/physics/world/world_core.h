@@ -7,11 +7,12 @@
 #include "manyhands/physics/dynamics/energy.h"
 #include "manyhands/physics/step/runge_kutta.h"
 #include "manyhands/physics/world/parameters.h"
+#include "manyhands/physics/world/snapshot.h"
 
 namespace manyhands {
 
-/// Plain memory but for the shared model: a copy is another world in the same state.
-struct WorldCore {
+/// A block of one world, and what it shares with no other. A copy is another world in the same state.
+struct WorldCore : WorldBlock<double> {
   explicit WorldCore(std::shared_ptr<const Model> shared_model);
 
   /// Poses and velocities of all bodies in the present state.
@@ -29,18 +30,17 @@ struct WorldCore {
 
   std::shared_ptr<const Model> model;
   System<double> system;
-  Params<double> params;
-  State<double> state;
-  State<double> before;  ///< the state from which the last step went
+  std::vector<double> before;  ///< the state from which the last step went, as keep_all writes it
   StepWorkspace<double> step;
   RungeKutta<double> runge_kutta;
-  std::vector<double> link_mass;               ///< (links) [kg]
-  std::vector<Force<double>> external;         ///< (links) of `apply_force`, about the world's origin
-  std::vector<Force<double>> external_before;  ///< those of the last step
-  bool pushed = false;                         ///< whether any of `external` is not 0
+  std::vector<Force<double>> external_before;  ///< on links in the last step, about the world's origin
   bool has_stepped = false;                    ///< whether `step` and `before` tell of a step
   mutable bool is_placed = false;
-  mutable Workspace<double> scratch;  ///< holds `placed` while is_placed
+  mutable Workspace<double> scratch;                   ///< holds `placed` while is_placed
+  mutable std::optional<std::uint64_t> fingerprint{};  ///< of the model, once it is asked for
+
+ private:
+  WorldCore(std::shared_ptr<const Model> shared_model, System<double> shared_system);
 };
 
 /// Carries what survives from one core to the next: motion, commands, warm starts and parameters of parts that both

@@ -2,13 +2,13 @@
 #include <algorithm>
 #include <fstream>
 
+#include "manyhands/base/float_environment.h"
 #include "manyhands/math/quaternion.h"
 #include "manyhands/model/convex_polyhedron.h"
 #include "manyhands/model/io/mjcf/mjcf.h"
 #include "manyhands/model/io/urdf/urdf.h"
 #include "manyhands/model/solids.h"
-#include "manyhands/physics/world/world.h"
-#include "manyhands/physics/world/world_checks.h"
+#include "manyhands/physics/world/world_impl.h"
 
 namespace manyhands {
 
@@ -111,9 +111,9 @@ World World::from_file(const std::filesystem::path& path, std::optional<double> 
 World::Edit& World::edit() {
   if (!edit_) {
     Edit edit;
-    edit.map = append(edit.builder, *core_.model);
-    take_settings(*core_.model, edit.builder);
-    edit_ = std::move(edit);
+    edit.map = append(edit.builder, *core_->model);
+    take_settings(*core_->model, edit.builder);
+    edit_ = std::make_unique<Edit>(std::move(edit));
   }
   return *edit_;
 }
@@ -127,13 +127,14 @@ void World::drop_left_out() {
   Edit next;
   next.map = edit_->map.then(append(next.builder, model, {.left_out = left_out}));
   take_settings(model, next.builder);
-  edit_ = std::move(next);
+  edit_ = std::make_unique<Edit>(std::move(next));
 }
 
 void World::apply_edit() const {
+  const FloatEnvironment floats;
   const_cast<World*>(this)->drop_left_out();
-  WorldCore next(std::make_shared<const Model>(edit_->builder.build()));
-  carry(core_, edit_->map, next);
+  auto next = std::make_unique<WorldCore>(std::make_shared<const Model>(edit_->builder.build()));
+  carry(*core_, edit_->map, *next);
   core_ = std::move(next);
   edit_.reset();
 }
@@ -150,7 +151,7 @@ void World::add(const Model& model, const Transform<double>& X_WM, const std::st
   if (!theirs.self_collision && rules.self_collision) exclude_self_collision(draft.builder, model, map);
   rules.self_collision = rules.self_collision || theirs.self_collision;
   draft.builder.set_contact_rules(rules);
-  edit_ = std::move(draft);
+  edit_ = std::make_unique<Edit>(std::move(draft));
 }
 
 void World::add_file(const std::filesystem::path& path, const Transform<double>& X_WM, const std::string& name) {
@@ -160,6 +161,7 @@ void World::add_file(const std::filesystem::path& path, const Transform<double>&
 }
 
 void World::add_body(const NewBody& body) {
+  const FloatEnvironment floats;
   check_body(body);
   const Inertial inertial = body.fixed ? Inertial{} : solid(body);
   ModelBuilder alone;

@@ -1,8 +1,7 @@
 // World: how far links are from each other, and what rays meet.
 #include <cmath>
 
-#include "manyhands/physics/world/world.h"
-#include "manyhands/physics/world/world_checks.h"
+#include "manyhands/physics/world/world_impl.h"
 
 namespace manyhands {
 

@@ -23,7 +23,7 @@ class error(Exception):  # noqa: N801, N818  the name it has in PyBullet
 
 @dataclass
 class SavedState:
-    snapshot: Array
+    snapshot: bytes
     poses: dict[str, Pose]
     commands: Array
 

@@ -44,7 +44,7 @@ struct Pair {
 
   Model model;
   Colliders<double> colliders;
-  Params<double> params;
+  ParamsStorage<double> params;
 };
 
 TEST(BoundsMeet, OfAllThatIsNearAndOfFewElse) {

@@ -51,7 +51,7 @@ struct Pair {
   Model model;
   Tree<double> tree;
   Colliders<double> colliders;
-  Params<double> params;
+  ParamsStorage<double> params;
   CollisionWorkspace<double> cw;
   Workspace<double> ws;
 };

@@ -70,7 +70,7 @@ struct Scene {
   Model model;
   Tree<double> tree;
   Colliders<double> colliders;
-  Params<double> params;
+  ParamsStorage<double> params;
   Workspace<double> ws;
 };
 
@@ -157,7 +157,7 @@ TEST(Queries, ALinkWithoutGeomsIsNowhere) {
   const Tree<double> tree(model);
   const Workspace<double> ws(tree);
   const Colliders<double> colliders(model);
-  const Params<double> params(model);
+  const ParamsStorage<double> params(model);
   const PlacedGeoms geoms(colliders, params, ws);
   EXPECT_FALSE(link_distance(geoms, LinkId(0), LinkId(1)).has_value());
   EXPECT_TRUE(links_within(geoms, 1).empty());
@@ -200,8 +200,11 @@ TEST(ShapeContact, IsThatOfEveryLane) {
     for (std::size_t j = i; j < shapes.size(); ++j) {
       const CollisionShape &a = shapes[i], &b = shapes[j];
       const Colliders<float> colliders = colliders_of<float>(a, b);
-      Params<float> params(ModelBuilder("nothing").build());
-      params.geom_size = {broadcast<float>(a.size()), broadcast<float>(b.size())};
+      Layout two_geoms;
+      two_geoms[Each::kGeom] = 2;
+      ParamsStorage<float> params(two_geoms);
+      params.geom_size[0] = broadcast<float>(a.size());
+      params.geom_size[1] = broadcast<float>(b.size());
       std::vector<Transform<T>> X_WG(2);
       std::vector<ShapeContact<float>> scalar;
       for (int k = 0; k < width_v<T>; ++k) {

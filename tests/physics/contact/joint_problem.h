@@ -41,8 +41,8 @@ struct JointProblem {
 
   Model model;
   Tree<R> tree;
-  Params<R> params;
-  State<R> state;
+  ParamsStorage<R> params;
+  StateStorage<R> state;
   R h{};
 
  private:
@@ -71,10 +71,10 @@ struct JointLaw {
   template <Real R>
   explicit JointLaw(const JointProblem<R>& p) : n(p.size()), M(n * n), rhs(n), F(n), target(n), lower(n), upper(n) {
     const Tree<double> tree(p.model);
-    Params<double> params(p.model);
+    ParamsStorage<double> params(p.model);
     Workspace<double> ws(tree);
     const std::vector<double> q(p.state.q(), p.state.q() + p.tree.nq), v(p.state.v(), p.state.v() + n);
-    params.gravity = broadcast<double>(p.params.gravity);
+    params.gravity[0] = broadcast<double>(p.params.gravity[0]);
     bias_and_mass_matrix(tree, params, q.data(), v.data(), ws);
     const double h = p.h;
     for (std::size_t i = 0; i < n; ++i) {

@@ -13,8 +13,8 @@ namespace {
 constexpr int kSteps = 240, kLanes = 16;
 
 /// World k's start: everything pushed about a little, so that the worlds touch differently.
-State<float> start_of(const Model& model, const System<float>& system, int k) {
-  State<float> state(model, system.contact_numbers());
+StateStorage<float> start_of(const Model& model, const System<float>& system, int k) {
+  StateStorage<float> state(model, system.contact_numbers());
   std::mt19937 rng(static_cast<unsigned>(100 + k));
   std::uniform_real_distribution<float> any(-1, 1);
   for (const Body& body : model.bodies()) {
@@ -57,11 +57,11 @@ TYPED_TEST(ContactLanes, EqualTheScalarBitForBit) {
   for (int which = 0; which < testing::kScenes; ++which) {
     const Model model = testing::contact_scene(which);
     System<float> system(model);
-    Params<float> params(model);
+    ParamsStorage<float> params(model);
     set_up(system, params);
-    State<T> block(model, system.contact_numbers());
+    StateStorage<T> block(model, system.contact_numbers());
     StepWorkspace<T> ws(system);
-    std::vector<State<float>> worlds;
+    std::vector<StateStorage<float>> worlds;
     StepWorkspace<float> alone(system);
     for (int k = 0; k < W; ++k) {
       worlds.push_back(start_of(model, system, k));
@@ -88,14 +88,14 @@ TYPED_TEST(ContactLanes, DoNotSeeOneAnother) {
   constexpr int W = width_v<T>;
   const Model model = testing::contact_scene(0);
   System<float> system(model);
-  Params<float> params(model);
+  ParamsStorage<float> params(model);
   set_up(system, params);
   std::vector<std::vector<std::uint32_t>> found;
   for (int company = 0; company < 3; ++company) {
-    State<T> block(model, system.contact_numbers());
+    StateStorage<T> block(model, system.contact_numbers());
     StepWorkspace<T> ws(system);
     for (int k = 0; k < W; ++k) {
-      const State<float> world = start_of(model, system, k == 1 ? 1 : 7 * company + k);
+      const StateStorage<float> world = start_of(model, system, k == 1 ? 1 : 7 * company + k);
       for (std::size_t i = 0; i < block.numbers().size(); ++i) {
         const bool lost = company == 2 && k != 1;
         set_lane(block.numbers()[i], k, lost ? std::numeric_limits<float>::quiet_NaN() : world.numbers()[i]);

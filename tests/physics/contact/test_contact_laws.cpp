@@ -32,8 +32,8 @@ struct Bench {
 
   Model model;
   System<double> system;
-  Params<double> params;
-  State<double> state;
+  ParamsStorage<double> params;
+  StateStorage<double> state;
   StepWorkspace<double> ws;
   double h;
 };

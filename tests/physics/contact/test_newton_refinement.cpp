@@ -81,8 +81,8 @@ struct Simulation {
 
   Model model;
   System<double> system;
-  Params<double> params;
-  State<double> state;
+  ParamsStorage<double> params;
+  StateStorage<double> state;
   StepWorkspace<double> ws;
 };
 

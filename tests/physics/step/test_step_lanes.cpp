@@ -39,7 +39,7 @@ struct Worlds {
 
 template <Number T>
 void copy_params(const Params<float>& from, Params<T>& to, int k) {
-  const auto copy = [k](const std::vector<float>& a, std::vector<T>& b) {
+  const auto copy = [k](const Field<float>& a, Field<T>& b) {
     for (std::size_t i = 0; i < a.size(); ++i) set_lane(b[i], k, a[i]);
   };
   copy(from.damping, to.damping);
@@ -65,7 +65,7 @@ std::vector<std::uint32_t> bits_of_lane(const auto& state, int k) {
 
 /// The bits of the state after every 20 steps.
 std::vector<std::vector<std::uint32_t>> scalar_run(const JointProblem<float>& world) {
-  State<float> state = world.state;
+  StateStorage<float> state = world.state;
   const System<float> system(world.tree);
   StepWorkspace<float> ws(system);
   std::vector<std::vector<std::uint32_t>> trace;
@@ -92,8 +92,8 @@ TYPED_TEST(StepLanes, EqualTheScalarBitForBit) {
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     const Worlds worlds(seed);
     const System<float> system(worlds.all[0].tree);
-    State<T> state(worlds.first.model, 0);
-    Params<T> params(worlds.first.model);
+    StateStorage<T> state(worlds.first.model, 0);
+    ParamsStorage<T> params(worlds.first.model);
     for (int k = 0; k < width_v<T>; ++k) put(worlds.all[static_cast<std::size_t>(k)], k, state, params);
     StepWorkspace<T> ws(system);
     std::vector<std::vector<std::vector<std::uint32_t>>> expected;
@@ -129,8 +129,8 @@ TYPED_TEST(StepLanes, DoNotSeeOneAnother) {
     const int place = static_cast<int>(seed) % width_v<T>;
     std::vector<std::vector<std::uint32_t>> found;
     for (int company = 0; company < 3; ++company) {
-      State<T> state(worlds.first.model, 0);
-      Params<T> params(worlds.first.model);
+      StateStorage<T> state(worlds.first.model, 0);
+      ParamsStorage<T> params(worlds.first.model);
       for (int k = 0; k < width_v<T>; ++k) {
         put(worlds.all[company == 1 ? static_cast<std::size_t>((k + 3) % kLanes) : 0u], k, state, params);
         if (company != 2) continue;
@@ -151,8 +151,8 @@ TYPED_TEST(StepLanes, TakeSharedParametersToo) {
   using T = TypeParam;
   const Worlds worlds(7);
   const System<float> system(worlds.all[0].tree);
-  State<T> shared(worlds.first.model, 0), own(worlds.first.model, 0);
-  Params<T> params(worlds.first.model);
+  StateStorage<T> shared(worlds.first.model, 0), own(worlds.first.model, 0);
+  ParamsStorage<T> params(worlds.first.model);
   for (int k = 0; k < width_v<T>; ++k) {
     put(worlds.all[static_cast<std::size_t>(k)], k, own, params);
     copy_params(worlds.all[0].params, params, k);

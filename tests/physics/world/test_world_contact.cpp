@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "manyhands/math/quaternion.h"
+#include "manyhands/physics/contact/contact_solver.h"
 #include "tests/physics/world/world_scenes.h"
 
 namespace manyhands {
@@ -75,7 +77,7 @@ TEST(WorldContact, ContinuesInTheMiddleOfContactWithTheSameBits) {
     world.step(40);
     ASSERT_FALSE(world.contacts().empty());
     world.apply_force(model->links().back().name, {0.1, 0.2, 0.3});
-    const std::vector<double> snapshot = world.snapshot();
+    const std::vector<std::uint8_t> snapshot = world.snapshot();
     World copy = world;
     world.step(60);
     World other(model);
@@ -112,7 +114,7 @@ TEST(WorldContact, ContinuesWhereABroadPhaseFindsThePairs) {
   world.step(30);
   ASSERT_FALSE(world.contacts().empty());
   EXPECT_GT(world.contact_wrench("cube0", "world").total().f.z, 0);
-  const std::vector<double> snapshot = world.snapshot();
+  const std::vector<std::uint8_t> snapshot = world.snapshot();
   world.step(20);
   World other(model);
   other.restore(snapshot);

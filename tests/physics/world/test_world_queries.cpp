@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "manyhands/physics/collision/queries/queries.h"
 #include "tests/physics/world/world_scenes.h"
 
 namespace manyhands {

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 from numpy.typing import NDArray
+from snapshots import sealed, worlds_of
 from vector_envs import N, actions_for, assert_same, native
 
 from manyhands._core.envs import env_ids
@@ -57,13 +58,16 @@ def test_an_unstable_world_is_truncated_as_in_sync_vector_env(mode: AutoresetMod
     theirs = SyncVectorEnv([lambda: gymnasium.make("PandaPush-v3")] * N, autoreset_mode=mode)
     assert_same(ours.reset(seed=1), theirs.reset(seed=1), "reset")
     single: Any = theirs.envs[lost].unwrapped
-    state = np.frombuffer(single.save_state(), np.uint8).copy()
+    fast = np.frombuffer(np.float32(1e38).tobytes(), np.uint8)  # finite, but not for long
     velocity = 4 * single.bodies.model.nq  # a state begins with q and v, float32
-    state[velocity : velocity + 4] = np.frombuffer(np.float32(np.nan).tobytes(), np.uint8)
-    worlds = np.frombuffer(ours._envs.snapshot(), np.uint8).reshape(N, -1).copy()  # pyright: ignore[reportPrivateUsage]
-    worlds[lost] = state
-    ours._envs.restore(worlds.tobytes())  # pyright: ignore[reportPrivateUsage]
-    single.restore_state(state.tobytes())
+
+    def with_speed(snapshot: bytes, world: int, n: int) -> bytes:
+        rows = worlds_of(snapshot, n)
+        rows[world, velocity : velocity + 4] = fast
+        return sealed(snapshot, rows)
+
+    ours._envs.restore(with_speed(ours._envs.snapshot(), lost, N))  # pyright: ignore[reportPrivateUsage]
+    single.restore_state(with_speed(single.save_state(), 0, 1))
     actions = np.random.default_rng(1).uniform(-1, 1, (N, 3)).astype(np.float32)
     with pytest.warns(RuntimeWarning, match="unstable"):
         result = ours.step(actions)

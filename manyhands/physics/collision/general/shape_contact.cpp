@@ -23,12 +23,6 @@ Collider<R> alone(const CollisionShape& shape, std::size_t index) {
   return geom;
 }
 
-template <Real R>
-const Params<R>& params_of_nothing() {
-  static const Params<R> params(ModelBuilder("nothing").build());
-  return params;
-}
-
 }  // namespace
 
 template <Real R>
@@ -45,8 +39,11 @@ ShapeContact<R> shape_contact(const CollisionShape& a, const Transform<R>& X_WA,
   Colliders<R> colliders;
   colliders.geoms = {alone<R>(a, 0), alone<R>(b, 1)};
   const ColliderPair pair = colliders.pair_of(0, 1).value();
-  Params<R> params = params_of_nothing<R>();
-  params.geom_size = {broadcast<R>(a.size()), broadcast<R>(b.size())};
+  Layout two_geoms;
+  two_geoms[Each::kGeom] = 2;
+  ParamsStorage<R> params(two_geoms);
+  params.geom_size[0] = broadcast<R>(a.size());
+  params.geom_size[1] = broadcast<R>(b.size());
 
   ShapeContact<R> contact;
   contact.size = collide_pair<R>(colliders, pair, params, mask_t<R>(true), margin, {X_WA, X_WB}, contact.manifolds);

@@ -1,4 +1,4 @@
-#include "manyhands/physics/world/contact_report.h"
+#include "manyhands/physics/world/contact_residuals.h"
 
 namespace manyhands {
 

@@ -1,0 +1,112 @@
+#include "manyhands/model/fingerprint.h"
+
+#include "manyhands/base/hash.h"
+
+namespace manyhands {
+
+namespace {
+
+class Fingerprint {
+ public:
+  template <class Number>
+    requires std::is_arithmetic_v<Number>
+  void add(Number number) {
+    hash_.add(number);
+  }
+  template <class Enum>
+    requires std::is_enum_v<Enum>
+  void add(Enum value) {
+    hash_.add(static_cast<int>(value));
+  }
+  template <class Number>
+  void add(const std::optional<Number>& number) {
+    hash_.add(number.has_value());
+    if (number) add(*number);
+  }
+  template <class... Values>
+    requires(sizeof...(Values) > 1)
+  void add(const Values&... values) {
+    (add(values), ...);
+  }
+  void add(const std::string& text) {
+    for (const char c : text) hash_.add(c);
+    hash_.add('\0');
+  }
+  template <class R>
+  void add(const Vec3<R>& a) {
+    add(a.x, a.y, a.z);
+  }
+  void add(const SymMat3<double>& m) { add(m.xx, m.yy, m.zz, m.xy, m.xz, m.yz); }
+  void add(const Transform<double>& X) { add(X.R.x, X.R.y, X.R.z, X.p); }
+  void add(const SurfaceMaterial& s) {
+    add(s.lateral_friction, s.friction_y, s.spinning_friction, s.rolling_friction, s.restitution, s.stiffness,
+        s.damping);
+  }
+  void add(const Link& link) {
+    add(link.name, link.inertial.mass, link.inertial.com, link.inertial.inertia, link.parent.value(),
+        link.body.value());
+    if (link.body.value() != 0) add(link.X_BL);
+  }
+  void add(const Joint& joint) {
+    add(joint.name, joint.type, joint.parent.value(), joint.child.value(), joint.X_PF, joint.axis, joint.iq, joint.iv);
+    add(joint.limits.lower, joint.limits.upper, joint.damping, joint.friction, joint.armature);
+  }
+  void add(const Geom& geom) {
+    add(geom.name, geom.link.value(), geom.X_LG, geom.shape.type, geom.shape.size, geom.shape.mesh.value());
+    add(geom.shape.height_field.value(), geom.surface, geom.filter.group, geom.filter.mask, geom.margin);
+  }
+  void add(const Mesh& mesh) {
+    for (const Vec3<float>& vertex : mesh.vertices) add(vertex);
+    for (const std::array<int, 3>& triangle : mesh.triangles) add(triangle[0], triangle[1], triangle[2]);
+  }
+  void add(const HeightField& field) {
+    add(field.columns, field.rows, field.dx, field.dy);
+    for (const double height : field.height) add(height);
+  }
+  void add(const EqualityConstraint& e) {
+    add(e.name, e.type, e.link_a.value(), e.link_b.value(), e.X_LA, e.X_LB, e.joint_a.value(), e.joint_b.value());
+    add(e.ratio, e.offset, e.max_force);
+  }
+  void add(const Actuator& a) {
+    add(a.name, a.type, a.joint.value(), a.gear, a.kp, a.kd, a.min_ctrl, a.max_ctrl, a.max_force);
+  }
+  void add(const ContactExclusion& exclusion) { add(exclusion.a.value(), exclusion.b.value()); }
+  void add(const ContactPair& pair) { add(pair.a.value(), pair.b.value(), pair.surface); }
+  template <class Item>
+  void add(std::span<const Item> items) {
+    hash_.add(items.size());
+    for (const Item& item : items) add(item);
+  }
+
+  [[nodiscard]] std::uint64_t value() const { return hash_.value(); }
+
+ private:
+  Hash hash_;
+};
+
+}  // namespace
+
+std::uint64_t fingerprint(const Model& model) {
+  Fingerprint sum;
+  sum.add(model.links());
+  sum.add(model.joints());
+  for (const Geom& geom : model.geoms()) {
+    if (geom.role == GeomRole::kCollision) sum.add(model.link(geom.link).X_BL, geom);
+  }
+  for (const Geom& geom : model.geoms()) {
+    const bool has_mesh = geom.role == GeomRole::kCollision && geom.shape.mesh.is_valid();
+    if (has_mesh) sum.add(model.meshes()[geom.shape.mesh.index()]);
+  }
+  sum.add(model.height_fields());
+  sum.add(model.equalities());
+  sum.add(model.actuators());
+  sum.add(model.exclusions());
+  sum.add(model.contact_pairs());
+  const ContactRules& rules = model.contact_rules();
+  sum.add(rules.friction, rules.restitution, rules.self_collision);
+  sum.add(model.gravity());
+  for (const double q : model.initial_configuration()) sum.add(q);
+  return sum.value();
+}
+
+}  // namespace manyhands

@@ -1,0 +1,138 @@
+// Flat memory with named fields: what there is one item for each of, where it lies, and what its numbers may be.
+#pragma once
+
+#include <array>
+#include <cassert>
+#include <cstddef>
+#include <cstdint>
+
+#include "manyhands/math/number.h"
+
+namespace manyhands {
+
+class Model;
+
+/// What a field has an item for each of.
+enum class Each : std::uint8_t {
+  kWorld,
+  kCoordinate,     ///< of q
+  kDof,            ///< of v
+  kActuator,       ///<
+  kEqualityRow,    ///< three for every equality constraint, six where it holds rotations
+  kContactNumber,  ///< of the contact cache
+  kBody,           ///< the world included
+  kGeom,           ///<
+  kLink,           ///< the world included
+};
+inline constexpr std::size_t kKindsOfEach = 9;
+
+/// What the numbers of a field may be; a snapshot with others is refused.
+enum class Range : std::uint8_t {
+  kFinite,
+  kNotNegative,  ///< finite, 0 or more
+  kForceLimit,   ///< 0 or more, infinity included
+  kLimit,        ///< any but NaN
+  kFlag,         ///< 0 or 1
+  kResult,       ///< what the last step found: no part of a snapshot
+};
+
+struct FieldInfo {
+  const char* name;
+  Each each;
+  Range range;
+};
+
+/// How many there are of what fields have items for: with the lists of fields it says where every field lies.
+class Layout {
+ public:
+  Layout() = default;  ///< none of anything, and one world
+  /// `contact_numbers`: how many numbers the contact cache takes, which System::contact_numbers tells.
+  explicit Layout(const Model& model, std::size_t contact_numbers = 0);
+
+  [[nodiscard]] std::size_t operator[](Each each) const { return counts_[static_cast<std::size_t>(each)]; }
+  [[nodiscard]] std::size_t& operator[](Each each) { return counts_[static_cast<std::size_t>(each)]; }
+
+ private:
+  std::array<std::size_t, kKindsOfEach> counts_{1};
+};
+
+/// A run of items in flat memory that somebody else owns; const as what holds it is.
+template <class Item>
+class Field {
+ public:
+  Field() = default;
+  Field(Item* first, std::size_t size) : first_(first), size_(size) {}
+
+  [[nodiscard]] MANYHANDS_INLINE Item& operator[](std::size_t i) {
+    assert(i < size_);
+    return first_[i];
+  }
+  [[nodiscard]] MANYHANDS_INLINE const Item& operator[](std::size_t i) const {
+    assert(i < size_);
+    return first_[i];
+  }
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] bool empty() const { return size_ == 0; }
+  [[nodiscard]] Item* data() { return first_; }
+  [[nodiscard]] const Item* data() const { return first_; }
+  [[nodiscard]] Item* begin() { return first_; }
+  [[nodiscard]] Item* end() { return first_ + size_; }
+  [[nodiscard]] const Item* begin() const { return first_; }
+  [[nodiscard]] const Item* end() const { return first_ + size_; }
+
+ private:
+  Item* first_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+/// Numbers of one world that lie `stride` apart: those of one lane.
+template <Real R>
+struct Strided {
+  R* first = nullptr;
+  std::size_t stride = 1, count = 0;
+
+  [[nodiscard]] std::size_t size() const { return count; }
+  [[nodiscard]] R& operator[](std::size_t i) const {
+    assert(i < count);
+    return first[i * stride];
+  }
+};
+
+/// One lane of a field, whose items are numbers or structs of numbers.
+template <Number T, class Item>
+[[nodiscard]] Strided<real_t<T>> lane_of(Field<Item>& field, std::size_t lane) {
+  static_assert(sizeof(Item) % sizeof(T) == 0);
+  using R = real_t<T>;
+  if (field.empty()) return {};
+  return {reinterpret_cast<R*>(field.data()) + lane, static_cast<std::size_t>(width_v<T>),
+          field.size() * (sizeof(Item) / sizeof(T))};
+}
+
+namespace internal {
+
+/// How many numbers of type T the fields take under the layout. `Fields` is one of the structs with a list of fields.
+template <Number T, class Fields>
+[[nodiscard]] std::size_t numbers_of(const Layout& layout, Fields& fields) {
+  std::size_t count = 0;
+  Fields::visit_fields([&]<class Item>(const FieldInfo& info,
+                                       const Field<Item>&) { count += layout[info.each] * (sizeof(Item) / sizeof(T)); },
+                       fields);
+  return count;
+}
+
+/// Lets the fields lie one after the other from `memory` on, and returns where they end.
+template <Number T, class Fields>
+T* place_fields(const Layout& layout, T* memory, Fields& fields) {
+  Fields::visit_fields(
+      [&]<class Item>(const FieldInfo& info, Field<Item>& field) {
+        const std::size_t count = layout[info.each];
+        field = {reinterpret_cast<Item*>(memory), count};
+        memory += count * (sizeof(Item) / sizeof(T));
+      },
+      fields);
+  return memory;
+}
+
+}  // namespace internal
+
+}  // namespace manyhands

@@ -1,0 +1,56 @@
+#include "manyhands/physics/dynamics/params.h"
+
+#include <algorithm>
+
+#include "manyhands/math/instantiate.h"
+#include "manyhands/physics/dynamics/tree.h"
+
+namespace manyhands {
+
+Layout::Layout(const Model& model, std::size_t contact_numbers)
+    : counts_{1,
+              static_cast<std::size_t>(model.nq()),
+              static_cast<std::size_t>(model.nv()),
+              static_cast<std::size_t>(model.nu()),
+              equality_rows(model),
+              contact_numbers,
+              model.bodies().size(),
+              model.geoms().size(),
+              model.links().size()} {}
+
+template <Number T>
+void Params<T>::take(const Model& model) {
+  const auto number = [](double value) { return T(static_cast<real_t<T>>(value)); };
+  gravity[0] = broadcast<T>(model.gravity());
+  std::ranges::transform(model.bodies(), inertia.begin(), [](const Body& body) { return broadcast<T>(body.inertia); });
+  std::ranges::transform(model.dof_damping(), damping.begin(), number);
+  std::ranges::transform(model.dof_armature(), armature.begin(), number);
+  std::ranges::transform(model.dof_friction(), friction.begin(), number);
+  for (std::size_t i = 0; i < lower.size(); ++i) {
+    lower[i] = number(model.dof_limits()[i].lower);
+    upper[i] = number(model.dof_limits()[i].upper);
+    motor_kp[i] = motor_kd[i] = motor_max_force[i] = number(0);
+  }
+  for (std::size_t i = 0; i < geom_size.size(); ++i) {
+    const Geom& geom = model.geoms()[i];
+    const SurfaceMaterial& surface = geom.surface;
+    geom_size[i] = broadcast<T>(geom.shape.size);
+    geom_friction[i] = number(surface.lateral_friction);
+    geom_friction_y[i] = number(surface.friction_y.value_or(surface.lateral_friction));
+    geom_spinning[i] = number(surface.spinning_friction);
+    geom_rolling[i] = number(surface.rolling_friction);
+    geom_restitution[i] = number(surface.restitution);
+  }
+  for (std::size_t i = 0; i < gear.size(); ++i) {
+    const Actuator& actuator = model.actuators()[i];
+    gear[i] = number(actuator.gear);
+    drive_kp[i] = number(actuator.type == ActuatorType::kPosition ? actuator.kp : 0.0);
+    drive_kd[i] = number(actuator.kd);
+    drive_max_force[i] = number(actuator.max_force);
+  }
+}
+
+#define MANYHANDS_INSTANTIATE(T) template struct Params<T>;
+MANYHANDS_FOR_EACH_NUMBER(MANYHANDS_INSTANTIATE)
+
+}  // namespace manyhands
