@@ -131,9 +131,11 @@ void SnapshotWriter::put_fields(const View& view) {
     if (field.stride == 1) {
       const auto* first = reinterpret_cast<const std::uint8_t*>(field.first);
       bytes_.insert(bytes_.end(), first, first + field.size() * sizeof(*field.first));
-    } else {
-      for (std::size_t i = 0; i < field.size(); ++i) put(field[i]);
+      return;
     }
+    const std::size_t first = bytes_.size(), size = sizeof(*field.first);
+    bytes_.resize(first + field.size() * size);
+    for (std::size_t i = 0; i < field.size(); ++i) std::memcpy(&bytes_[first + i * size], &field[i], size);
   });
 }
 
