@@ -91,7 +91,9 @@ TEST(EnvSnapshots, AreRefusedByAllThatTheyAreNotOf) {
     for (const auto& [name_b, b] : all) {
       std::string why;
       EXPECT_EQ(takes(*b, snapshot, &why), a == b) << name_a << " by " << name_b;
-      if (a != b) EXPECT_NE(why.find("expected"), std::string::npos) << why;
+      if (a != b) {
+        EXPECT_NE(why.find("expected"), std::string::npos) << why;
+      }
     }
   }
 }

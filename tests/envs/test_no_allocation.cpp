@@ -34,6 +34,8 @@ constexpr std::size_t kAlignment = __STDCPP_DEFAULT_NEW_ALIGNMENT__;
 
 }  // namespace
 
+// GCC sees free() inlined into callers whose new it did not inline, and takes the two for a mismatch.
+#pragma GCC diagnostic ignored "-Wmismatched-new-delete"
 // NOLINTBEGIN(cppcoreguidelines-owning-memory): whoever calls these owns the memory
 void* operator new(std::size_t size) { return counted(size, kAlignment); }
 void* operator new[](std::size_t size) { return counted(size, kAlignment); }

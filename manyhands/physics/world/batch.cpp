@@ -252,7 +252,7 @@ void Batch::restore(std::span<const std::uint8_t> snapshot, std::span<const std:
   const std::size_t n = impl_->steps.size();
   SnapshotReader check(snapshot, impl_->snapshot_owner());
   SnapshotReader in = check;
-  WorldBlock<float> draft(*impl_->model, impl_->world(0).state.contacts.size());
+  WorldBlock<float> draft(*impl_->model, impl_->world(0).state.contact_cache.size());
   for (std::size_t i = 0; i < n; ++i) {  // all is looked at before anything changes
     (void)check.take_count("a count of steps", kMostSteps);
     check.take_world(draft.view(0));

@@ -252,8 +252,8 @@ void require_sound(const Model& model, const WorldView<R>& world) {
 
 template <Real R>
 void require_listed_contacts(const StateView<R>& state) {
-  for (std::size_t i = 0; i < state.contacts.size(); i += kManifoldNumbers<R>) {
-    const R key = state.contacts[i], used = state.contacts[i + 1];
+  for (std::size_t i = 0; i < state.contact_cache.size(); i += kManifoldNumbers<R>) {
+    const R key = state.contact_cache[i], used = state.contact_cache[i + 1];
     if (key != 0 || !is_within(Range::kFlag, used)) refuse("holds a contact that no world remembers");
   }
 }
@@ -261,8 +261,8 @@ void require_listed_contacts(const StateView<R>& state) {
 void require_found_contacts(const StateView<double>& state, std::size_t geoms) {
   double last = -1;
   const double end = static_cast<double>(kManifoldPoints) * static_cast<double>(geoms) * static_cast<double>(geoms);
-  for (std::size_t i = 0; i < state.contacts.size(); i += kManifoldNumbers<double>) {
-    const double key = state.contacts[i], used = state.contacts[i + 1];
+  for (std::size_t i = 0; i < state.contact_cache.size(); i += kManifoldNumbers<double>) {
+    const double key = state.contact_cache[i], used = state.contact_cache[i + 1];
     const bool sound = key > last && key < end && key == std::floor(key) && is_within(Range::kFlag, used);
     if (!sound) refuse("holds a contact that no world remembers");
     last = key;

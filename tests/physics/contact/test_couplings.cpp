@@ -5,6 +5,7 @@
 
 #include "manyhands/model/compose.h"
 #include "manyhands/physics/dynamics/crba.h"
+#include "manyhands/physics/step/step.h"
 #include "manyhands/physics/world/batch.h"
 #include "manyhands/physics/world/world.h"
 #include "tests/physics/dynamics/random_tree.h"
@@ -108,8 +109,8 @@ TEST(Couplings, OnRandomTreesTheImpulseIsAlongTheRow) {
                           .ratio = ratio});
     const auto model = std::make_shared<const Model>(builder.build());
     const System<double> system(*model);
-    const Params<double> params(*model);
-    State<double> state(*model, system.contact_numbers());
+    const ParamsStorage<double> params(*model);
+    StateStorage<double> state(*model, system.contact_numbers());
     StepWorkspace<double> ws(system);
     const std::vector<double> q = testing::random_configuration(*model, rng);
     std::copy(q.begin(), q.end(), state.q());

@@ -24,7 +24,7 @@ template <Real R>
 struct JointSolver {
   explicit JointSolver(const JointProblem<R>& p, std::span<const R> active_set = {})
       : dynamics(p.tree), problem(p.tree, {}), factors(p.tree), iterate(p.tree.nv), next_state(index(p.tree.nv)) {
-    State<R> state = p.state;
+    StateStorage<R> state = p.state;
     std::copy(active_set.begin(), active_set.end(), state.active_set());
     bias_and_mass_matrix(p.tree, p.params, state.q(), state.v(), dynamics);
     problem.tree = &p.tree;

@@ -108,7 +108,9 @@ TEST(Snapshots, ARefusedOneChangesNothing) {
   int refused = 0;
   for (int i = 0; i < 200; ++i) {
     Bytes a = mutated<double>(world.snapshot(), random), b = mutated<float>(sound, random);
-    if (!takes(world, a)) EXPECT_EQ(world.state_hash(), of_world) << i;
+    if (!takes(world, a)) {
+      EXPECT_EQ(world.state_hash(), of_world) << i;
+    }
     repair(b);
     if (takes(batch, b)) {
       batch.restore(sound);
@@ -154,7 +156,9 @@ TEST(Snapshots, AreRefusedByAllThatTheyAreNotOf) {
     for (std::size_t b = 0; b < owners.size(); ++b) {
       std::string why;
       EXPECT_EQ(owners[b].takes(owners[a].snapshot(), &why), a == b) << owners[a].name << " by " << owners[b].name;
-      if (a != b) EXPECT_NE(why.find("expected"), std::string::npos) << why;
+      if (a != b) {
+        EXPECT_NE(why.find("expected"), std::string::npos) << why;
+      }
     }
   }
 }
