@@ -88,6 +88,16 @@ GeomId Model::find_geom(std::string_view name) const {
   return found == geom_names_.end() ? GeomId() : GeomId(found->second);
 }
 
+std::vector<LinkId> Model::find_links(std::string_view name) const {
+  std::vector<LinkId> found;
+  if (const LinkId link = find_link(name); link.is_valid()) found.push_back(link);
+  const std::string within = std::string(name) + "/";
+  for (auto at = link_names_.lower_bound(within); at != link_names_.end() && at->first.starts_with(within); ++at) {
+    found.emplace_back(at->second);
+  }
+  return found;
+}
+
 LinkId Model::link_id(std::string_view name) const {
   const LinkId id = find_link(name);
   if (!id.is_valid()) throw_unknown(links_, name, name_, "link");

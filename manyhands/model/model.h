@@ -81,6 +81,8 @@ class Model {
   /// The same, but invalid if there is none.
   [[nodiscard]] LinkId find_link(std::string_view name) const;
   [[nodiscard]] GeomId find_geom(std::string_view name) const;  ///< the first of several that share the name
+  /// The link of that name, and those called "name/...".
+  [[nodiscard]] std::vector<LinkId> find_links(std::string_view name) const;
 
   // What belongs to a part, in order.
   [[nodiscard]] std::span<const GeomId> geoms_of(LinkId id) const { return link_geoms_[id.index()]; }

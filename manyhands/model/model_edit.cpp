@@ -231,6 +231,9 @@ void ModelEdit::forget(LinkId id) {
     if (model_.frames_[i].body == link.body) drop(model_.frame_names_, model_.frames_[i].name);
   }
   if (link.joint.is_valid()) drop(model_.joint_names_, model_.joints_[link.joint.index()].name);
+  for (Actuator& actuator : model_.actuators_) {
+    if (actuator.joint == link.joint) actuator.name.clear();
+  }
   for (const GeomId geom_id : model_.link_geoms_[id.index()]) {
     std::string& name = model_.geoms_[geom_id.index()].name;
     const auto found = model_.geom_names_.find(name);

@@ -1,7 +1,7 @@
 // What a World keeps behind its header. Internal to World.
 #pragma once
 
-#include <set>
+#include <map>
 
 #include "manyhands/model/compose.h"
 #include "manyhands/physics/collision/queries/queries.h"
@@ -12,10 +12,9 @@
 
 namespace manyhands {
 
-struct World::Edit {
-  ModelBuilder builder{"world"};
-  PartMap map;             // from the present model to the builder
-  std::set<int> left_out;  // links of the builder that will be removed
+/// What `q` and its like show while removed parts lie between the others.
+struct World::Shown {
+  std::vector<double> q, v, tau, ctrl;
 };
 
 }  // namespace manyhands

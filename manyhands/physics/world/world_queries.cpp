@@ -7,23 +7,33 @@ namespace manyhands {
 
 namespace {
 
-PlacedGeoms placed_geoms(const WorldCore& core) { return {core.system.colliders, core.params, core.placed()}; }
+PlacedGeoms placed_geoms(const WorldCore& core) { return {core.system.colliders, core.params, core.placed_geoms()}; }
+
+void require_number(double d) {
+  if (std::isnan(d)) throw std::invalid_argument("the distance is not a number; expected one in metres");
+}
 
 }  // namespace
 
 std::optional<LinkDistance> World::distance(std::string_view link_a, std::string_view link_b) const {
-  const WorldCore& now = core();
+  const WorldCore& now = loose();
   const LinkId a = now.model->link_id(link_a), b = now.model->link_id(link_b);
   if (a == b) {
     throw std::invalid_argument("the distance of link '" + std::string(link_a) +
                                 "' from itself was asked for; name two links");
   }
-  return link_distance(placed_geoms(now), a, b);
+  return link_distance(*now.model, placed_geoms(now), a, b);
 }
 
 std::vector<LinkDistance> World::near_links(double d) const {
-  if (std::isnan(d)) throw std::invalid_argument("the distance is not a number; expected one in metres");
-  return links_within(placed_geoms(core()), d);
+  require_number(d);
+  return links_within(placed_geoms(loose()), d);
+}
+
+std::vector<LinkDistance> World::near_links(double d, std::string_view link) const {
+  require_number(d);
+  const WorldCore& now = loose();
+  return links_within(*now.model, placed_geoms(now), d, now.model->link_id(link));
 }
 
 std::vector<std::optional<WorldRayHit>> World::ray_cast(std::span<const Vec3<double>> origins,
@@ -46,7 +56,7 @@ std::vector<std::optional<WorldRayHit>> World::ray_cast(std::span<const Vec3<dou
     }
     unit[i] = (1 / length) * unit[i];
   }
-  return manyhands::ray_cast(placed_geoms(core()), origins, unit, max_distance);
+  return manyhands::ray_cast(placed_geoms(loose()), origins, unit, max_distance);
 }
 
 }  // namespace manyhands
