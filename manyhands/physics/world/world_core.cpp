@@ -132,6 +132,11 @@ void WorldCore::insert(const Model& part, const ContactRules& rules) {
                            static_cast<int>(alone.tree.equality_rows)};
   tree.insert(alone.tree, at);
   WorldBlock<double>::insert(numbers, places_of(at, rows, part));
+  for (const LinkId id : part.links_of(BodyId(0))) {
+    const Link& link = part.link(id);
+    RigidInertia<double>& world = params.inertia[0];
+    world = world + transformed(link.X_BL, link.inertial.about_origin());
+  }
   edit_colliders([&](Colliders<double>& colliders) {
     colliders.insert(alone.colliders, at, *model);
     colliders.rules = rules;
