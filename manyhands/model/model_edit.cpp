@@ -72,6 +72,7 @@ Insertion ModelEdit::insert(const Model& part) {
   insert_frames(part, at);
   insert_geoms(part, at);
   insert_couplings(part, at);
+  model_.keyframes_.clear();
   model_.nq_ += part.nq_;
   model_.nv_ += part.nv_;
   return at;
@@ -219,6 +220,7 @@ void ModelEdit::insert_couplings(const Model& part, const Insertion& at) {
 }
 
 void ModelEdit::forget(LinkId id) {
+  model_.keyframes_.clear();
   Link& link = model_.links_[id.index()];
   const auto drop = [](Model::NameIndex& index, std::string& name) {
     index.erase(name);
@@ -249,17 +251,6 @@ void ModelEdit::set_excluded(LinkId a, LinkId b, bool excluded) {
   } else if (std::ranges::none_of(model_.exclusions_, same)) {
     model_.exclusions_.push_back({a, b});
   }
-}
-
-EqualityId ModelEdit::add_equality(EqualityConstraint equality) {
-  const int i = model_.described_equalities_++;
-  model_.equalities_.insert(model_.equalities_.begin() + i, std::move(equality));
-  return EqualityId(i);
-}
-
-void ModelEdit::remove_equality(EqualityId id) {
-  if (id.value() < model_.described_equalities_) --model_.described_equalities_;
-  model_.equalities_.erase(model_.equalities_.begin() + id.value());
 }
 
 }  // namespace manyhands

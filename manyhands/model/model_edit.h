@@ -6,10 +6,10 @@
 
 namespace manyhands {
 
-/// For the owner of a model that nobody else holds. Keyframes, whose sizes no longer fit, are dropped.
+/// For the owner of a model that nobody else holds. Keyframes are dropped when their sizes no longer fit.
 class ModelEdit {
  public:
-  explicit ModelEdit(Model& model) : model_(model) { model_.keyframes_.clear(); }
+  explicit ModelEdit(Model& model) : model_(model) {}
 
   /// Takes in the parts of another model, as if both had been built together: its world is the same world, its bodies
   /// stand behind those that hang on the world in the same way, and its parts behind the others of their kind. Gravity,
@@ -23,10 +23,6 @@ class ModelEdit {
   /// Whether two links may touch, as far as exclusions go.
   void set_excluded(LinkId a, LinkId b, bool excluded);
   void set_contact_rules(const ContactRules& rules) { model_.contact_rules_ = rules; }
-
-  /// Puts an equality constraint behind those that were described; it is checked before. Its index.
-  EqualityId add_equality(EqualityConstraint equality);
-  void remove_equality(EqualityId id);
 
  private:
   void require_free_names(const Model& part) const;

@@ -159,6 +159,10 @@ class World {
                                                                  std::span<const Vec3<double>> directions,
                                                                  double max_distance) const;
 
+  /// Of a link or geom that an answer names, as in `model`, which they do not ask for: that sweeps out what was removed.
+  [[nodiscard]] std::string link_name(LinkId id) const;
+  [[nodiscard]] std::string geom_name(GeomId id) const;  ///< or "link#k" for the k-th nameless geom of a link
+
   // ---- parts (world_edit.cpp): a change costs what it touches, not what is there --------------------------------
   /// Adds a model at X_WM. With a name, its parts are called "name/part". Throws ModelError if a name is taken.
   void add(const Model& model, const Transform<double>& X_WM = Transform<double>::identity(),

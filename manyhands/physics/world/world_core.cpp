@@ -43,6 +43,22 @@ bool in_order(const RememberedContact& a, const RememberedContact& b) {
   return std::tie(a.low, a.high, a.number) < std::tie(b.low, b.high, b.number);
 }
 
+/// How many of the first n are marked.
+std::size_t marks_before(const std::vector<std::uint8_t>& marks, std::size_t n) {
+  const auto end = marks.begin() + static_cast<std::ptrdiff_t>(std::min(n, marks.size()));
+  return static_cast<std::size_t>(std::count(marks.begin(), end, 1));
+}
+
+/// The index of the one before which n are not marked; what lies behind all marks is not.
+std::size_t unmarked(const std::vector<std::uint8_t>& marks, std::size_t n) {
+  std::size_t i = 0;
+  for (std::size_t left = n; i < marks.size(); ++i) {
+    if (marks[i] != 0) continue;
+    if (left-- == 0) return i;
+  }
+  return n + marks_before(marks, marks.size());
+}
+
 /// Where the items of fields go. `rows`: of equality constraints.
 FieldInsertion places_of(const Insertion& at, const ListInsertion& rows, const Model& part) {
   const auto behind = [](int old_size, std::size_t new_size) {
@@ -70,6 +86,8 @@ int rows_before(const Tree<double>& tree, int equality) {
 
 WorldCore::WorldCore(std::shared_ptr<const Model> shared_model)
     : WorldCore(required(shared_model), system_of(shared_model)) {}
+
+WorldCore::WorldCore(Model own_model) : WorldCore(std::make_shared<Model>(std::move(own_model))) { owns_model_ = true; }
 
 /// The contact cache lies beside the other numbers, so that it may change when parts do.
 WorldCore::WorldCore(std::shared_ptr<const Model> shared_model, System<double> own_system)
@@ -157,13 +175,20 @@ void WorldCore::remove(LinkId link) {
   const BodyId body = model->link(link).body;
   if (body.value() > 0 && model->body(body).joint == model->link(link).joint) gone_bodies_[body.index()] = 1;
   ++num_gone;
+  gone_geoms_.resize(model->geoms().size(), 0);
   for (const GeomId geom : model->geoms_of(link)) {
+    gone_geoms_[geom.index()] = 1;
     const int collider = system.colliders.collider_of[geom.index()];
     const bool is_known = collider >= 0 && static_cast<std::size_t>(collider) < geom_places_.X_WG.size();
     if (is_known) geom_places_.remove(static_cast<std::size_t>(collider));
   }
   forget_topology();
 }
+
+LinkId WorldCore::shown(LinkId id) const { return LinkId(id.index() - marks_before(gone_, id.index())); }
+GeomId WorldCore::shown(GeomId id) const { return GeomId(id.index() - marks_before(gone_geoms_, id.index())); }
+LinkId WorldCore::hidden(LinkId id) const { return LinkId(unmarked(gone_, id.index())); }
+GeomId WorldCore::hidden(GeomId id) const { return GeomId(unmarked(gone_geoms_, id.index())); }
 
 void WorldCore::set_excluded(LinkId a, LinkId b, bool excluded) {
   ModelEdit(own_model()).set_excluded(a, b, excluded);

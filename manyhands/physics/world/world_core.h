@@ -26,6 +26,7 @@ struct RememberedContact {
 /// needs besides is made anew before the next step.
 struct WorldCore : WorldBlock<double> {
   explicit WorldCore(std::shared_ptr<const Model> shared_model);
+  explicit WorldCore(Model own_model);
 
   /// Poses and velocities of all bodies in the present state.
   [[nodiscard]] const Workspace<double>& placed() const;
@@ -52,6 +53,11 @@ struct WorldCore : WorldBlock<double> {
     new_places[link] = X_WL;
     forget_step();
   }
+  /// The ids of `World::model`, which has nothing that was removed, for those of `model`, and back.
+  [[nodiscard]] LinkId shown(LinkId id) const;
+  [[nodiscard]] GeomId shown(GeomId id) const;
+  [[nodiscard]] LinkId hidden(LinkId shown_id) const;
+  [[nodiscard]] GeomId hidden(GeomId shown_id) const;
   /// Whether two links may touch, as far as exclusions go.
   void set_excluded(LinkId a, LinkId b, bool excluded);
   /// Makes the numbers of q, v, tau or ctrl those of the parts that are there: in `shown`, where some were removed.
@@ -64,6 +70,7 @@ struct WorldCore : WorldBlock<double> {
   /// The colliders that a contact point of the last step lies between, A first.
   [[nodiscard]] std::pair<std::size_t, std::size_t> colliders_of(const ContactPoint<double>& point) const;
 
+  [[nodiscard]] int num_geoms() const { return shown(GeomId(model->geoms().size())).value(); }  ///< that are there
   [[nodiscard]] std::size_t nq() const { return static_cast<std::size_t>(model->nq()); }
   [[nodiscard]] std::size_t nv() const { return static_cast<std::size_t>(model->nv()); }
   [[nodiscard]] std::size_t nu() const { return static_cast<std::size_t>(model->nu()); }
@@ -93,7 +100,7 @@ struct WorldCore : WorldBlock<double> {
   bool owns_model_ = false;  // whether `model` was made here, as one that may change
   bool step_fits_ = true;
   std::size_t key_colliders_;  // for how many colliders the keys of the contact cache were made
-  std::vector<std::uint8_t> gone_, gone_bodies_;
+  std::vector<std::uint8_t> gone_, gone_geoms_, gone_bodies_;  // 1 where removed; parts added since may be missing
   mutable GeomPlaces geom_places_;
 };
 

@@ -117,17 +117,18 @@ void World::rebuild() const {
   for (const auto& [link, X_WL] : old.new_places) {
     if (map.links[link.index()] >= 0) builder.place_root(LinkId(map.links[link.index()]), X_WL);
   }
-  auto next = std::make_unique<WorldCore>(std::make_shared<Model>(builder.build()));
+  auto next = std::make_unique<WorldCore>(builder.build());
   carry(old, map, *next);
   core_ = std::move(next);
 }
 
 void World::add(const Model& model, const Transform<double>& X_WM, const std::string& name) {
+  const FloatEnvironment floats;
   internal::require_pose("the model's place", X_WM);
-  WorldCore& now = core();
+  WorldCore& now = loose();
   const int links = static_cast<int>(now.model->links().size());
   const ContactRules theirs = model.contact_rules();
-  ContactRules rules = now.model->geoms().empty() ? theirs : now.model->contact_rules();
+  ContactRules rules = now.num_geoms() == 0 ? theirs : now.model->contact_rules();
   const bool restrained = theirs.self_collision && !rules.self_collision;  // what was there before
   ModelBuilder part("world");
   const PartMap map = append(part, model, {.X_WM = X_WM, .prefix = name.empty() ? "" : name + "/"});

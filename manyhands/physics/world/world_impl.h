@@ -1,8 +1,6 @@
 // What a World keeps behind its header. Internal to World.
 #pragma once
 
-#include <map>
-
 #include "manyhands/model/compose.h"
 #include "manyhands/physics/collision/queries/queries.h"
 #include "manyhands/physics/world/named_parameters.h"

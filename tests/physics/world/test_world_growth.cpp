@@ -174,6 +174,11 @@ TEST(WorldGrowth, WhatWasRemovedMeetsNothing) {
   EXPECT_EQ(world.near_links(0.07).size(), 1u);  // box0 and box1
   EXPECT_EQ(world.near_links(0.07, "box1").size(), 1u);
   EXPECT_TRUE(world.near_links(0.07, "box3").empty());
+  const auto hit = world.ray_cast({&origin, 1}, {&down, 1}, 5)[0];
+  EXPECT_EQ(world.link_name(hit->link), "box3");
+  EXPECT_EQ(world.geom_name(hit->geom), "box3");
+  EXPECT_EQ(World(world).model().link(hit->link).name, "box3");  // another model, the same ids
+  EXPECT_EQ(World(world).model().geoms()[hit->geom.index()].name, "box3");
   EXPECT_EQ(world.q().size(), 21u);
   EXPECT_EQ(world.q()[16], 0.4);
   EXPECT_EQ(world.v().size(), 18u);
