@@ -35,10 +35,9 @@ nb::object vector6(const Force<double>& F) { return copied(&F.n.x, {6}); }
 
 std::vector<NamedContact> named_contacts(const World& world) {
   std::vector<NamedContact> result;
-  const Model& model = world.model();
   for (const Contact& contact : world.contacts()) {
-    result.push_back({contact, model.link(contact.link_a).name, model.link(contact.link_b).name,
-                      geom_label(model, contact.geom_a), geom_label(model, contact.geom_b)});
+    result.push_back({contact, world.link_name(contact.link_a), world.link_name(contact.link_b),
+                      world.geom_name(contact.geom_a), world.geom_name(contact.geom_b)});
   }
   return result;
 }

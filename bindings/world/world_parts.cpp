@@ -180,6 +180,10 @@ void bind_editing(nb::class_<World>& world) {
       .def("remove", &World::remove, "name"_a,
            "Removes what was added by that name, or the link and all that hangs on it. Raises KeyError, which lists "
            "the names there are.")
+      .def(
+          "set_collision", &World::set_collision, "link_a"_a, "link_b"_a, "enabled"_a,
+          "Whether two links may touch; or all links of two models, by the names they were added by. Joint neighbours, "
+          "filters and links of one body have their say besides. Raises KeyError for a name that is not there.")
       .def_prop_ro("names", &World::names, "What `remove` takes as a whole: models, and links on the world.");
 }
 

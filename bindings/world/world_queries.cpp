@@ -42,20 +42,20 @@ struct RayHits {
   std::vector<std::optional<std::string>> link{}, geom{};
 };
 
-NamedDistance named(const Model& model, const LinkDistance& d) {
-  return {d.surfaces, model.link(d.link_a).name, model.link(d.link_b).name, geom_label(model, d.geom_a),
-          geom_label(model, d.geom_b)};
+NamedDistance named(const World& world, const LinkDistance& d) {
+  return {d.surfaces, world.link_name(d.link_a), world.link_name(d.link_b), world.geom_name(d.geom_a),
+          world.geom_name(d.geom_b)};
 }
 
-RayHits rows_of_hits(const Model& model, const std::vector<std::optional<WorldRayHit>>& hits) {
+RayHits rows_of_hits(const World& world, const std::vector<std::optional<WorldRayHit>>& hits) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   RayHits rows;
   for (const auto& hit : hits) {
     rows.distance.push_back(hit ? hit->distance : kInfinity);
     rows.point.push_back(hit ? hit->point : Vec3<double>{kNone, kNone, kNone});
     rows.normal.push_back(hit ? hit->normal : Vec3<double>{kNone, kNone, kNone});
-    rows.link.push_back(hit ? std::optional(model.link(hit->link).name) : std::nullopt);
-    rows.geom.push_back(hit ? std::optional(geom_label(model, hit->geom)) : std::nullopt);
+    rows.link.push_back(hit ? std::optional(world.link_name(hit->link)) : std::nullopt);
+    rows.geom.push_back(hit ? std::optional(world.geom_name(hit->geom)) : std::nullopt);
   }
   return rows;
 }
@@ -72,7 +72,7 @@ std::optional<NamedHit> cast_ray(const World& world, const nb::object& origin, c
   const auto hit =
       world.ray_cast(bindings::vectors("origin", o), bindings::vectors("direction", d), max_distance).front();
   if (!hit) return {};
-  return NamedHit{*hit, world.model().link(hit->link).name, geom_label(world.model(), hit->geom)};
+  return NamedHit{*hit, world.link_name(hit->link), world.geom_name(hit->geom)};
 }
 
 RayHits cast_rays(const World& world, const nb::object& origin, const nb::object& direction, double max_distance) {
@@ -80,7 +80,7 @@ RayHits cast_rays(const World& world, const nb::object& origin, const nb::object
   std::vector<Vec3<double>> d = bindings::vectors("direction", numbers(direction));
   if (o.size() == 1) o.resize(d.size(), o[0]);
   if (d.size() == 1) d.resize(o.size(), d[0]);
-  return rows_of_hits(world.model(), world.ray_cast(o, d, max_distance));
+  return rows_of_hits(world, world.ray_cast(o, d, max_distance));
 }
 
 nb::object matrix3(const std::vector<Vec3<double>>& rows) {
@@ -148,19 +148,24 @@ void bind_world_queries(nb::module_& m, nb::class_<World>& world) {
           [](const World& self, const std::string& a, const std::string& b) -> std::optional<NamedDistance> {
             const auto d = self.distance(a, b);
             if (!d) return {};
-            return named(self.model(), *d);
+            return named(self, *d);
           },
           "link_a"_a, "link_b"_a,
           "Between the surfaces of two links, whether or not they may touch, in the present state. None if one of them "
           "has no colliding geom.")
       .def(
           "near_links",
-          [](const World& self, double distance) {
+          [](const World& self, double distance, const std::optional<std::string>& link) {
             std::vector<NamedDistance> result;
-            for (const LinkDistance& d : self.near_links(distance)) result.push_back(named(self.model(), d));
+            for (const LinkDistance& d : link ? self.near_links(distance, *link) : self.near_links(distance)) {
+              result.push_back(named(self, d));
+            }
             return result;
           },
-          "distance"_a, "Every two links that may touch and are less than `distance` [m] apart.")
+          "distance"_a, "link"_a = nb::none(),
+          "Every two links that may touch and are less than `distance` [m] apart; only those with `link`, which takes "
+          "a "
+          "fraction of the time, if it is given.")
       .def("ray_cast", &cast_ray, "origin"_a, "direction"_a, "max_distance"_a = kInfinity,
            nb::sig("def ray_cast(self, origin: collections.abc.Sequence[float], "
                    "direction: collections.abc.Sequence[float], max_distance: float = ...) -> RayHit | None"),

@@ -1,6 +1,7 @@
 #include "manyhands/model/compose.h"
 
 #include <algorithm>
+#include <map>
 
 #include "manyhands/math/quaternion.h"
 
@@ -213,20 +214,29 @@ ModelBuilder builder_of(const Model& model) {
   return builder;
 }
 
-void exclude_self_collision(ModelBuilder& builder, const Model& model, const PartMap& map) {
-  std::vector<LinkId> solid;
-  for (const Geom& geom : model.geoms()) {
-    const bool known = std::ranges::find(solid, geom.link) != solid.end();
-    if (geom.role == GeomRole::kCollision && !known) solid.push_back(geom.link);
+std::vector<std::pair<LinkId, LinkId>> self_collisions(const Model& model) {
+  std::map<LinkId, std::vector<LinkId>> solid;  // by the root of their tree
+  for (std::size_t i = 0; i < model.links().size(); ++i) {
+    const auto collides = [&](GeomId id) { return model.geoms()[id.index()].role == GeomRole::kCollision; };
+    if (std::ranges::any_of(model.geoms_of(LinkId(i)), collides)) {
+      solid[model.root_link(LinkId(i))].push_back(LinkId(i));
+    }
   }
-  for (std::size_t i = 0; i < solid.size(); ++i) {
-    for (std::size_t j = i + 1; j < solid.size(); ++j) {
-      const LinkId a(map.links[solid[i].index()]), b(map.links[solid[j].index()]);
-      const bool one_body = model.link(solid[i]).body == model.link(solid[j]).body;
-      if (a.is_valid() && b.is_valid() && !one_body && model.root_link(solid[i]) == model.root_link(solid[j])) {
-        builder.exclude_contact(a, b);
+  std::vector<std::pair<LinkId, LinkId>> found;
+  for (const auto& [root, links] : solid) {
+    for (std::size_t i = 0; i < links.size(); ++i) {
+      for (std::size_t j = i + 1; j < links.size(); ++j) {
+        if (model.link(links[i]).body != model.link(links[j]).body) found.emplace_back(links[i], links[j]);
       }
     }
+  }
+  return found;
+}
+
+void exclude_self_collision(ModelBuilder& builder, const Model& model, const PartMap& map) {
+  for (const auto& [i, j] : self_collisions(model)) {
+    const LinkId a(map.links[i.index()]), b(map.links[j.index()]);
+    if (a.is_valid() && b.is_valid()) builder.exclude_contact(a, b);
   }
 }
 

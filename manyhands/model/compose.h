@@ -30,6 +30,9 @@ PartMap append(ModelBuilder& builder, const Model& model, const AppendOptions& o
 /// A builder that holds the model, its gravity, time step and rules of contact.
 [[nodiscard]] ModelBuilder builder_of(const Model& model);
 
+/// The pairs of links of one tree that have colliding geoms and do not move as one.
+[[nodiscard]] std::vector<std::pair<LinkId, LinkId>> self_collisions(const Model& model);
+
 /// Excludes contact between links of one tree: what `ContactRules::self_collision = false` says of the model alone, for
 /// one that joins a world in which other robots may touch themselves.
 void exclude_self_collision(ModelBuilder& builder, const Model& model, const PartMap& map);

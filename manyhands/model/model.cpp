@@ -60,13 +60,14 @@ RigidInertia<double> Inertial::about_origin() const {
 
 namespace {
 
+/// Parts that were removed have no name.
 template <class Part>
-int find(const std::vector<Part>& parts, std::string_view name, const std::string& model, const char* kind) {
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    if (parts[i].name == name) return static_cast<int>(i);
-  }
+[[noreturn]] void throw_unknown(const std::vector<Part>& parts, std::string_view name, const std::string& model,
+                                const char* kind) {
   std::string message = "model '" + model + "' has no " + kind + " '" + std::string(name) + "'; it has:";
-  for (const Part& part : parts) message += " '" + part.name + "'";
+  for (const Part& part : parts) {
+    if (!part.name.empty()) message += " '" + part.name + "'";
+  }
   throw std::out_of_range(message);
 }
 
@@ -77,9 +78,62 @@ LinkId Model::root_link(LinkId id) const {
   return id;
 }
 
-LinkId Model::link_id(std::string_view name) const { return LinkId(find(links_, name, name_, "link")); }
-JointId Model::joint_id(std::string_view name) const { return JointId(find(joints_, name, name_, "joint")); }
-FrameId Model::frame_id(std::string_view name) const { return FrameId(find(frames_, name, name_, "frame")); }
+LinkId Model::find_link(std::string_view name) const {
+  const auto found = link_names_.find(name);
+  return found == link_names_.end() ? LinkId() : LinkId(found->second);
+}
+
+GeomId Model::find_geom(std::string_view name) const {
+  const auto found = geom_names_.find(name);
+  return found == geom_names_.end() ? GeomId() : GeomId(found->second);
+}
+
+std::vector<LinkId> Model::find_links(std::string_view name) const {
+  std::vector<LinkId> found;
+  if (const LinkId link = find_link(name); link.is_valid()) found.push_back(link);
+  const std::string within = std::string(name) + "/";
+  for (auto at = link_names_.lower_bound(within); at != link_names_.end() && at->first.starts_with(within); ++at) {
+    found.emplace_back(at->second);
+  }
+  return found;
+}
+
+LinkId Model::link_id(std::string_view name) const {
+  const LinkId id = find_link(name);
+  if (!id.is_valid()) throw_unknown(links_, name, name_, "link");
+  return id;
+}
+
+JointId Model::joint_id(std::string_view name) const {
+  const auto found = joint_names_.find(name);
+  if (found == joint_names_.end()) throw_unknown(joints_, name, name_, "joint");
+  return JointId(found->second);
+}
+
+FrameId Model::frame_id(std::string_view name) const {
+  if (const LinkId link = find_link(name); link.is_valid()) return FrameId(link.value());
+  const auto found = frame_names_.find(name);
+  if (found == frame_names_.end()) throw_unknown(frames_, name, name_, "frame");
+  return FrameId(found->second);
+}
+
+/// What names and parts belong to, once the parts stand.
+void Model::index_parts() {
+  for (std::size_t i = links_.size(); i < frames_.size(); ++i) {
+    frame_names_.emplace(frames_[i].name, static_cast<int>(i));
+  }
+  link_geoms_.resize(links_.size());
+  for (std::size_t i = 0; i < geoms_.size(); ++i) {
+    if (!geoms_[i].name.empty()) geom_names_.emplace(geoms_[i].name, static_cast<int>(i));
+    link_geoms_[geoms_[i].link.index()].push_back(GeomId(i));
+  }
+  link_children_.resize(links_.size());
+  body_links_.resize(bodies_.size());
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    if (i > 0) link_children_[links_[i].parent.index()].push_back(LinkId(i));
+    body_links_[links_[i].body.index()].push_back(LinkId(i));
+  }
+}
 
 std::vector<double> Model::neutral_configuration() const {
   std::vector<double> q(static_cast<std::size_t>(nq_), 0.0);

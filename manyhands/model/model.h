@@ -1,6 +1,8 @@
 // The immutable description that every world of a robot or scene shares.
 #pragma once
 
+#include <functional>
+#include <map>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -39,9 +41,9 @@ class ModelError : public std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
-/// A robot or scene, made only by `ModelBuilder::build`, never changed afterwards, shared by any number of worlds and
-/// threads. Links and joints keep the order in which they were added; bodies, and with them q and v, run depth first,
-/// so that a body's parent precedes it.
+/// A robot or scene, made by `ModelBuilder::build`, never changed once it is shared by worlds and threads. Links and
+/// joints keep the order in which they were added; bodies, and with them q and v, run depth first, so that a body's
+/// parent precedes it.
 class Model {
  public:
   [[nodiscard]] const std::string& name() const { return name_; }
@@ -76,6 +78,16 @@ class Model {
   [[nodiscard]] LinkId link_id(std::string_view name) const;
   [[nodiscard]] JointId joint_id(std::string_view name) const;
   [[nodiscard]] FrameId frame_id(std::string_view name) const;
+  /// The same, but invalid if there is none.
+  [[nodiscard]] LinkId find_link(std::string_view name) const;
+  [[nodiscard]] GeomId find_geom(std::string_view name) const;  ///< the first of several that share the name
+  /// The link of that name, and those called "name/...".
+  [[nodiscard]] std::vector<LinkId> find_links(std::string_view name) const;
+
+  // What belongs to a part, in order.
+  [[nodiscard]] std::span<const GeomId> geoms_of(LinkId id) const { return link_geoms_[id.index()]; }
+  [[nodiscard]] std::span<const LinkId> children_of(LinkId id) const { return link_children_[id.index()]; }
+  [[nodiscard]] std::span<const LinkId> links_of(BodyId id) const { return body_links_[id.index()]; }
 
   /// For every velocity index, the next one towards the root that moves the same body, or -1: the sparsity of M.
   [[nodiscard]] std::span<const int> dof_parent() const { return dof_parent_; }
@@ -99,6 +111,11 @@ class Model {
 
  private:
   friend class ModelBuilder;
+  friend class ModelEdit;
+
+  using NameIndex = std::map<std::string, int, std::less<>>;
+
+  void index_parts();
 
   std::string name_;
   int nq_ = 0, nv_ = 0;
@@ -110,6 +127,7 @@ class Model {
   std::vector<Mesh> meshes_;
   std::vector<HeightField> height_fields_;
   std::vector<EqualityConstraint> equalities_;
+  int described_equalities_ = 0;  // those that follow are of mimic joints
   std::vector<Actuator> actuators_;
   std::vector<ContactExclusion> exclusions_;
   std::vector<ContactPair> contact_pairs_;
@@ -120,6 +138,9 @@ class Model {
   std::vector<Keyframe> keyframes_;
   std::optional<double> time_step_;
   Vec3<double> gravity_{0, 0, -9.81};
+  NameIndex link_names_, joint_names_, frame_names_, geom_names_;  // frames: without the links' own
+  std::vector<std::vector<GeomId>> link_geoms_;
+  std::vector<std::vector<LinkId>> link_children_, body_links_;
 };
 
 }  // namespace manyhands

@@ -157,8 +157,7 @@ void ModelBuilder::add_contact_pair(const ContactPair& pair) {
 
 void ModelBuilder::add_frame(std::string name, LinkId link, const Transform<double>& X_LF) {
   require_link("frame '" + name + "'", link);
-  const auto same = [&](const NamedFrame& frame) { return frame.name == name; };
-  if (link_names_.contains(name) || std::ranges::any_of(frames_, same)) {
+  if (link_names_.contains(name) || !frame_names_.emplace(name, static_cast<int>(frames_.size())).second) {
     throw ModelError("there is a frame '" + name + "' already");
   }
   frames_.push_back({std::move(name), link, X_LF});
@@ -197,6 +196,7 @@ Model ModelBuilder::compile() const {
   model.meshes_ = meshes_;
   model.height_fields_ = height_fields_;
   model.equalities_ = equalities_;
+  model.described_equalities_ = static_cast<int>(equalities_.size());
   model.actuators_ = actuators_;
   model.exclusions_ = exclusions_;
   model.contact_pairs_ = contact_pairs_;
@@ -215,6 +215,9 @@ Model ModelBuilder::compile() const {
     model.frames_.push_back({frame.name, link.body, link.X_BL * frame.X_LF});
   }
   compile_dofs(model);
+  model.link_names_ = link_names_;
+  model.joint_names_ = joint_names_;
+  model.index_parts();
   return model;
 }
 
@@ -288,15 +291,12 @@ double least_inertia(JointType type, const RigidInertia<double>& I) {
   }
 }
 
-}  // namespace
-
-std::vector<JointId> ModelBuilder::joints_without_inertia() const {
-  const Model model = compile();
+std::vector<JointId> joints_that_move_nothing(const Model& model) {
   // Composite inertias at the neutral configuration, each about its own body's origin.
-  std::vector<RigidInertia<double>> composite(model.bodies_.size(), RigidInertia<double>::zero());
+  std::vector<RigidInertia<double>> composite(model.bodies().size(), RigidInertia<double>::zero());
   std::vector<JointId> found;
-  for (std::size_t b = model.bodies_.size() - 1; b > 0; --b) {
-    const Body& body = model.bodies_[b];
+  for (std::size_t b = model.bodies().size() - 1; b > 0; --b) {
+    const Body& body = model.bodies()[b];
     composite[b] = composite[b] + body.inertia;
     composite[body.parent.index()] = composite[body.parent.index()] + transformed(body.X_PF, composite[b]);
     const double inertia = least_inertia(body.type, composite[b]) + model.joint(body.joint).armature;
@@ -305,6 +305,10 @@ std::vector<JointId> ModelBuilder::joints_without_inertia() const {
   std::ranges::reverse(found);
   return found;
 }
+
+}  // namespace
+
+std::vector<JointId> ModelBuilder::joints_without_inertia() const { return joints_that_move_nothing(compile()); }
 
 /// A mimic joint is an equality constraint between its driver and itself, where both have one degree of freedom.
 void ModelBuilder::add_mimic_equalities(Model& model) const {
@@ -343,7 +347,7 @@ Model ModelBuilder::build() const {
   Model model = compile();
   add_mimic_equalities(model);
   add_keyframes(model);
-  const std::vector<JointId> massless = joints_without_inertia();
+  const std::vector<JointId> massless = joints_that_move_nothing(model);
   if (!massless.empty()) {
     throw ModelError("joint '" + joints_[massless.front().index()].name +
                      "' moves no inertia: give a link beyond it mass and inertia, or the joint an armature");

@@ -1,8 +1,6 @@
 // The only way to make a Model: loaders and user code add parts, `build` checks and compiles them.
 #pragma once
 
-#include <map>
-
 #include "manyhands/model/load_report.h"
 #include "manyhands/model/model.h"
 
@@ -95,7 +93,7 @@ class ModelBuilder {
   std::vector<ContactPair> contact_pairs_;
   ContactRules contact_rules_;
   std::vector<NamedFrame> frames_;
-  std::map<std::string, int, std::less<>> link_names_, joint_names_;
+  Model::NameIndex link_names_, joint_names_, frame_names_;
   std::vector<Keyframe> keyframes_;
   std::optional<double> time_step_;
   Vec3<double> gravity_{0, 0, -9.81};

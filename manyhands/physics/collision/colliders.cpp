@@ -109,8 +109,7 @@ std::optional<ColliderPair> Colliders<R>::pair_of(std::size_t a, std::size_t b) 
 
 template <Real R>
 Colliders<R>::Colliders(const Model& model, PairSearch pair_search)
-    : search(pair_search), rules(model.contact_rules()) {
-  std::vector<int> collider_of(model.geoms().size(), -1);
+    : collider_of(model.geoms().size(), -1), rules(model.contact_rules()) {
   for (std::size_t i = 0; i < model.geoms().size(); ++i) {
     const Geom& geom = model.geoms()[i];
     if (geom.role != GeomRole::kCollision) continue;
@@ -142,6 +141,14 @@ Colliders<R>::Colliders(const Model& model, PairSearch pair_search)
                            pair.surface ? static_cast<int>(surfaces.size()) - 1 : -1);
   }
   std::ranges::sort(explicit_);
+  list_pairs(pair_search);
+}
+
+template <Real R>
+void Colliders<R>::list_pairs(PairSearch pair_search) {
+  search = pair_search;
+  pairs.clear();
+  num_manifolds = 0;
   if (search == PairSearch::kSwept) return;
   for (std::size_t a = 0; a < geoms.size(); ++a) {
     for (std::size_t b = a + 1; b < geoms.size(); ++b) {
@@ -154,6 +161,56 @@ Colliders<R>::Colliders(const Model& model, PairSearch pair_search)
   for (ColliderPair& pair : pairs) {
     pair.manifold = num_manifolds;
     num_manifolds += pair.manifolds;
+  }
+}
+
+template <Real R>
+void Colliders<R>::insert(const Colliders& part, const Insertion& at, const Model& model) {
+  const int first = static_cast<int>(geoms.size());
+  const auto new_link = [&](std::size_t link) { return static_cast<std::size_t>(at.new_link(static_cast<int>(link))); };
+  const auto new_body = [&](std::size_t body) { return static_cast<std::size_t>(at.new_body(static_cast<int>(body))); };
+  const int end = at.bodies.shifts() ? at.bodies.of_old(at.bodies.old_size) : 0;
+  for (int b = at.bodies.of_old(at.bodies.old_first); b < end; ++b) {
+    for (const LinkId link : model.links_of(BodyId(b))) {
+      for (const GeomId geom : model.geoms_of(link)) {
+        const int i = geom.value() < at.geoms ? collider_of[geom.index()] : -1;
+        if (i < 0) continue;
+        Collider<R>& collider = geoms[static_cast<std::size_t>(i)];
+        collider.body = static_cast<std::size_t>(b);
+        collider.neighbour = model.body(BodyId(b)).parent.index();
+      }
+    }
+  }
+  for (Collider<R> collider : part.geoms) {
+    collider.geom += static_cast<std::size_t>(at.geoms);
+    collider.link = new_link(collider.link);
+    collider.root = new_link(collider.root);
+    collider.base = new_link(collider.base);
+    collider.body = new_body(collider.body);
+    collider.neighbour = new_body(collider.neighbour);
+    geoms.push_back(std::move(collider));
+  }
+  for (const int i : part.collider_of) collider_of.push_back(i < 0 ? -1 : first + i);
+  const auto add_sorted = [](auto& list, auto item) { list.insert(std::ranges::upper_bound(list, item), item); };
+  for (const std::uint64_t key : part.excluded_) {
+    add_sorted(excluded_, unordered(new_link(key >> 32), new_link(key & 0xffffffff)));
+  }
+  for (const auto& [key, surface] : part.explicit_) {
+    const auto offset = static_cast<std::size_t>(first);
+    add_sorted(explicit_, std::pair(unordered((key >> 32) + offset, (key & 0xffffffff) + offset),
+                                    surface < 0 ? -1 : static_cast<int>(surfaces.size()) + surface));
+  }
+  surfaces.insert(surfaces.end(), part.surfaces.begin(), part.surfaces.end());
+}
+
+template <Real R>
+void Colliders<R>::set_excluded(LinkId a, LinkId b, bool excluded) {
+  const std::uint64_t key = unordered(a.index(), b.index());
+  const auto found = std::ranges::equal_range(excluded_, key);
+  if (!excluded) {
+    excluded_.erase(found.begin(), found.end());
+  } else if (found.empty()) {
+    excluded_.insert(found.begin(), key);
   }
 }
 

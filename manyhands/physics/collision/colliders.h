@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "manyhands/math/vec3.h"
+#include "manyhands/model/insertion.h"
 #include "manyhands/model/model.h"
 #include "manyhands/physics/collision/surface/triangle_mesh.h"
 
@@ -56,10 +57,18 @@ struct Colliders {
   Colliders() = default;  ///< none
   explicit Colliders(const Model& model, PairSearch search = PairSearch::kListed);
 
+  /// Takes in the colliders of a part that `ModelEdit::insert` put into `model`; pairs are listed by `list_pairs`.
+  void insert(const Colliders& part, const Insertion& at, const Model& model);
+  /// Lists the pairs anew, or none where a broad phase finds them.
+  void list_pairs(PairSearch pair_search);
+  /// Whether geoms of two links may touch, as far as exclusions go; see `list_pairs`.
+  void set_excluded(LinkId a, LinkId b, bool excluded);
+
   /// The pair of two geoms, if they may touch.
   [[nodiscard]] std::optional<ColliderPair> pair_of(std::size_t a, std::size_t b) const;
 
   std::vector<Collider<R>> geoms;
+  std::vector<int> collider_of;  ///< (geoms of the model) the index of each that collides, else -1
   PairSearch search = PairSearch::kListed;
   std::vector<ColliderPair> pairs;        ///< where they are listed
   std::vector<SurfaceMaterial> surfaces;  ///< of explicit pairs

@@ -1,12 +1,14 @@
 // Flat memory with named fields: what there is one item for each of, where it lies, and what its numbers may be.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
 
 #include "manyhands/math/number.h"
+#include "manyhands/model/insertion.h"
 
 namespace manyhands {
 
@@ -42,6 +44,9 @@ struct FieldInfo {
   Range range;
 };
 
+/// Where the items of fields go when they take in others; by what there is one for each of.
+using FieldInsertion = std::array<ListInsertion, kKindsOfEach>;
+
 /// How many there are of what fields have items for: with the lists of fields it says where every field lies.
 class Layout {
  public:
@@ -52,8 +57,17 @@ class Layout {
   [[nodiscard]] std::size_t operator[](Each each) const { return counts_[static_cast<std::size_t>(each)]; }
   [[nodiscard]] std::size_t& operator[](Each each) { return counts_[static_cast<std::size_t>(each)]; }
 
+  /// For how many there is memory: as many as there are, unless more was reserved.
+  [[nodiscard]] std::size_t room(Each each) const {
+    return std::max((*this)[each], rooms_[static_cast<std::size_t>(each)]);
+  }
+  [[nodiscard]] bool has_room(const FieldInsertion& at) const;
+  /// For twice as many as there will be, where there is no room.
+  void reserve_twice(const FieldInsertion& at);
+  void add(const FieldInsertion& at);
+
  private:
-  std::array<std::size_t, kKindsOfEach> counts_{1};
+  std::array<std::size_t, kKindsOfEach> counts_{1}, rooms_{};
 };
 
 /// A run of items in flat memory that somebody else owns; const as what holds it is.
@@ -114,9 +128,11 @@ namespace internal {
 template <Number T, class Fields>
 [[nodiscard]] std::size_t numbers_of(const Layout& layout, Fields& fields) {
   std::size_t count = 0;
-  Fields::visit_fields([&]<class Item>(const FieldInfo& info,
-                                       const Field<Item>&) { count += layout[info.each] * (sizeof(Item) / sizeof(T)); },
-                       fields);
+  Fields::visit_fields(
+      [&]<class Item>(const FieldInfo& info, const Field<Item>&) {
+        count += layout.room(info.each) * (sizeof(Item) / sizeof(T));
+      },
+      fields);
   return count;
 }
 
@@ -125,12 +141,38 @@ template <Number T, class Fields>
 T* place_fields(const Layout& layout, T* memory, Fields& fields) {
   Fields::visit_fields(
       [&]<class Item>(const FieldInfo& info, Field<Item>& field) {
-        const std::size_t count = layout[info.each];
-        field = {reinterpret_cast<Item*>(memory), count};
-        memory += count * (sizeof(Item) / sizeof(T));
+        field = {reinterpret_cast<Item*>(memory), layout[info.each]};
+        memory += layout.room(info.each) * (sizeof(Item) / sizeof(T));
       },
       fields);
   return memory;
+}
+
+/// Copies every field but the contact cache, which does not lie with the others.
+template <class Fields>
+void copy_fields(const Fields& from, Fields& to) {
+  Fields::visit_fields(
+      [](const FieldInfo& info, const auto& a, auto& b) {
+        if (info.each != Each::kContactNumber) std::copy(a.begin(), a.end(), b.begin());
+      },
+      from, to);
+}
+
+/// Puts the items of `part` among those of `into`, whose fields are as long as both together. The part's fields may
+/// begin with items that do not come along: those of its world.
+template <class Fields>
+void insert_fields(const FieldInsertion& at, const Fields& part, Fields& into) {
+  Fields::visit_fields(
+      [&](const FieldInfo& info, const auto& items, auto& field) {
+        const ListInsertion& list = at[static_cast<std::size_t>(info.each)];
+        if (list.new_size == 0) return;
+        auto* const first = field.begin();
+        std::copy_backward(first + list.old_first, first + list.old_size, first + list.old_size + list.new_first);
+        const auto* const split = items.end() - (list.new_size - list.new_first);
+        std::copy(split - list.new_first, split, first + list.old_first);
+        std::copy(split, items.end(), first + list.old_size + list.new_first);
+      },
+      part, into);
 }
 
 }  // namespace internal

@@ -18,6 +18,24 @@ Layout::Layout(const Model& model, std::size_t contact_numbers)
               model.geoms().size(),
               model.links().size()} {}
 
+bool Layout::has_room(const FieldInsertion& at) const {
+  for (std::size_t k = 0; k < kKindsOfEach; ++k) {
+    if (counts_[k] + static_cast<std::size_t>(at[k].new_size) > room(static_cast<Each>(k))) return false;
+  }
+  return true;
+}
+
+void Layout::reserve_twice(const FieldInsertion& at) {
+  for (std::size_t k = 0; k < kKindsOfEach; ++k) {
+    const std::size_t count = counts_[k] + static_cast<std::size_t>(at[k].new_size);
+    rooms_[k] = count > room(static_cast<Each>(k)) ? 2 * count : room(static_cast<Each>(k));
+  }
+}
+
+void Layout::add(const FieldInsertion& at) {
+  for (std::size_t k = 0; k < kKindsOfEach; ++k) counts_[k] += static_cast<std::size_t>(at[k].new_size);
+}
+
 template <Number T>
 void Params<T>::take(const Model& model) {
   const auto number = [](double value) { return T(static_cast<real_t<T>>(value)); };

@@ -77,38 +77,6 @@ void include_both_joints(const Tree<R>& tree, TreeEquality<R>& equality) {
   }
 }
 
-/// Widens the ranges of dofs until no equality leaves its own and no two overlap in part.
-template <Real R>
-void join_clusters(Tree<R>& tree) {
-  tree.cluster_begin = tree.root_dof;
-  tree.cluster_end = tree.end_dof;
-  const auto join = [&](int i, int j) {
-    if (i < 0 || j < 0) return false;
-    const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
-    const int begin = std::min(tree.cluster_begin[a], tree.cluster_begin[b]);
-    const int end = std::max(tree.cluster_end[a], tree.cluster_end[b]);
-    bool grew = false;
-    for (auto k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k) {
-      grew = grew || tree.cluster_begin[k] != begin || tree.cluster_end[k] != end;
-      tree.cluster_begin[k] = begin;
-      tree.cluster_end[k] = end;
-    }
-    return grew;
-  };
-  for (bool grew = true; grew;) {
-    grew = false;
-    for (const TreeEquality<R>& equality : tree.equalities) {
-      const int a = tree.last_dof[equality.body_a], b = tree.last_dof[equality.body_b];
-      grew = join(a, b) || grew;
-      for (const int end : {a, b}) {
-        if (end < 0) continue;
-        const auto i = static_cast<std::size_t>(end);
-        grew = join(tree.cluster_begin[i], tree.cluster_end[i] - 1) || grew;
-      }
-    }
-  }
-}
-
 }  // namespace
 
 std::size_t equality_rows(const Model& model) {
@@ -153,14 +121,7 @@ Tree<R>::Tree(const Model& model)
     for (int i = last_dof.back(); i >= 0; i = dof_parent[static_cast<std::size_t>(i)]) path.push_back(i);
   }
   path_begin.push_back(path.size());
-  for (const EqualityConstraint& equality : model.equalities()) {
-    equalities.push_back(tree_equality<R>(model, equality));
-    if (equality.type == EqualityType::kJoint || equality.type == EqualityType::kGear)
-      include_both_joints(*this, equalities.back());
-    equalities.back().row = equality_rows;
-    equality_rows += equalities.back().turns ? 6 : 3;
-  }
-  join_clusters(*this);
+  set_equalities(model);
   dof_drive.assign(static_cast<std::size_t>(nv), -1);
   for (const Actuator& actuator : model.actuators()) {
     const Joint& joint = model.joint(actuator.joint);
@@ -173,6 +134,51 @@ Tree<R>::Tree(const Model& model)
     dof_limited.push_back(is_finite(limits.lower) || is_finite(limits.upper));
   }
   MANYHANDS_ASSERT(internal::is_topology_sound(*this));
+}
+
+template <Real R>
+void Tree<R>::join_clusters() {
+  cluster_begin = root_dof;
+  cluster_end = end_dof;
+  const auto join = [&](int i, int j) {
+    if (i < 0 || j < 0) return false;
+    const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
+    const int begin = std::min(cluster_begin[a], cluster_begin[b]);
+    const int end = std::max(cluster_end[a], cluster_end[b]);
+    bool grew = false;
+    for (auto k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k) {
+      grew = grew || cluster_begin[k] != begin || cluster_end[k] != end;
+      cluster_begin[k] = begin;
+      cluster_end[k] = end;
+    }
+    return grew;
+  };
+  for (bool grew = true; grew;) {
+    grew = false;
+    for (const TreeEquality<R>& equality : equalities) {
+      const int a = last_dof[equality.body_a], b = last_dof[equality.body_b];
+      grew = join(a, b) || grew;
+      for (const int end : {a, b}) {
+        if (end < 0) continue;
+        const auto i = static_cast<std::size_t>(end);
+        grew = join(cluster_begin[i], cluster_end[i] - 1) || grew;
+      }
+    }
+  }
+}
+
+template <Real R>
+void Tree<R>::set_equalities(const Model& model) {
+  equalities.clear();
+  equality_rows = 0;
+  for (const EqualityConstraint& equality : model.equalities()) {
+    equalities.push_back(tree_equality<R>(model, equality));
+    if (equality.type == EqualityType::kJoint || equality.type == EqualityType::kGear)
+      include_both_joints(*this, equalities.back());
+    equalities.back().row = equality_rows;
+    equality_rows += equalities.back().turns ? 6 : 3;
+  }
+  join_clusters();
 }
 
 template struct Tree<double>;

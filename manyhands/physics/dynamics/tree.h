@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "manyhands/math/spatial.h"
+#include "manyhands/model/insertion.h"
 #include "manyhands/model/model.h"
 #include "manyhands/physics/dynamics/params.h"
 
@@ -52,6 +53,13 @@ struct TreeEquality {
 template <Real R>
 struct Tree {
   explicit Tree(const Model& model);
+
+  /// Takes in the tree of a part that `ModelEdit::insert` put into the model.
+  void insert(const Tree& part, const Insertion& at);
+  /// Takes over the model's equality constraints anew.
+  void set_equalities(const Model& model);
+  /// Widens the ranges of dofs until no equality constraint leaves its own and no two overlap in part.
+  void join_clusters();
 
   int nb{};  ///< bodies, the world included
   int nq{}, nv{};

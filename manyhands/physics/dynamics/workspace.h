@@ -28,6 +28,14 @@ struct Workspace {
         bias(size(tree.nv)),
         M(tree.M_size, T(real_t<T>(0))) {}
 
+  /// As many of everything as the tree has now; what is new is not placed.
+  void resize(const Tree<real_t<T>>& tree) {
+    const auto all = [](std::size_t n, auto&... lists) { (lists.resize(n), ...); };
+    all(size(tree.nb), R_WB, p_OB, p_WO, V, A, F, I, I_A);
+    all(size(tree.nv), S, U, D_inverse, u, bias);
+    all(tree.M_size, M);
+  }
+
   std::vector<Mat3<T>> R_WB;               ///< (nb)
   std::vector<Vec3<T>> p_OB;               ///< (nb) body origin from its tree's origin O [m]
   std::vector<Vec3<T>> p_WO;               ///< (nb) the tree's origin in the world [m]

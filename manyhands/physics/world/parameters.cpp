@@ -19,16 +19,14 @@ std::string geom_label(const Model& model, GeomId id) {
   const Geom& geom = model.geoms()[id.index()];
   if (!geom.name.empty()) return geom.name;
   int k = 0;
-  for (std::size_t i = 0; i < id.index(); ++i) {
-    if (model.geoms()[i].link == geom.link && model.geoms()[i].name.empty()) ++k;
+  for (const GeomId other : model.geoms_of(geom.link)) {
+    if (other < id && model.geoms()[other.index()].name.empty()) ++k;
   }
   return model.link(geom.link).name + "#" + std::to_string(k);
 }
 
 GeomId geom_id(const Model& model, std::string_view label) {
-  for (std::size_t i = 0; i < model.geoms().size(); ++i) {
-    if (model.geoms()[i].name == label) return GeomId(i);
-  }
+  if (const GeomId named = model.find_geom(label); named.is_valid()) return named;
   std::vector<std::string> known;
   for (std::size_t i = 0; i < model.geoms().size(); ++i) {
     known.push_back(geom_label(model, GeomId(i)));
@@ -38,13 +36,11 @@ GeomId geom_id(const Model& model, std::string_view label) {
 }
 
 std::vector<GeomId> geoms_named(const Model& model, std::string_view name) {
-  const auto link = std::ranges::find(model.links(), name, &Link::name);
-  if (link == model.links().end()) return {geom_id(model, name)};
-  const LinkId id(static_cast<std::size_t>(link - model.links().begin()));
+  const LinkId link = model.find_link(name);
+  if (!link.is_valid()) return {geom_id(model, name)};
   std::vector<GeomId> found;
-  for (std::size_t i = 0; i < model.geoms().size(); ++i) {
-    const Geom& geom = model.geoms()[i];
-    if (geom.link == id && geom.role == GeomRole::kCollision) found.push_back(GeomId(i));
+  for (const GeomId id : model.geoms_of(link)) {
+    if (model.geoms()[id.index()].role == GeomRole::kCollision) found.push_back(id);
   }
   if (found.empty()) throw std::out_of_range("link '" + std::string(name) + "' has no geom that collides");
   return found;
@@ -98,9 +94,9 @@ void set_link_mass(const Model& model, LinkId link, double mass, const Strided<R
   link_mass[link.index()] = static_cast<R>(mass);
   const BodyId body = model.link(link).body;
   RigidInertia<double> sum = RigidInertia<double>::zero();
-  for (std::size_t i = 0; i < model.links().size(); ++i) {
+  for (const LinkId id : model.links_of(body)) {
+    const std::size_t i = id.index();
     const Link& part = model.links()[i];
-    if (part.body != body) continue;
     Inertial inertial = part.inertial;
     if (inertial.mass > 0) {
       const double factor = static_cast<double>(link_mass[i]) / inertial.mass;

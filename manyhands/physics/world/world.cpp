@@ -19,7 +19,8 @@ World::World(std::shared_ptr<const Model> model, double time_step, Integrator in
     : time_step_(time_step),
       integrator_(integrator),
       solver_(std::make_unique<SolverSettings>()),
-      core_(std::make_unique<WorldCore>(std::move(model))) {
+      core_(std::make_unique<WorldCore>(std::move(model))),
+      shown_(std::make_unique<Shown>()) {
   internal::require_time_step(time_step);
 }
 
@@ -30,7 +31,7 @@ World::World(const World& other)
       report_(other.report_),
       solver_(std::make_unique<SolverSettings>(*other.solver_)),
       core_(std::make_unique<WorldCore>(*other.core_)),
-      edit_(other.edit_ ? std::make_unique<Edit>(*other.edit_) : nullptr) {}
+      shown_(std::make_unique<Shown>()) {}
 
 World::World(World&& other) noexcept = default;
 World::~World() = default;
@@ -42,33 +43,37 @@ World& World::operator=(World other) noexcept {
   report_ = std::move(other.report_);
   solver_ = std::move(other.solver_);
   core_ = std::move(other.core_);
-  edit_ = std::move(other.edit_);
+  shown_ = std::move(other.shown_);
   return *this;
 }
 
-const WorldCore& World::core() const {
-  if (edit_) apply_edit();
+WorldCore& World::core() const {
+  if (core_->num_gone > 0) rebuild();
+  loose().refresh_keys();
   return *core_;
 }
 
-WorldCore& World::core() {
-  if (edit_) apply_edit();
+WorldCore& World::loose() const {
+  if (!core_->new_places.empty()) rebuild();
   return *core_;
 }
 
 const Model& World::model() const { return *core().model; }
 std::shared_ptr<const Model> World::shared_model() const { return core().model; }
-std::span<const double> World::q() const { return {core().state.q(), core().nq()}; }
-std::span<const double> World::v() const { return {core().state.v(), core().nv()}; }
-std::span<const double> World::tau() const { return {core().state.tau(), core().nv()}; }
-std::span<const double> World::ctrl() const { return {core().state.ctrl(), core().nu()}; }
-int World::solver_iterations() const { return core().has_stepped ? core().step.contact.iterations : 0; }
+std::span<const double> World::q() const { return loose().living(core_->state.q(), Each::kCoordinate, shown_->q); }
+std::span<const double> World::v() const { return loose().living(core_->state.v(), Each::kDof, shown_->v); }
+std::span<const double> World::tau() const { return loose().living(core_->state.tau(), Each::kDof, shown_->tau); }
+std::span<const double> World::ctrl() const {
+  return loose().living(core_->state.ctrl(), Each::kActuator, shown_->ctrl);
+}
+int World::solver_iterations() const { return loose().has_stepped ? core_->step.contact.iterations : 0; }
 const SolverSettings& World::solver() const { return *solver_; }
 
 void World::step(int n) {
   if (n < 0) throw std::invalid_argument("the number of steps is " + std::to_string(n) + "; expected 0 or more");
   const FloatEnvironment floats;
   WorldCore& now = core();
+  now.prepare_step();
   for (int i = 0; i < n; ++i) step_once(now);
 }
 
@@ -92,7 +97,7 @@ std::string joints_without_numbers(const WorldCore& core) {
 
 void World::step_once(WorldCore& core) {
   core.keep_all(core.before);
-  std::ranges::copy(core.extras.external, core.external_before.begin());
+  core.external_before.assign(core.extras.external.begin(), core.extras.external.end());
   const bool pushed = core.extras.pushed[0] != 0;
   if (pushed) core.push(core.system.tree, core.model->frames(), core.placed());
   if (integrator_ == Integrator::kRungeKutta4) {

@@ -150,6 +150,8 @@ class World {
   [[nodiscard]] std::optional<LinkDistance> distance(std::string_view link_a, std::string_view link_b) const;
   /// Every two links that may touch and are less than d [m] apart.
   [[nodiscard]] std::vector<LinkDistance> near_links(double d) const;
+  /// The same, but only those with `link`: a fraction of the work.
+  [[nodiscard]] std::vector<LinkDistance> near_links(double d, std::string_view link) const;
   /// The first colliding geom on each ray from origins[i] along directions[i], no farther than max_distance [m]. World
   /// axes; directions have any length above 0. Throws std::invalid_argument otherwise, or if the spans differ in
   /// length.
@@ -157,7 +159,12 @@ class World {
                                                                  std::span<const Vec3<double>> directions,
                                                                  double max_distance) const;
 
-  // ---- parts (world_edit.cpp): the model is made anew when it is next needed ------------------------------------
+  /// Of a link or geom that an answer names, as in `model`, which they do not ask for: that sweeps out what was
+  /// removed.
+  [[nodiscard]] std::string link_name(LinkId id) const;
+  [[nodiscard]] std::string geom_name(GeomId id) const;  ///< or "link#k" for the k-th nameless geom of a link
+
+  // ---- parts (world_edit.cpp): a change costs what it touches, not what is there --------------------------------
   /// Adds a model at X_WM. With a name, its parts are called "name/part". Throws ModelError if a name is taken.
   void add(const Model& model, const Transform<double>& X_WM = Transform<double>::identity(),
            const std::string& name = {});
@@ -170,6 +177,9 @@ class World {
   void remove(const std::string& name);
   /// What `remove` takes as a whole: names of models and of links on the world.
   [[nodiscard]] std::vector<std::string> names() const;
+  /// Whether geoms of two links may touch, or of all links of two models that were added by name. Joint neighbours,
+  /// filters and links of one body have their say besides. Throws std::out_of_range.
+  void set_collision(const std::string& a, const std::string& b, bool enabled);
 
   // ---- parameters of this world (world_params.cpp); the model keeps its own --------------------------------------
   [[nodiscard]] Vec3<double> gravity() const;
@@ -193,13 +203,13 @@ class World {
   void set_gains(std::string_view actuator, double kp, double kd);
 
  private:
-  struct Edit;
+  struct Shown;
 
-  [[nodiscard]] const WorldCore& core() const;
-  [[nodiscard]] WorldCore& core();
-  void apply_edit() const;
-  Edit& edit();
-  void drop_left_out();
+  /// As it is, and without the parts that were removed.
+  [[nodiscard]] WorldCore& core() const;
+  /// Where parts that were removed may still lie; names find the others only.
+  [[nodiscard]] WorldCore& loose() const;
+  void rebuild() const;
   void step_once(WorldCore& core);
   void runge_kutta_step_or_throw(WorldCore& core);
   void require_apart(WorldCore& core) const;
@@ -211,8 +221,8 @@ class World {
   std::int64_t steps_ = 0;
   LoadReport report_;
   std::unique_ptr<SolverSettings> solver_;
-  mutable std::unique_ptr<WorldCore> core_;  // of the parts before `edit_`
-  mutable std::unique_ptr<Edit> edit_;       // parts added and removed since
+  mutable std::unique_ptr<WorldCore> core_;
+  std::unique_ptr<Shown> shown_;
 };
 
 }  // namespace manyhands

@@ -77,10 +77,7 @@ class WorldBlock {
       : parts_(parts), state_layout_(model, contact_numbers) {
     if (parts != BlockParts::kState) params_layout_ = Layout(model);
     if (parts == BlockParts::kAll) extras_layout_ = Layout(model);
-    memory_.assign(internal::numbers_of<T>(state_layout_, state) + internal::numbers_of<T>(params_layout_, params) +
-                       internal::numbers_of<T>(extras_layout_, extras),
-                   T(R(0)));
-    lay_out();
+    allocate();
     state.take(model);
     if (parts != BlockParts::kState) params.take(model);
     for (std::size_t i = 0; i < extras.link_mass.size(); ++i) {
@@ -131,6 +128,26 @@ class WorldBlock {
   }
   /// The same to read: nothing is written through it.
   [[nodiscard]] WorldView<R> view(std::size_t lane) const { return const_cast<WorldBlock&>(*this).view(lane); }
+
+  /// Takes in the numbers of a part that `ModelEdit::insert` put into the model, its contact cache excepted. Memory
+  /// doubles when it is full.
+  void insert(const WorldBlock& part, const FieldInsertion& at) {
+    const std::array<Layout*, 3> layouts{&state_layout_, &params_layout_, &extras_layout_};
+    if (!std::ranges::all_of(layouts, [&](const Layout* layout) { return layout->has_room(at); })) {
+      WorldBlock old(std::move(*this));
+      for (Layout* layout : layouts) layout->reserve_twice(at);
+      allocate();
+      internal::copy_fields(old.state, state);
+      internal::copy_fields(old.params, params);
+      internal::copy_fields(old.extras, extras);
+      contact_cache_ = std::move(old.contact_cache_);
+    }
+    for (Layout* layout : layouts) layout->add(at);
+    lay_out();
+    internal::insert_fields(at, part.state, state);
+    internal::insert_fields(at, part.params, params);
+    internal::insert_fields(at, part.extras, extras);
+  }
 
   // ---- external forces -----------------------------------------------------------------------------------------
   /// Adds J^T F of the forces applied to links (whose frames `links` begins with) to tau, and forgets them. `ws` holds
@@ -195,6 +212,12 @@ class WorldBlock {
   }
 
  private:
+  void allocate() {
+    memory_.assign(internal::numbers_of<T>(state_layout_, state) + internal::numbers_of<T>(params_layout_, params) +
+                       internal::numbers_of<T>(extras_layout_, extras),
+                   T(R(0)));
+    lay_out();
+  }
   void lay_out() {
     T* next = state.place(state_layout_, memory_.data(), contact_cache_);
     next = internal::place_fields(params_layout_, next, params);

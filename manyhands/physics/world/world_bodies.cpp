@@ -9,13 +9,13 @@ using internal::require_pose;
 using internal::require_vector;
 
 Transform<double> World::body_pose(std::string_view name) const {
-  const WorldCore& now = core();
+  const WorldCore& now = loose();
   const Frame& frame = now.model->frame(now.model->frame_id(name));
   return frame_pose(frame.body, frame.X_BF, now.placed());
 }
 
 Motion<double> World::body_velocity(std::string_view name) const {
-  const WorldCore& now = core();
+  const WorldCore& now = loose();
   const Frame& frame = now.model->frame(now.model->frame_id(name));
   const Workspace<double>& ws = now.placed();
   const std::size_t b = frame.body.index();
@@ -35,12 +35,12 @@ const Body& World::free_body(const WorldCore& core, const Link& link, const char
 void World::set_body_pose(std::string_view name, const Transform<double>& X_WL) {
   const FloatEnvironment floats;
   require_pose("link '" + std::string(name) + "'", X_WL);
-  const LinkId id = core().model->link_id(name);
-  if (id.value() != 0 && core().model->link(id).joint.value() < 0) {
-    edit().builder.place_root(id, X_WL);
+  const LinkId id = loose().model->link_id(name);
+  if (id.value() != 0 && loose().model->link(id).joint.value() < 0) {
+    loose().place_root(id, X_WL);
     return;
   }
-  WorldCore& now = core();
+  WorldCore& now = loose();
   const Link& link = now.model->link(id);
   const Body& body = free_body(now, link, "pose");
   const Transform<double> X_FB = inverse(body.X_PF) * (X_WL * inverse(link.X_BL));
@@ -54,7 +54,7 @@ void World::set_body_velocity(std::string_view name, const Motion<double>& V_WL)
   const FloatEnvironment floats;
   require_vector("the angular velocity of link '" + std::string(name) + "'", V_WL.w);
   require_vector("the velocity of link '" + std::string(name) + "'", V_WL.v);
-  WorldCore& now = core();
+  WorldCore& now = loose();
   const Link& link = now.model->link(now.model->link_id(name));
   const Body& body = free_body(now, link, "velocity");
   const Vec3<double> p_LB = -(now.placed().R_WB[link.body.index()] * link.X_BL.p);
@@ -71,7 +71,7 @@ void World::apply_force(std::string_view name, const Vec3<double>& force, const 
   require_vector("the force on '" + std::string(name) + "'", force);
   require_vector("the torque on '" + std::string(name) + "'", torque);
   if (point) require_vector("the point of the force on '" + std::string(name) + "'", *point);
-  WorldCore& now = core();
+  WorldCore& now = loose();
   const LinkId id = now.model->link_id(name);
   const Link& link = now.model->link(id);
   const Vec3<double> p = point ? *point : frame_pose(link.body, link.X_BL, now.placed()) * link.inertial.com;

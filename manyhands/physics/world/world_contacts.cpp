@@ -36,7 +36,7 @@ Transform<double> pose_before(const Link& link, const Workspace<double>& ws) {
 }  // namespace
 
 std::vector<Contact> World::contacts() const {
-  const WorldCore& now = core();
+  const WorldCore& now = loose();
   std::vector<Contact> found;
   if (!now.has_stepped) return found;
   const double inverse_h = 1 / time_step_;
@@ -55,10 +55,11 @@ std::vector<Contact> World::contacts() const {
 }
 
 ContactWrench World::contact_wrench(std::string_view link_name, std::string_view other_name) const {
-  const WorldCore& now = core();
+  const WorldCore& now = loose();
   const LinkId link = now.model->link_id(link_name);
   const LinkId other = other_name.empty() ? LinkId() : now.model->link_id(other_name);
   ContactWrench sum;
+  if (!now.has_stepped) return sum;
   const Vec3<double> origin = pose_before(now.model->link(link), now.step.dynamics).p;
   for (const Contact& contact : contacts()) {
     if (contact.link_a != link && contact.link_b != link) continue;
@@ -72,12 +73,12 @@ ContactWrench World::contact_wrench(std::string_view link_name, std::string_view
 }
 
 ContactResiduals World::residuals() const {
-  const WorldCore& now = core();
+  const WorldCore& now = loose();
   return now.has_stepped ? contact_residuals(now.step) : ContactResiduals{};
 }
 
 double World::max_penetration() const {
-  const WorldCore& now = core();
+  const WorldCore& now = loose();
   double deepest = 0;
   for (const ContactPoint<double>& point : now.step.contact.problem.points) deepest = std::max(deepest, -point.phi);
   return deepest;
@@ -122,7 +123,7 @@ Force<double> inertial_force(const WorldCore& core, const std::vector<std::uint8
 }  // namespace
 
 Force<double> World::joint_wrench(std::string_view joint_name) const {
-  const WorldCore& now = core();
+  const WorldCore& now = loose();
   const Joint& joint = now.model->joint(now.model->joint_id(joint_name));
   if (!now.has_stepped) {
     throw std::runtime_error("joint_wrench tells of the last step, and there is none yet" +

@@ -1,7 +1,10 @@
 #include "manyhands/physics/world/world_core.h"
 
 #include <algorithm>
-#include <map>
+#include <atomic>
+#include <tuple>
+
+#include "manyhands/model/model_edit.h"
 
 namespace manyhands {
 
@@ -13,27 +16,70 @@ std::shared_ptr<const Model> required(std::shared_ptr<const Model> model) {
 }
 
 /// Beyond so many colliding geoms a broad phase is faster than a list of all pairs.
-constexpr std::ptrdiff_t kMostListed = 60;
+constexpr std::size_t kMostListed = 60;
+
+PairSearch search_of(std::size_t colliders) {
+  return colliders > kMostListed ? PairSearch::kSwept : PairSearch::kListed;
+}
 
 System<double> system_of(const std::shared_ptr<const Model>& shared_model) {
   const Model& model = *required(shared_model);
   const auto count = std::ranges::count(model.geoms(), GeomRole::kCollision, &Geom::role);
-  return System<double>(model, count > kMostListed ? PairSearch::kSwept : PairSearch::kListed);
+  return System<double>(model, search_of(static_cast<std::size_t>(count)));
 }
 
-/// The two colliders, lower index first, and the number of the manifold between them that a large world's key tells.
-struct ManifoldOf {
-  std::size_t low, high, number;
-};
-
-ManifoldOf manifold_of(const Colliders<double>& colliders, double key) {
+/// What a large world's key tells, which was made for so many colliders.
+CachedContact contact_of(double key, std::size_t colliders) {
   const auto whole = static_cast<std::size_t>(key);
   const std::size_t pair = whole / kManifoldPoints;
-  return {pair / colliders.geoms.size(), pair % colliders.geoms.size(), whole % kManifoldPoints};
+  return {.low = pair / colliders, .high = pair % colliders, .number = whole % kManifoldPoints};
 }
 
-double key_of(const Colliders<double>& colliders, const ManifoldOf& m) {
-  return static_cast<double>(kManifoldPoints * (m.low * colliders.geoms.size() + m.high) + m.number);
+double key_of(const CachedContact& c, std::size_t colliders) {
+  return static_cast<double>(kManifoldPoints * (c.low * colliders + c.high) + c.number);
+}
+
+bool in_order(const CachedContact& a, const CachedContact& b) {
+  return std::tie(a.low, a.high, a.number) < std::tie(b.low, b.high, b.number);
+}
+
+/// How many of the first n are marked.
+std::size_t marks_before(const std::vector<std::uint8_t>& marks, std::size_t n) {
+  const auto end = marks.begin() + static_cast<std::ptrdiff_t>(std::min(n, marks.size()));
+  return static_cast<std::size_t>(std::count(marks.begin(), end, 1));
+}
+
+/// The index of the one before which n are not marked; what lies behind all marks is not.
+std::size_t unmarked(const std::vector<std::uint8_t>& marks, std::size_t n) {
+  std::size_t i = 0;
+  for (std::size_t left = n; i < marks.size(); ++i) {
+    if (marks[i] != 0) continue;
+    if (left-- == 0) return i;
+  }
+  return n + marks_before(marks, marks.size());
+}
+
+/// Where the items of fields go. `rows`: of equality constraints.
+FieldInsertion places_of(const Insertion& at, const ListInsertion& rows, const Model& part) {
+  const auto behind = [](int old_size, std::size_t new_size) {
+    return ListInsertion{old_size, old_size, 0, static_cast<int>(new_size)};
+  };
+  FieldInsertion places{};
+  const auto put = [&](Each each, const ListInsertion& list) { places[static_cast<std::size_t>(each)] = list; };
+  put(Each::kCoordinate, at.q);
+  put(Each::kDof, at.v);
+  put(Each::kActuator, behind(at.actuators, part.actuators().size()));
+  put(Each::kEqualityRow, rows);
+  put(Each::kBody, at.bodies);
+  put(Each::kGeom, behind(at.geoms, part.geoms().size()));
+  put(Each::kLink, behind(at.links, part.links().size() - 1));
+  return places;
+}
+
+/// Rows of the equality constraints that come first.
+int rows_before(const Tree<double>& tree, int equality) {
+  const auto i = static_cast<std::size_t>(equality);
+  return static_cast<int>(i < tree.equalities.size() ? tree.equalities[i].row : tree.equality_rows);
 }
 
 }  // namespace
@@ -41,25 +87,221 @@ double key_of(const Colliders<double>& colliders, const ManifoldOf& m) {
 WorldCore::WorldCore(std::shared_ptr<const Model> shared_model)
     : WorldCore(required(shared_model), system_of(shared_model)) {}
 
+WorldCore::WorldCore(Model own_model) : WorldCore(std::make_shared<Model>(std::move(own_model))) { owns_model_ = true; }
+
+/// The contact cache lies beside the other numbers, so that it may change when parts do.
 WorldCore::WorldCore(std::shared_ptr<const Model> shared_model, System<double> own_system)
-    : WorldBlock<double>(*shared_model, own_system.contact_numbers()),
+    : WorldBlock<double>(*shared_model, 0),
       model(std::move(shared_model)),
       system(std::move(own_system)),
       step(system),
       runge_kutta(system.tree),
-      external_before(model->links().size(), Force<double>::zero()),
-      scratch(system.tree) {
-  keep_all(before);
+      scratch(system.tree),
+      key_colliders_(system.colliders.geoms.size()) {
+  state.resize_contact_cache(system.contact_numbers());
 }
 
-const Workspace<double>& WorldCore::placed() const {
-  if (is_placed) return scratch;
-  for (std::size_t b = 1; b < system.tree.bodies.size(); ++b) {
-    place(system.tree, b, state.q(), scratch);
-    move(system.tree, b, state.v(), scratch);
+Model& WorldCore::own_model() {
+  const bool is_shared = model.use_count() > 1;
+  std::atomic_thread_fence(std::memory_order_acquire);  // after what others did who have let go of it
+  if (!owns_model_ || is_shared) {
+    model = std::make_shared<Model>(*model);
+    owns_model_ = true;
   }
+  fingerprint.reset();
+  return const_cast<Model&>(*model);  // made as one that may change
+}
+
+// ---- where bodies and geoms are ---------------------------------------------------------------------------------
+
+const Workspace<double>& WorldCore::placed() const {
+  if (!is_placed) place_from(1);
   is_placed = true;
   return scratch;
+}
+
+void WorldCore::place_from(std::size_t body) const {
+  for (std::size_t b = body; b < system.tree.bodies.size(); ++b) {
+    manyhands::place(system.tree, b, state.q(), scratch);
+    move(system.tree, b, state.v(), scratch);
+  }
+}
+
+const GeomPlaces& WorldCore::placed_geoms() const {
+  const std::size_t known = geom_places_.X_WG.size();
+  geom_places_.extend(system.colliders, params, placed());
+  for (std::size_t i = known; num_gone > 0 && i < geom_places_.X_WG.size(); ++i) {
+    if (is_gone(LinkId(system.colliders.geoms[i].link))) geom_places_.remove(i);
+  }
+  return geom_places_;
+}
+
+// ---- parts ------------------------------------------------------------------------------------------------------
+
+void WorldCore::insert(const Model& part, const ContactRules& rules) {
+  const System<double> alone(part, PairSearch::kSwept);
+  const WorldBlock<double> numbers(part, 0);
+  ModelEdit edit(own_model());
+  const Insertion at = edit.insert(part);
+  edit.set_contact_rules(rules);
+  Tree<double>& tree = system.tree;
+  const ListInsertion rows{rows_before(tree, at.equalities.old_first), static_cast<int>(tree.equality_rows),
+                           rows_before(alone.tree, at.equalities.new_first),
+                           static_cast<int>(alone.tree.equality_rows)};
+  tree.insert(alone.tree, at);
+  WorldBlock<double>::insert(numbers, places_of(at, rows, part));
+  for (const LinkId id : part.links_of(BodyId(0))) {
+    const Link& link = part.link(id);
+    RigidInertia<double>& world = params.inertia[0];
+    world = world + transformed(link.X_BL, link.inertial.about_origin());
+  }
+  edit_colliders([&](Colliders<double>& colliders) {
+    colliders.insert(alone.colliders, at, *model);
+    colliders.rules = rules;
+  });
+  if (!gone_bodies_.empty()) {
+    at.bodies.apply(gone_bodies_, std::vector<std::uint8_t>(static_cast<std::size_t>(at.bodies.new_size), 0));
+  }
+  scratch.resize(tree);
+  if (is_placed) place_from(static_cast<std::size_t>(at.bodies.shifts() ? at.bodies.old_first : at.bodies.old_size));
+  forget_topology();
+}
+
+void WorldCore::remove(LinkId link) {
+  ModelEdit(own_model()).forget(link);
+  gone_.resize(model->links().size(), 0);
+  gone_bodies_.resize(model->bodies().size(), 0);
+  gone_[link.index()] = 1;
+  const BodyId body = model->link(link).body;
+  if (body.value() > 0 && model->body(body).joint == model->link(link).joint) gone_bodies_[body.index()] = 1;
+  ++num_gone;
+  gone_geoms_.resize(model->geoms().size(), 0);
+  for (const GeomId geom : model->geoms_of(link)) {
+    gone_geoms_[geom.index()] = 1;
+    const int collider = system.colliders.collider_of[geom.index()];
+    const bool is_known = collider >= 0 && static_cast<std::size_t>(collider) < geom_places_.X_WG.size();
+    if (is_known) geom_places_.remove(static_cast<std::size_t>(collider));
+  }
+  forget_topology();
+}
+
+LinkId WorldCore::shown(LinkId id) const { return LinkId(id.index() - marks_before(gone_, id.index())); }
+GeomId WorldCore::shown(GeomId id) const { return GeomId(id.index() - marks_before(gone_geoms_, id.index())); }
+LinkId WorldCore::hidden(LinkId id) const { return LinkId(unmarked(gone_, id.index())); }
+GeomId WorldCore::hidden(GeomId id) const { return GeomId(unmarked(gone_geoms_, id.index())); }
+
+void WorldCore::set_excluded(LinkId a, LinkId b, bool excluded) {
+  ModelEdit(own_model()).set_excluded(a, b, excluded);
+  edit_colliders([&](Colliders<double>& colliders) { colliders.set_excluded(a, b, excluded); });
+  forget_topology();
+}
+
+template <class Change>
+void WorldCore::edit_colliders(Change&& change) {
+  Colliders<double>& colliders = system.colliders;
+  const bool was_listed = colliders.search == PairSearch::kListed;
+  const std::vector<CachedContact> kept = was_listed ? cached_contacts() : std::vector<CachedContact>();
+  change(colliders);
+  if (!was_listed) return;
+  colliders.list_pairs(search_of(colliders.geoms.size()));
+  let_resist_turning(view(0).params, colliders);
+  cache_contacts(kept);
+}
+
+/// What equality constraints remember goes too: their rows may mean others now.
+void WorldCore::forget_topology() {
+  std::ranges::fill(state.equality_impulses(), 0.0);
+  step_fits_ = false;
+  forget_step();
+}
+
+void WorldCore::prepare_step() {
+  if (step_fits_) return;
+  step = StepWorkspace<double>(system);
+  runge_kutta = RungeKutta<double>(system.tree);
+  step_fits_ = true;
+}
+
+void WorldCore::forget_step() {
+  has_stepped = false;
+  step.contact.problem.points.clear();
+  step.contact.problem.torsions.clear();
+}
+
+std::span<const double> WorldCore::living(const double* numbers, Each each, std::vector<double>& shown) const {
+  if (num_gone == 0) return {numbers, each == Each::kCoordinate ? nq() : each == Each::kDof ? nv() : nu()};
+  shown.clear();
+  if (each == Each::kActuator) {
+    for (std::size_t i = 0; i < nu(); ++i) {
+      if (!is_gone(model->joint(model->actuators()[i].joint).child)) shown.push_back(numbers[i]);
+    }
+    return shown;
+  }
+  for (std::size_t b = 1; b < system.tree.bodies.size(); ++b) {
+    if (gone_bodies_[b] != 0) continue;
+    const TreeBody<double>& body = system.tree.bodies[b];
+    const bool is_q = each == Each::kCoordinate;
+    const double* first = numbers + (is_q ? body.iq : body.iv);
+    shown.insert(shown.end(), first, first + (is_q ? configuration_size(body.type) : body.nv));
+  }
+  return shown;
+}
+
+// ---- the contact cache ------------------------------------------------------------------------------------------
+
+std::vector<CachedContact> WorldCore::cached_contacts() const {
+  const Colliders<double>& colliders = system.colliders;
+  std::vector<CachedContact> found;
+  const auto add = [&](CachedContact contact, std::size_t manifold) {
+    const auto numbers = state.contact_cache().subspan(manifold * kManifoldNumbers<double>, kManifoldNumbers<double>);
+    if (numbers[1] == 0) return;  // carries nothing
+    std::ranges::copy(numbers, contact.numbers.begin());
+    found.push_back(contact);
+  };
+  if (colliders.search == PairSearch::kSwept) {
+    for (std::size_t i = 0; i < state.contact_cache().size() / kManifoldNumbers<double>; ++i) {
+      add(contact_of(state.contact_cache()[i * kManifoldNumbers<double>], key_colliders_), i);
+    }
+    return found;
+  }
+  for (const ColliderPair& pair : colliders.pairs) {
+    for (std::size_t k = 0; k < pair.manifolds; ++k) {
+      add({.low = std::min(pair.a, pair.b), .high = std::max(pair.a, pair.b), .number = k}, pair.manifold + k);
+    }
+  }
+  return found;
+}
+
+void WorldCore::cache_contacts(std::vector<CachedContact> contacts) {
+  const Colliders<double>& colliders = system.colliders;
+  std::ranges::sort(contacts, in_order);
+  key_colliders_ = colliders.geoms.size();
+  const bool swept = colliders.search == PairSearch::kSwept;
+  state.resize_contact_cache(swept ? contacts.size() * kManifoldNumbers<double> : system.contact_numbers());
+  const auto put = [&](const CachedContact& contact, double key, std::size_t manifold) {
+    const auto numbers = state.contact_cache().subspan(manifold * kManifoldNumbers<double>, kManifoldNumbers<double>);
+    std::ranges::copy(contact.numbers, numbers.begin());
+    numbers[0] = key;
+  };
+  for (std::size_t i = 0; swept && i < contacts.size(); ++i) put(contacts[i], key_of(contacts[i], key_colliders_), i);
+  for (const ColliderPair& pair : colliders.pairs) {
+    for (std::size_t k = 0; k < pair.manifolds; ++k) {
+      const CachedContact which{.low = std::min(pair.a, pair.b), .high = std::max(pair.a, pair.b), .number = k};
+      const auto found = std::ranges::lower_bound(contacts, which, in_order);
+      if (found != contacts.end() && !in_order(which, *found)) put(*found, 0, pair.manifold + k);
+    }
+  }
+}
+
+void WorldCore::refresh_keys() {
+  const std::size_t colliders = system.colliders.geoms.size();
+  if (key_colliders_ == colliders) return;
+  if (system.colliders.search == PairSearch::kSwept) {
+    for (CachedManifold<double>& manifold : cached_manifolds(state.contact_cache())) {
+      manifold.key = key_of(contact_of(manifold.key, key_colliders_), colliders);
+    }
+  }
+  key_colliders_ = colliders;
 }
 
 std::pair<std::size_t, std::size_t> WorldCore::colliders_of(const ContactPatch<double>& patch) const {
@@ -69,135 +311,9 @@ std::pair<std::size_t, std::size_t> WorldCore::colliders_of(const ContactPatch<d
     return {pair.a, pair.b};
   }
   const std::size_t first = patch.manifold * kManifoldNumbers<double>;
-  const ManifoldOf m = manifold_of(colliders, state.contact_cache()[first]);
-  const std::optional<ColliderPair> pair = colliders.pair_of(m.low, m.high);
+  const CachedContact contact = contact_of(state.contact_cache()[first], key_colliders_);
+  const std::optional<ColliderPair> pair = colliders.pair_of(contact.low, contact.high);
   return {pair->a, pair->b};
-}
-
-void WorldCore::forget_step() {
-  has_stepped = false;
-  step.contact.problem.points.clear();
-  step.contact.problem.torsions.clear();
-}
-
-namespace {
-
-/// Copies a joint's items of every field that has one for each of `each`, from index i on to index k on.
-template <class Fields>
-void copy_items(const Fields& from, Fields& to, Each each, int i, int k, int count) {
-  Fields::visit_fields(
-      [&](const FieldInfo& info, const auto& a, auto& b) {
-        if (info.each == each) std::copy_n(a.begin() + i, count, b.begin() + k);
-      },
-      from, to);
-}
-
-void carry_joint(const WorldCore& from, const Joint& a, const Joint& b, WorldCore& to) {
-  const int nq = configuration_size(a.type), nv = velocity_size(a.type);
-  if (nv == 0) return;
-  copy_items(from.state, to.state, Each::kCoordinate, a.iq, b.iq, nq);
-  copy_items(from.state, to.state, Each::kDof, a.iv, b.iv, nv);
-  copy_items(from.params, to.params, Each::kDof, a.iv, b.iv, nv);
-}
-
-/// Inertias of bodies follow the masses of their links.
-void carry_links(const WorldCore& from, const std::vector<int>& links, WorldCore& to) {
-  const WorldView<double> view = to.view(0);
-  for (std::size_t i = 0; i < links.size(); ++i) {
-    if (links[i] < 0) continue;
-    const auto k = static_cast<std::size_t>(links[i]);
-    to.extras.external[k] = from.extras.external[i];
-    const double mass = from.extras.link_mass[i];
-    if (to.extras.link_mass[k] != mass) set_link_mass(*to.model, LinkId(k), mass, view.extras.link_mass, view.params);
-  }
-  to.extras.pushed[0] = from.extras.pushed[0];
-}
-
-void carry_geoms(const WorldCore& from, const std::vector<int>& geoms, WorldCore& to) {
-  for (std::size_t i = 0; i < geoms.size(); ++i) {
-    if (geoms[i] >= 0) copy_items(from.params, to.params, Each::kGeom, static_cast<int>(i), geoms[i], 1);
-  }
-}
-
-void carry_actuators(const WorldCore& from, const std::vector<int>& actuators, WorldCore& to) {
-  for (std::size_t i = 0; i < actuators.size(); ++i) {
-    if (actuators[i] < 0) continue;
-    copy_items(from.state, to.state, Each::kActuator, static_cast<int>(i), actuators[i], 1);
-    copy_items(from.params, to.params, Each::kActuator, static_cast<int>(i), actuators[i], 1);
-  }
-}
-
-/// Calls visit(which, its numbers) for every manifold in a core's memory.
-template <class Visit>
-void visit_memory(const WorldCore& core, Visit&& visit) {
-  const Colliders<double>& colliders = core.system.colliders;
-  const std::span<const double> memory = core.state.contact_cache();
-  const auto numbers = [&](std::size_t i) {
-    return memory.subspan(i * kManifoldNumbers<double>, kManifoldNumbers<double>);
-  };
-  if (colliders.search == PairSearch::kSwept) {
-    for (std::size_t i = 0; i < memory.size() / kManifoldNumbers<double>; ++i) {
-      visit(manifold_of(colliders, numbers(i)[0]), numbers(i));
-    }
-    return;
-  }
-  for (const ColliderPair& pair : colliders.pairs) {
-    for (std::size_t k = 0; k < pair.manifolds; ++k) {
-      visit(ManifoldOf{std::min(pair.a, pair.b), std::max(pair.a, pair.b), k}, numbers(pair.manifold + k));
-    }
-  }
-}
-
-/// Impulses of pairs whose geoms are both still there.
-void carry_contacts(const WorldCore& from, const std::vector<int>& geoms, WorldCore& to) {
-  const Colliders<double>&before = from.system.colliders, &now = to.system.colliders;
-  std::vector<std::size_t> collider_of(to.model->geoms().size(), now.geoms.size());
-  for (std::size_t i = 0; i < now.geoms.size(); ++i) collider_of[now.geoms[i].geom] = i;
-  const auto carried = [&](std::size_t old) {
-    const int geom = geoms[before.geoms[old].geom];
-    return geom < 0 ? now.geoms.size() : collider_of[static_cast<std::size_t>(geom)];
-  };
-  std::map<double, std::vector<double>> kept;  // by key: the order in which a large world remembers
-  visit_memory(from, [&](const ManifoldOf& m, std::span<const double> numbers) {
-    const std::size_t a = carried(m.low), b = carried(m.high);
-    const bool used = numbers[1] != 0;
-    if (!used || std::max(a, b) >= now.geoms.size()) return;
-    const double key = key_of(now, {std::min(a, b), std::max(a, b), m.number});
-    kept[key].assign(numbers.begin(), numbers.end());
-  });
-  if (now.search == PairSearch::kSwept) {
-    to.state.resize_contact_cache(kept.size() * kManifoldNumbers<double>);
-    auto next = to.state.contact_cache().begin();
-    for (auto& [key, numbers] : kept) {
-      numbers[0] = key;
-      next = std::ranges::copy(numbers, next).out;
-    }
-    return;
-  }
-  for (const ColliderPair& pair : now.pairs) {
-    for (std::size_t k = 0; k < pair.manifolds; ++k) {
-      const auto found = kept.find(key_of(now, {std::min(pair.a, pair.b), std::max(pair.a, pair.b), k}));
-      if (found == kept.end()) continue;
-      found->second[0] = 0;
-      const auto first = static_cast<std::ptrdiff_t>((pair.manifold + k) * kManifoldNumbers<double>);
-      std::ranges::copy(found->second, to.state.contact_cache().begin() + first);
-    }
-  }
-}
-
-}  // namespace
-
-void carry(const WorldCore& from, const PartMap& map, WorldCore& to) {
-  copy_items(from.params, to.params, Each::kWorld, 0, 0, 1);
-  for (std::size_t i = 0; i < map.joints.size(); ++i) {
-    if (map.joints[i] < 0) continue;
-    carry_joint(from, from.model->joints()[i], to.model->joints()[static_cast<std::size_t>(map.joints[i])], to);
-  }
-  carry_links(from, map.links, to);
-  carry_geoms(from, map.geoms, to);
-  carry_actuators(from, map.actuators, to);
-  carry_contacts(from, map.geoms, to);
-  let_resist_turning(view(to.params, 0), to.system.colliders);
 }
 
 }  // namespace manyhands

@@ -1,6 +1,7 @@
 // World: adding and removing parts.
 #include <algorithm>
 #include <fstream>
+#include <set>
 
 #include "manyhands/base/float_environment.h"
 #include "manyhands/math/quaternion.h"
@@ -24,10 +25,6 @@ LoadedModel load_any(const std::filesystem::path& path) {
   const std::size_t mjcf = head.find("<mujoco"), robot = head.find("<robot");
   const bool is_urdf = path.extension() == ".urdf" || robot < mjcf;
   return is_urdf ? load_urdf(path) : load_mjcf(path);
-}
-
-bool belongs_to(const std::string& part, const std::string& name) {
-  return part == name || (part.size() > name.size() && part.starts_with(name) && part[name.size()] == '/');
 }
 
 /// The convex hull as a closed mesh.
@@ -108,50 +105,41 @@ World World::from_file(const std::filesystem::path& path, std::optional<double> 
   return world;
 }
 
-World::Edit& World::edit() {
-  if (!edit_) {
-    Edit edit;
-    edit.map = append(edit.builder, *core_->model);
-    take_settings(*core_->model, edit.builder);
-    edit_ = std::make_unique<Edit>(std::move(edit));
-  }
-  return *edit_;
-}
-
-/// Makes the builder anew without the links that are to go.
-void World::drop_left_out() {
-  if (!edit_ || edit_->left_out.empty()) return;
-  const Model model = edit_->builder.build();
-  std::vector<std::uint8_t> left_out(model.links().size(), 0);
-  for (const int link : edit_->left_out) left_out[static_cast<std::size_t>(link)] = 1;
-  Edit next;
-  next.map = edit_->map.then(append(next.builder, model, {.left_out = left_out}));
-  take_settings(model, next.builder);
-  edit_ = std::make_unique<Edit>(std::move(next));
-}
-
-void World::apply_edit() const {
+/// Makes the core anew, without the links that were removed and with others where they were put.
+void World::rebuild() const {
   const FloatEnvironment floats;
-  const_cast<World*>(this)->drop_left_out();
-  auto next = std::make_unique<WorldCore>(std::make_shared<const Model>(edit_->builder.build()));
-  carry(*core_, edit_->map, *next);
+  const WorldCore& old = *core_;
+  std::vector<std::uint8_t> gone = old.gone();
+  gone.resize(old.model->links().size(), 0);
+  ModelBuilder builder("world");
+  const PartMap map = append(builder, *old.model, {.left_out = gone});
+  take_settings(*old.model, builder);
+  for (const auto& [link, X_WL] : old.new_places) {
+    if (map.links[link.index()] >= 0) builder.place_root(LinkId(map.links[link.index()]), X_WL);
+  }
+  auto next = std::make_unique<WorldCore>(builder.build());
+  carry(old, map, *next);
   core_ = std::move(next);
-  edit_.reset();
 }
 
 void World::add(const Model& model, const Transform<double>& X_WM, const std::string& name) {
+  const FloatEnvironment floats;
   internal::require_pose("the model's place", X_WM);
-  const Model& present = *core().model;
-  Edit draft = std::move(edit());  // a name may be taken halfway through: then it is dropped
-  edit_.reset();
-  ContactRules rules = present.contact_rules(), theirs = model.contact_rules();
-  const PartMap map = append(draft.builder, model, {.X_WM = X_WM, .prefix = name.empty() ? "" : name + "/"});
-  if (present.geoms().empty()) rules = theirs;
-  if (theirs.self_collision && !rules.self_collision) exclude_self_collision(draft.builder, present, draft.map);
-  if (!theirs.self_collision && rules.self_collision) exclude_self_collision(draft.builder, model, map);
+  WorldCore& now = loose();
+  const int links = static_cast<int>(now.model->links().size());
+  const ContactRules theirs = model.contact_rules();
+  ContactRules rules = now.num_geoms() == 0 ? theirs : now.model->contact_rules();
+  const bool restrained = theirs.self_collision && !rules.self_collision;  // what was there before
+  ModelBuilder part("world");
+  const PartMap map = append(part, model, {.X_WM = X_WM, .prefix = name.empty() ? "" : name + "/"});
+  if (!theirs.self_collision && rules.self_collision) exclude_self_collision(part, model, map);
   rules.self_collision = rules.self_collision || theirs.self_collision;
-  draft.builder.set_contact_rules(rules);
-  edit_ = std::make_unique<Edit>(std::move(draft));
+  now.insert(part.build(), rules);
+  if (restrained) {
+    for (const auto& [a, b] : self_collisions(*now.model)) {
+      if (a.value() < links && b.value() < links) now.set_excluded(a, b, true);
+    }
+  }
 }
 
 void World::add_file(const std::filesystem::path& path, const Transform<double>& X_WM, const std::string& name) {
@@ -163,41 +151,57 @@ void World::add_file(const std::filesystem::path& path, const Transform<double>&
 void World::add_body(const NewBody& body) {
   const FloatEnvironment floats;
   check_body(body);
-  const Inertial inertial = body.fixed ? Inertial{} : solid(body);
-  ModelBuilder alone;
-  put(alone, body, inertial);
-  (void)alone.build();  // what cannot be a model is refused now, not when the world's is made
-  edit();
-  drop_left_out();  // its name may be that of a part removed before
-  put(edit().builder, body, inertial);
+  ModelBuilder part("world");
+  put(part, body, body.fixed ? Inertial{} : solid(body));
+  WorldCore& now = loose();
+  now.insert(part.build(), now.model->contact_rules());
 }
 
 void World::remove(const std::string& name) {
-  Edit& now = edit();
-  const std::vector<Link>& links = now.builder.links();
-  bool found = false;
-  for (std::size_t i = 1; i < links.size(); ++i) {
-    const bool gone = now.left_out.contains(static_cast<int>(i));
-    if (gone || !belongs_to(links[i].name, name)) continue;
-    now.left_out.insert(static_cast<int>(i));
-    found = true;
+  WorldCore& now = loose();
+  std::vector<LinkId> found = now.model->find_links(name);
+  std::erase(found, LinkId(0));
+  if (found.empty()) {
+    std::string message = "there is no part '" + name + "' to remove; there are:";
+    for (const std::string& known : names()) message += " '" + known + "'";
+    throw std::out_of_range(message);
   }
-  if (found) return;
-  std::string message = "there is no part '" + name + "' to remove; there are:";
-  for (const std::string& known : names()) message += " '" + known + "'";
-  throw std::out_of_range(message);
+  while (!found.empty()) {
+    const LinkId link = found.back();
+    found.pop_back();
+    if (now.is_gone(link)) continue;
+    const std::span<const LinkId> children = now.model->children_of(link);
+    found.insert(found.end(), children.begin(), children.end());
+    now.remove(link);
+  }
+  if (2 * now.num_gone > now.model->links().size()) rebuild();
 }
 
 std::vector<std::string> World::names() const {
-  const Model& model = *core().model;
+  const Model& model = *loose().model;
   std::vector<std::string> found;
-  for (std::size_t i = 1; i < model.links().size(); ++i) {
-    const Link& link = model.links()[i];
-    if (link.parent.value() > 0) continue;
-    const std::string name = link.name.substr(0, link.name.find('/'));
-    if (std::ranges::find(found, name) == found.end()) found.push_back(name);
+  std::set<std::string, std::less<>> known;
+  for (const LinkId id : model.children_of(LinkId(0))) {
+    const std::string& link = model.link(id).name;
+    const std::string name = link.substr(0, link.find('/'));
+    if (!name.empty() && known.insert(name).second) found.push_back(name);
   }
   return found;
+}
+
+void World::set_collision(const std::string& a, const std::string& b, bool enabled) {
+  WorldCore& now = loose();
+  const auto named = [&](const std::string& name) {
+    std::vector<LinkId> links = now.model->find_links(name);
+    if (links.empty()) (void)now.model->link_id(name);
+    return links;
+  };
+  const std::vector<LinkId> links_a = named(a), links_b = named(b);
+  for (const LinkId i : links_a) {
+    for (const LinkId j : links_b) {
+      if (i != j) now.set_excluded(i, j, !enabled);
+    }
+  }
 }
 
 }  // namespace manyhands

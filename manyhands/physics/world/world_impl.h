@@ -1,8 +1,6 @@
 // What a World keeps behind its header. Internal to World.
 #pragma once
 
-#include <set>
-
 #include "manyhands/model/compose.h"
 #include "manyhands/physics/collision/queries/queries.h"
 #include "manyhands/physics/world/named_parameters.h"
@@ -12,10 +10,9 @@
 
 namespace manyhands {
 
-struct World::Edit {
-  ModelBuilder builder{"world"};
-  PartMap map;             // from the present model to the builder
-  std::set<int> left_out;  // links of the builder that will be removed
+/// What `q` and its like show while removed parts lie between the others.
+struct World::Shown {
+  std::vector<double> q, v, tau, ctrl;
 };
 
 }  // namespace manyhands

@@ -18,72 +18,75 @@ double surface(const Field<double>& field, const Model& model, std::string_view 
 
 }  // namespace
 
-Vec3<double> World::gravity() const { return core().params.gravity[0]; }
+Vec3<double> World::gravity() const { return loose().params.gravity[0]; }
 
 void World::set_gravity(const Vec3<double>& gravity) {
-  parameters(core()).set_gravity(std::array{gravity.x, gravity.y, gravity.z});
+  parameters(loose()).set_gravity(std::array{gravity.x, gravity.y, gravity.z});
 }
 
 double World::mass(std::string_view link) const {
-  const WorldCore& now = core();
+  const WorldCore& now = loose();
   return now.extras.link_mass[now.model->link_id(link).index()];
 }
 
-void World::set_mass(std::string_view link, double mass) { parameters(core()).set_mass(link, one(mass)); }
+void World::set_mass(std::string_view link, double mass) { parameters(loose()).set_mass(link, one(mass)); }
 
 double World::friction(std::string_view name) const {
-  return surface(core().params.geom_friction, *core().model, name);
+  return surface(loose().params.geom_friction, *loose().model, name);
 }
 
 void World::set_friction(std::string_view name, double friction) {
-  parameters(core()).set_friction(name, one(friction));
+  parameters(loose()).set_friction(name, one(friction));
 }
 
 void World::set_spinning_friction(std::string_view name, double spinning) {
-  parameters(core()).set_spinning_friction(name, one(spinning));
+  parameters(loose()).set_spinning_friction(name, one(spinning));
 }
 
 void World::set_rolling_friction(std::string_view name, double rolling) {
-  parameters(core()).set_rolling_friction(name, one(rolling));
+  parameters(loose()).set_rolling_friction(name, one(rolling));
 }
 
 double World::restitution(std::string_view name) const {
-  return surface(core().params.geom_restitution, *core().model, name);
+  return surface(loose().params.geom_restitution, *loose().model, name);
 }
 
 void World::set_restitution(std::string_view name, double restitution) {
-  parameters(core()).set_restitution(name, one(restitution));
+  parameters(loose()).set_restitution(name, one(restitution));
 }
 
 double World::damping(std::string_view joint) const {
-  return core().params.damping[static_cast<std::size_t>(moving_joint(*core().model, joint).iv)];
+  return loose().params.damping[static_cast<std::size_t>(moving_joint(*loose().model, joint).iv)];
 }
 
-void World::set_damping(std::string_view joint, double damping) { parameters(core()).set_damping(joint, one(damping)); }
+void World::set_damping(std::string_view joint, double damping) {
+  parameters(loose()).set_damping(joint, one(damping));
+}
 
 void World::set_joint_friction(std::string_view joint, double friction) {
-  parameters(core()).set_joint_friction(joint, one(friction));
+  parameters(loose()).set_joint_friction(joint, one(friction));
 }
 
 void World::set_armature(std::string_view joint, double armature) {
-  parameters(core()).set_armature(joint, one(armature));
+  parameters(loose()).set_armature(joint, one(armature));
 }
 
 Vec3<double> World::geom_size(std::string_view geom) const {
-  return core().params.geom_size[geom_id(*core().model, geom).index()];
+  return loose().params.geom_size[geom_id(*loose().model, geom).index()];
 }
 
 void World::set_geom_size(std::string_view geom, const Vec3<double>& size) {
-  parameters(core()).set_geom_size(geom, std::array{size.x, size.y, size.z});
+  parameters(loose()).set_geom_size(geom, std::array{size.x, size.y, size.z});
+  loose().moved();
 }
 
 std::pair<double, double> World::gains(std::string_view actuator) const {
-  const std::size_t k = actuator_id(*core().model, actuator).index();
-  return {core().params.drive_kp[k], core().params.drive_kd[k]};
+  const std::size_t k = actuator_id(*loose().model, actuator).index();
+  return {loose().params.drive_kp[k], loose().params.drive_kd[k]};
 }
 
 void World::set_gains(std::string_view actuator, double kp, double kd) {
-  parameters(core()).set_gains(actuator, one(kp), one(kd));
+  parameters(loose()).set_gains(actuator, one(kp), one(kd));
 }
 
 }  // namespace manyhands

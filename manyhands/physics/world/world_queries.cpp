@@ -7,23 +7,48 @@ namespace manyhands {
 
 namespace {
 
-PlacedGeoms placed_geoms(const WorldCore& core) { return {core.system.colliders, core.params, core.placed()}; }
+PlacedGeoms placed_geoms(const WorldCore& core) { return {core.system.colliders, core.params, core.placed_geoms()}; }
+
+/// With the ids of `World::model`.
+void show(const WorldCore& core, LinkDistance& d) {
+  d.link_a = core.shown(d.link_a);
+  d.link_b = core.shown(d.link_b);
+  d.geom_a = core.shown(d.geom_a);
+  d.geom_b = core.shown(d.geom_b);
+}
+
+void require_number(double d) {
+  if (std::isnan(d)) throw std::invalid_argument("the distance is not a number; expected one in metres");
+}
 
 }  // namespace
 
 std::optional<LinkDistance> World::distance(std::string_view link_a, std::string_view link_b) const {
-  const WorldCore& now = core();
+  const WorldCore& now = loose();
   const LinkId a = now.model->link_id(link_a), b = now.model->link_id(link_b);
   if (a == b) {
     throw std::invalid_argument("the distance of link '" + std::string(link_a) +
                                 "' from itself was asked for; name two links");
   }
-  return link_distance(placed_geoms(now), a, b);
+  std::optional<LinkDistance> found = link_distance(*now.model, placed_geoms(now), a, b);
+  if (found) show(now, *found);
+  return found;
 }
 
 std::vector<LinkDistance> World::near_links(double d) const {
-  if (std::isnan(d)) throw std::invalid_argument("the distance is not a number; expected one in metres");
-  return links_within(placed_geoms(core()), d);
+  require_number(d);
+  const WorldCore& now = loose();
+  std::vector<LinkDistance> found = links_within(placed_geoms(now), d);
+  for (LinkDistance& pair : found) show(now, pair);
+  return found;
+}
+
+std::vector<LinkDistance> World::near_links(double d, std::string_view link) const {
+  require_number(d);
+  const WorldCore& now = loose();
+  std::vector<LinkDistance> found = links_within(*now.model, placed_geoms(now), d, now.model->link_id(link));
+  for (LinkDistance& pair : found) show(now, pair);
+  return found;
 }
 
 std::vector<std::optional<WorldRayHit>> World::ray_cast(std::span<const Vec3<double>> origins,
@@ -46,7 +71,17 @@ std::vector<std::optional<WorldRayHit>> World::ray_cast(std::span<const Vec3<dou
     }
     unit[i] = (1 / length) * unit[i];
   }
-  return manyhands::ray_cast(placed_geoms(core()), origins, unit, max_distance);
+  const WorldCore& now = loose();
+  std::vector<std::optional<WorldRayHit>> hits = manyhands::ray_cast(placed_geoms(now), origins, unit, max_distance);
+  for (std::optional<WorldRayHit>& hit : hits) {
+    if (!hit) continue;
+    hit->link = now.shown(hit->link);
+    hit->geom = now.shown(hit->geom);
+  }
+  return hits;
 }
+
+std::string World::link_name(LinkId id) const { return loose().model->link(loose().hidden(id)).name; }
+std::string World::geom_name(GeomId id) const { return geom_label(*loose().model, loose().hidden(id)); }
 
 }  // namespace manyhands

@@ -77,11 +77,12 @@ struct Scene {
 TEST(Queries, LinksAreAsFarApartAsTheirNearestGeoms) {
   for (unsigned seed = 0; seed < 10; ++seed) {
     const Scene scene(seed);
-    const PlacedGeoms geoms(scene.colliders, scene.params, scene.ws);
+    const GeomPlaces places(scene.colliders, scene.params, scene.ws);
+    const PlacedGeoms geoms(scene.colliders, scene.params, places);
     for (int a = 0; a < 9; ++a) {
       for (int b = 0; b < 9; ++b) {
         if (a == b) continue;
-        const auto found = link_distance(geoms, LinkId(a), LinkId(b));
+        const auto found = link_distance(scene.model, geoms, LinkId(a), LinkId(b));
         ASSERT_TRUE(found.has_value());
         EXPECT_NEAR(found->surfaces.phi, scene.distance(a, b), 1e-9);
         EXPECT_EQ(found->link_a, LinkId(a));
@@ -95,7 +96,8 @@ TEST(Queries, NearLinksAreAllOfThemThatMayTouch) {
   std::size_t total = 0;
   for (unsigned seed = 0; seed < 10; ++seed) {
     const Scene scene(seed);
-    const PlacedGeoms geoms(scene.colliders, scene.params, scene.ws);
+    const GeomPlaces places(scene.colliders, scene.params, scene.ws);
+    const PlacedGeoms geoms(scene.colliders, scene.params, places);
     for (const double d : {-0.05, 0.0, 0.3, 10.0}) {
       std::vector<std::pair<int, int>> expected, got;
       for (int a = 0; a < 9; ++a) {
@@ -109,6 +111,12 @@ TEST(Queries, NearLinksAreAllOfThemThatMayTouch) {
       }
       EXPECT_EQ(got, expected);
       total += got.size();
+      std::vector<std::pair<int, int>> with_third;
+      for (const LinkDistance& near : links_within(scene.model, geoms, d, LinkId(3))) {
+        with_third.emplace_back(near.link_a.value(), near.link_b.value());
+      }
+      std::erase_if(expected, [](const std::pair<int, int>& pair) { return pair.first != 3 && pair.second != 3; });
+      EXPECT_EQ(with_third, expected);
     }
   }
   EXPECT_GT(total, 300u);
@@ -118,7 +126,8 @@ TEST(Queries, ARayMeetsTheFirstOfAllGeoms) {
   int hits = 0;
   for (unsigned seed = 0; seed < 10; ++seed) {
     Scene scene(seed);
-    const PlacedGeoms geoms(scene.colliders, scene.params, scene.ws);
+    const GeomPlaces places(scene.colliders, scene.params, scene.ws);
+    const PlacedGeoms geoms(scene.colliders, scene.params, places);
     std::vector<Point> origins, directions;
     for (int i = 0; i < 100; ++i) {
       origins.push_back(scene.source.uniform(0.5, 4) * scene.source.direction());
@@ -158,8 +167,9 @@ TEST(Queries, ALinkWithoutGeomsIsNowhere) {
   const Workspace<double> ws(tree);
   const Colliders<double> colliders(model);
   const ParamsStorage<double> params(model);
-  const PlacedGeoms geoms(colliders, params, ws);
-  EXPECT_FALSE(link_distance(geoms, LinkId(0), LinkId(1)).has_value());
+  const GeomPlaces places(colliders, params, ws);
+  const PlacedGeoms geoms(colliders, params, places);
+  EXPECT_FALSE(link_distance(model, geoms, LinkId(0), LinkId(1)).has_value());
   EXPECT_TRUE(links_within(geoms, 1).empty());
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <map>
 
 #include "manyhands/physics/collision/queries/ray_cast.h"
@@ -33,22 +34,61 @@ void take_nearer(const PlacedGeoms& geoms, std::size_t a, std::size_t b, LinkDis
 /// The ray comes within the geom's ball at a distance of no more than `far`.
 bool may_meet(const PlacedGeoms& geoms, std::size_t g, const Vec& origin, const Vec& direction, double far) {
   const double r = geoms.radius(g) * (1 + 1e-9);
-  if (!is_finite(r)) return true;
+  if (!is_finite(r)) return r > 0;
   const Vec to = geoms.pose(g).p - origin;
   const double along = dot(to, direction);
   const Vec aside = to - along * direction;
   return squared_norm(aside) <= r * r && along + r >= 0 && along - r <= far;
 }
 
+using GeomPair = std::pair<std::size_t, std::size_t>;
+
+/// What of the pairs, sorted, may touch and is nearer than d, by links.
+std::vector<LinkDistance> nearest_of(const PlacedGeoms& geoms, double d, std::span<const GeomPair> pairs) {
+  std::map<std::pair<std::size_t, std::size_t>, LinkDistance> found;
+  for (const auto& [i, j] : pairs) {
+    const std::size_t a = geoms.geom(i).link, b = geoms.geom(j).link;
+    if (!(least_distance(geoms, i, j) < d) || !geoms.may_touch(i, j)) continue;
+    const auto [pair, is_new] = found.try_emplace({a, b}, LinkDistance{.surfaces = {.phi = d}});
+    take_nearer(geoms, i, j, pair->second);
+  }
+  std::vector<LinkDistance> near;
+  for (const auto& [links, distance] : found) {
+    if (distance.geom_a.is_valid()) near.push_back(distance);
+  }
+  return near;
+}
+
+/// Calls visit(i, j) for geoms of different links whose balls, grown by d, overlap along x; planes overlap all.
+template <class Visit>
+void sweep(const PlacedGeoms& geoms, double d, Visit&& visit) {
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < geoms.size(); ++i) {
+    if (geoms.radius(i) >= 0) order.push_back(i);
+  }
+  const auto low = [&](std::size_t i) { return geoms.pose(i).p.x - geoms.radius(i); };
+  std::ranges::sort(order, {}, low);
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const double reach = geoms.radius(order[k]) + d, x = geoms.pose(order[k]).p.x;
+    const double end = x + reach + 1e-12 * (std::abs(x) + std::abs(reach));  // the balls' distance is rounded, too
+    for (std::size_t l = k + 1; l < order.size() && low(order[l]) <= end; ++l) visit(order[k], order[l]);
+  }
+}
+
 }  // namespace
 
-PlacedGeoms::PlacedGeoms(const Colliders<double>& colliders, const Params<double>& params, const Workspace<double>& ws)
-    : colliders_(colliders), params_(params) {
-  for (const Collider<double>& geom : colliders.geoms) {
+void GeomPlaces::extend(const Colliders<double>& colliders, const Params<double>& params, const Workspace<double>& ws) {
+  for (std::size_t i = X_WG.size(); i < colliders.geoms.size(); ++i) {
+    const Collider<double>& geom = colliders.geoms[i];
     const Transform<double> X_WB{ws.R_WB[geom.body], ws.p_OB[geom.body] + ws.p_WO[geom.body]};
-    X_WG_.push_back(X_WB * geom.X_BG);
-    radius_.push_back(bounding_radius(geom, params.geom_size[geom.geom]));
+    X_WG.push_back(X_WB * geom.X_BG);
+    radius.push_back(bounding_radius(geom, params.geom_size[geom.geom]));
   }
+}
+
+void GeomPlaces::clear() {
+  X_WG.clear();
+  radius.clear();
 }
 
 ShapeView PlacedGeoms::shape(std::size_t i) const {
@@ -56,12 +96,20 @@ ShapeView PlacedGeoms::shape(std::size_t i) const {
   return {g.type, params_.geom_size[g.geom], g.hull.get(), g.mesh.get(), g.height_field.get()};
 }
 
-std::optional<LinkDistance> link_distance(const PlacedGeoms& geoms, LinkId a, LinkId b) {
+std::vector<std::size_t> PlacedGeoms::of_link(const Model& model, LinkId link) const {
+  std::vector<std::size_t> found;
+  for (const GeomId geom : model.geoms_of(link)) {
+    const int i = colliders_.collider_of[geom.index()];
+    if (i >= 0) found.push_back(static_cast<std::size_t>(i));
+  }
+  return found;
+}
+
+std::optional<LinkDistance> link_distance(const Model& model, const PlacedGeoms& geoms, LinkId a, LinkId b) {
   LinkDistance best{.surfaces = {.phi = kFar}};
-  for (std::size_t i = 0; i < geoms.size(); ++i) {
-    if (geoms.geom(i).link != a.index()) continue;
-    for (std::size_t j = 0; j < geoms.size(); ++j) {
-      if (geoms.geom(j).link == b.index() && j != i) take_nearer(geoms, i, j, best);
+  for (const std::size_t i : geoms.of_link(model, a)) {
+    for (const std::size_t j : geoms.of_link(model, b)) {
+      if (j != i) take_nearer(geoms, i, j, best);
     }
   }
   if (!best.geom_a.is_valid()) return {};
@@ -69,20 +117,27 @@ std::optional<LinkDistance> link_distance(const PlacedGeoms& geoms, LinkId a, Li
 }
 
 std::vector<LinkDistance> links_within(const PlacedGeoms& geoms, double d) {
-  std::map<std::pair<std::size_t, std::size_t>, LinkDistance> found;
-  for (std::size_t i = 0; i < geoms.size(); ++i) {
+  std::vector<GeomPair> pairs;
+  sweep(geoms, d, [&](std::size_t i, std::size_t j) {
+    if (!(least_distance(geoms, i, j) < d) || geoms.geom(i).link == geoms.geom(j).link) return;
+    const bool in_order = geoms.geom(i).link < geoms.geom(j).link;
+    pairs.emplace_back(in_order ? i : j, in_order ? j : i);
+  });
+  std::ranges::sort(pairs);
+  return nearest_of(geoms, d, pairs);
+}
+
+std::vector<LinkDistance> links_within(const Model& model, const PlacedGeoms& geoms, double d, LinkId link) {
+  std::vector<GeomPair> pairs;
+  for (const std::size_t i : geoms.of_link(model, link)) {
     for (std::size_t j = 0; j < geoms.size(); ++j) {
-      const std::size_t a = geoms.geom(i).link, b = geoms.geom(j).link;
-      if (a >= b || !(least_distance(geoms, i, j) < d) || !geoms.may_touch(i, j)) continue;
-      const auto [pair, is_new] = found.try_emplace({a, b}, LinkDistance{.surfaces = {.phi = d}});
-      take_nearer(geoms, i, j, pair->second);
+      if (!(least_distance(geoms, i, j) < d) || geoms.geom(j).link == link.index()) continue;
+      const bool in_order = link.index() < geoms.geom(j).link;
+      pairs.emplace_back(in_order ? i : j, in_order ? j : i);
     }
   }
-  std::vector<LinkDistance> near;
-  for (const auto& [links, distance] : found) {
-    if (distance.geom_a.is_valid()) near.push_back(distance);
-  }
-  return near;
+  std::ranges::sort(pairs);
+  return nearest_of(geoms, d, pairs);
 }
 
 std::vector<std::optional<WorldRayHit>> ray_cast(const PlacedGeoms& geoms, std::span<const Vec3<double>> origins,

@@ -11,26 +11,44 @@
 
 namespace manyhands {
 
+/// Where the colliding geoms of one world are; kept while nothing moves.
+struct GeomPlaces {
+  std::vector<Transform<double>> X_WG;  ///< (colliders)
+  std::vector<double> radius;  ///< (colliders) of a ball about the origin that holds it [m]; infinite for planes
+
+  GeomPlaces() = default;
+  GeomPlaces(const Colliders<double>& colliders, const Params<double>& params, const Workspace<double>& ws) {
+    extend(colliders, params, ws);
+  }
+
+  /// Adds those that are not there yet, for the bodies as placed in `ws`, with the sizes in `params`.
+  void extend(const Colliders<double>& colliders, const Params<double>& params, const Workspace<double>& ws);
+  /// What was removed meets nothing.
+  void remove(std::size_t collider) { radius[collider] = -std::numeric_limits<double>::infinity(); }
+  void clear();
+};
+
 /// The colliding geoms of one world, where they are; what it was made from outlives it.
 class PlacedGeoms {
  public:
-  /// For the bodies as placed in `ws`, with the sizes in `params`.
-  PlacedGeoms(const Colliders<double>& colliders, const Params<double>& params, const Workspace<double>& ws);
+  PlacedGeoms(const Colliders<double>& colliders, const Params<double>& params, const GeomPlaces& places)
+      : colliders_(colliders), params_(params), places_(places) {}
 
-  [[nodiscard]] std::size_t size() const { return X_WG_.size(); }
+  [[nodiscard]] std::size_t size() const { return places_.X_WG.size(); }
   [[nodiscard]] const Collider<double>& geom(std::size_t i) const { return colliders_.geoms[i]; }
-  [[nodiscard]] const Transform<double>& pose(std::size_t i) const { return X_WG_[i]; }
-  /// Of a ball about the geom's origin that holds it [m]; infinite for planes.
-  [[nodiscard]] double radius(std::size_t i) const { return radius_[i]; }
+  [[nodiscard]] const Transform<double>& pose(std::size_t i) const { return places_.X_WG[i]; }
+  /// Of a ball about the geom's origin that holds it [m]; infinite for planes, and minus that for what was removed.
+  [[nodiscard]] double radius(std::size_t i) const { return places_.radius[i]; }
   [[nodiscard]] ShapeView shape(std::size_t i) const;
+  /// The indices of a link's geoms.
+  [[nodiscard]] std::vector<std::size_t> of_link(const Model& model, LinkId link) const;
   /// Whether the model's rules let the two touch.
   [[nodiscard]] bool may_touch(std::size_t a, std::size_t b) const { return colliders_.pair_of(a, b).has_value(); }
 
  private:
   const Colliders<double>& colliders_;
   const Params<double>& params_;
-  std::vector<Transform<double>> X_WG_;
-  std::vector<double> radius_;
+  const GeomPlaces& places_;
 };
 
 /// The nearest surfaces of two links, or the deepest where they overlap.
@@ -42,10 +60,14 @@ struct LinkDistance {
 
 /// Between any two links, whatever the rules of contact; none if one of them has no colliding geom. Margins of geoms
 /// are not added.
-[[nodiscard]] std::optional<LinkDistance> link_distance(const PlacedGeoms& geoms, LinkId a, LinkId b);
+[[nodiscard]] std::optional<LinkDistance> link_distance(const Model& model, const PlacedGeoms& geoms, LinkId a,
+                                                        LinkId b);
 
 /// Every two links that may touch and are less than d [m] apart, sorted by links, link_a < link_b.
 [[nodiscard]] std::vector<LinkDistance> links_within(const PlacedGeoms& geoms, double d);
+/// The same, but only those with one link: a fraction of the work.
+[[nodiscard]] std::vector<LinkDistance> links_within(const Model& model, const PlacedGeoms& geoms, double d,
+                                                     LinkId link);
 
 /// What a ray meets first.
 struct WorldRayHit {
