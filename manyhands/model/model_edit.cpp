@@ -98,7 +98,6 @@ void ModelEdit::shift_old(const Insertion& at) {
   }
   for (int i = at.v.old_first; i < model_.nv_; ++i) {
     model_.dof_parent_[index(i)] = at.v.of_old(model_.dof_parent_[index(i)]);
-    model_.dof_body_[index(i)] = at.bodies.of_old(model_.dof_body_[index(i)]);
     model_.dof_q_[index(i)] = at.q.of_old(model_.dof_q_[index(i)]);
   }
 }
@@ -190,14 +189,11 @@ void ModelEdit::insert_geoms(const Model& part, const Insertion& at) {
 
 /// What acts at dofs and between parts.
 void ModelEdit::insert_couplings(const Model& part, const Insertion& at) {
-  std::vector<int> dof_parent = part.dof_parent_, dof_body = part.dof_body_, dof_joint = part.dof_joint_,
-                   dof_q = part.dof_q_;
+  std::vector<int> dof_parent = part.dof_parent_, dof_joint = part.dof_joint_, dof_q = part.dof_q_;
   for (int& i : dof_parent) i = at.v.of_new(i);
-  for (int& b : dof_body) b = at.new_body(b);
   for (int& i : dof_joint) i += at.joints;
   for (int& i : dof_q) i = at.q.of_new(i);
   at.v.apply(model_.dof_parent_, dof_parent);
-  at.v.apply(model_.dof_body_, dof_body);
   at.v.apply(model_.dof_joint_, dof_joint);
   at.v.apply(model_.dof_q_, dof_q);
   at.v.apply(model_.dof_limits_, part.dof_limits_);

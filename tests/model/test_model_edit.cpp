@@ -36,7 +36,6 @@ void expect_same_bodies(const Model& a, const Model& b) {
     expect_equal_lists(a.links_of(BodyId(i)), b.links_of(BodyId(i)));
   }
   expect_equal_lists(a.dof_parent(), b.dof_parent());
-  expect_equal_lists(a.dof_body(), b.dof_body());
   expect_equal_lists(a.dof_joint(), b.dof_joint());
   expect_equal_lists(a.dof_q(), b.dof_q());
   expect_equal_lists(a.dof_damping(), b.dof_damping());

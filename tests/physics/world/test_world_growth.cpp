@@ -216,7 +216,7 @@ TEST(WorldGrowth, PilesRestWhileTheWorldOutgrowsItsListOfPairs) {
   for (int i = 0; i < 5; ++i) world.add_body(box("pile" + std::to_string(i), {0, 0, 0.02 + 0.04 * i}));
   world.step(500);
   SolverSettings settings = world.solver();
-  settings.max_sweeps = 1;
+  settings.max_iterations = 1;
   world.set_solver(settings);
   for (int i = 0; i < 160; ++i) {
     World unedited = world;
