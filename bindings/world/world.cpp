@@ -26,8 +26,8 @@ namespace manyhands {
 namespace {
 
 using bindings::copied;
-using Numbers = std::vector<double>;
-using PerDof = std::variant<double, Numbers>;  // one for all, or one each
+using Doubles = std::vector<double>;
+using PerDof = std::variant<double, Doubles>;  // one for all, or one each
 
 constexpr const char* kPerDof = "float | collections.abc.Sequence[float] | numpy.typing.NDArray[numpy.floating]";
 
@@ -44,15 +44,15 @@ nb::object read_only(std::span<const double> values) {
   return array;
 }
 
-Numbers spread(const PerDof& value, int nv) {
-  if (const double* all = std::get_if<double>(&value)) return Numbers(static_cast<std::size_t>(nv), *all);
-  return std::get<Numbers>(value);
+Doubles spread(const PerDof& value, int nv) {
+  if (const double* all = std::get_if<double>(&value)) return Doubles(static_cast<std::size_t>(nv), *all);
+  return std::get<Doubles>(value);
 }
 
 void set_motors(World& world, const PerDof& target_q, const PerDof& target_v, const PerDof& kp, const PerDof& kd,
                 const PerDof& max_force) {
   const int nv = world.model().nv();
-  const Numbers q = spread(target_q, nv), v = spread(target_v, nv), p = spread(kp, nv), d = spread(kd, nv),
+  const Doubles q = spread(target_q, nv), v = spread(target_v, nv), p = spread(kp, nv), d = spread(kd, nv),
                 force = spread(max_force, nv);
   world.set_motors({.target_q = q, .target_v = v, .kp = p, .kd = d, .max_force = force});
 }
@@ -79,21 +79,21 @@ void bind_state(nb::class_<World>& world) {
   world
       .def_prop_rw(
           "q", [](const World& self) { return read_only(self.q()); },
-          [](World& self, const Numbers& q) { self.set_q(q); }, nb::for_getter(nb::sig(getter("q").c_str())),
+          [](World& self, const Doubles& q) { self.set_q(q); }, nb::for_getter(nb::sig(getter("q").c_str())),
           nb::for_setter(nb::sig(setter("q").c_str())), "Configuration (nq): a read-only copy; assign the whole.")
       .def_prop_rw(
           "v", [](const World& self) { return read_only(self.v()); },
-          [](World& self, const Numbers& v) { self.set_v(v); }, nb::for_getter(nb::sig(getter("v").c_str())),
+          [](World& self, const Doubles& v) { self.set_v(v); }, nb::for_getter(nb::sig(getter("v").c_str())),
           nb::for_setter(nb::sig(setter("v").c_str())), "Velocity (nv): a read-only copy; assign the whole.")
       .def_prop_rw(
           "tau", [](const World& self) { return read_only(self.tau()); },
-          [](World& self, const Numbers& tau) { self.set_tau(tau); }, nb::for_getter(nb::sig(getter("tau").c_str())),
+          [](World& self, const Doubles& tau) { self.set_tau(tau); }, nb::for_getter(nb::sig(getter("tau").c_str())),
           nb::for_setter(nb::sig(setter("tau").c_str())),
           "Joint forces (nv) [N m or N] that act in every step until they are set again: a read-only copy; assign the "
           "whole.")
       .def_prop_rw(
           "ctrl", [](const World& self) { return read_only(self.ctrl()); },
-          [](World& self, const Numbers& ctrl) { self.set_ctrl(ctrl); },
+          [](World& self, const Doubles& ctrl) { self.set_ctrl(ctrl); },
           nb::for_getter(nb::sig(getter("ctrl").c_str())), nb::for_setter(nb::sig(setter("ctrl").c_str())),
           "Commands of the actuators (nu), each kept within its range: a read-only copy; assign the whole.")
       .def(
