@@ -25,9 +25,6 @@ FILTER = re.compile(r"--gtest_filter='?(\w+)")
 COMMENT = re.compile(r'//[^\n]*|/\*.*?\*/|R"\(.*?\)"|"(?:\\.|[^"\\\n])*"', re.DOTALL)
 FENCED = re.compile(r"^```.*?^```", re.DOTALL | re.MULTILINE)
 
-# The contact room is being rewritten, and the owner of worlds with it. An entry goes when its name has come.
-TO_COME = {"ContactCache", "DelassusBlock", "JointConstraintState", "WorldBlock", "soften"}
-
 
 def words(text: str) -> set[str]:
     return set(re.findall(r"[A-Za-z_]\w*", text))
@@ -129,5 +126,4 @@ def test_all_that_is_named_exists() -> None:
         for file, line, text in tree()[2]
         for offset, name in missing(text, file.endswith(".md"))
     ]
-    assert [each for each in found if each[1] not in TO_COME] == []
-    assert {name for _, name in found} == TO_COME, "take out of TO_COME what has come"
+    assert found == []
