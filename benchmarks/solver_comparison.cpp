@@ -1,5 +1,5 @@
 // Compares families of contact solvers on one step's problem: how many iterations and how much time they need until the
-// law of contact is obeyed to 1e-3, 1e-6 and 1e-9, from nothing and from the answer of the step before.
+// law of contact is obeyed to 1e-3, 1e-6 and 1e-9, from nothing and from the solution of the step before.
 //
 // The solvers are those of tests/physics/contact/reference, in double. docs/contact_solver.md explains the table.
 #include "benchmarks/support.h"

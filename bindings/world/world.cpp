@@ -98,12 +98,12 @@ void bind_state(nb::class_<World>& world) {
           "Commands of the actuators (nu), each kept within its range: a read-only copy; assign the whole.")
       .def(
           "snapshot", [](const World& self) { return bindings::as_bytes(self.snapshot()); },
-          "All that a run continues from, bit for bit, in the middle of contact too: state, what contacts remember, "
+          "All that a run continues from, bit for bit, in the middle of contact too: state, contact cache, "
           "commands, forces applied, parameters and clock; not the solver's settings.")
-      .def(
-          "forget", &World::forget,
-          "Starts the clock anew and forgets what the solver remembers of the steps before: what follows depends on q, "
-          "v, forces and commands alone.")
+      .def("forget", &World::forget,
+           "Starts the clock anew and forgets the solver's warm start: what follows depends on q, v, forces and "
+           "commands "
+           "alone.")
       .def(
           "restore", [](World& self, const nb::bytes& snapshot) { self.restore(bindings::as_bytes(snapshot)); },
           "snapshot"_a,
@@ -150,12 +150,12 @@ void bind_solver(nb::class_<World>& world) {
             self.set_solver(settings);
           },
           nb::kw_only(), "max_iterations"_a = nb::none(), "tolerance"_a = nb::none(),
-          "How hard the contact solver works: at most max_iterations sweeps over all contacts, until none changes a "
+          "How hard the contact solver works: at most max_iterations passes over all contacts, until none changes a "
           "velocity by more than tolerance [m/s]. What is None stays.")
       .def_prop_ro("max_iterations", [](const World& self) { return self.solver().max_iterations; })
       .def_prop_ro(
           "tolerance", [](const World& self) { return self.solver().tolerance; }, "[m/s]")
-      .def_prop_ro("solver_iterations", &World::solver_iterations, "Sweeps that the last step took.");
+      .def_prop_ro("solver_iterations", &World::solver_iterations, "Iterations that the last step took.");
 }
 
 void bind_making(nb::class_<World>& world) {

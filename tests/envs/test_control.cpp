@@ -226,7 +226,7 @@ TEST_P(Control, StaysSaneUnderRandomActions) {
   }
 }
 
-/// Searches for the joints' stances that went round in circles, or off to infinity where friction wedged the fingers,
+/// Searches for the active set that went round in circles, or off to infinity where friction wedged the fingers,
 /// threw arms at up to 700 m/s in these batches of seeds.
 TEST(Control, NoArmIsThrownAboutByTheTable) {
   constexpr int n = 100;

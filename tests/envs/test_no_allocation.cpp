@@ -147,9 +147,9 @@ TEST(NoAllocation, InAWorldInContact) {
   }
 }
 
-/// Where sweeps do not do and the solver factors large matrices: a heavy cube on light ones that are kicked to and fro,
-/// and its upper half off the lower. A few make a small system, which sliding leaves without symmetry; many a sparse
-/// one.
+/// Where iterations do not do and the solver factors large matrices: a heavy cube on light ones that are kicked to and
+/// fro, and its upper half off the lower. A few make a small system, which sliding leaves without symmetry; many a
+/// sparse one.
 TEST(NoAllocation, InNewtonSteps) {
   for (const int cubes : {4, 12}) {
     ModelBuilder builder("pressed");

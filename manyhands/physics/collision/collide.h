@@ -11,7 +11,7 @@ namespace manyhands {
 template <Number T>
 struct Touch {
   std::size_t pair{};      ///< index in the list of pairs
-  std::size_t manifold{};  ///< where the manifold's memory is
+  std::size_t manifold{};  ///< its place in the contact cache
   Manifold<T> contact{};
 };
 

@@ -20,7 +20,7 @@ struct ActiveSetSearch {
   T batch{};                ///< iterations until the next look at the joints
   T looks{};                ///< at which the active set changed
 
-  std::vector<T> next_state;           ///< (nv) the states to which the present answer points
+  std::vector<T> next_state;           ///< (nv) the states to which the present iterate points
   std::vector<T> kept_dv, kept_rhs;    ///< (nv) of worlds that go on with their active set while others change theirs
   T best_merit{};                      ///< [rad/s or m/s]
   std::vector<T> best_set;             ///< (nv)
@@ -29,7 +29,8 @@ struct ActiveSetSearch {
 
 namespace internal {
 
-/// How urgently a dof should leave its state: the overload of a motor that holds, else a little.
+/// By how much a dof's impulse or velocity violates its state: the overload of a motor that holds, relative to its
+/// largest impulse, else a constant.
 template <Number T>
 MANYHANDS_INLINE T violation(const ContactProblem<T>& problem, const Iterate<T>& iterate,
                              const std::vector<T>& next_state, std::size_t i) {

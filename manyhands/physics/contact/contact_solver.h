@@ -10,7 +10,7 @@
 
 namespace manyhands {
 
-/// The problem of the last step, its answer, and the scratch of finding it: allocated once, never saved.
+/// The problem of the last step, its solution, and the scratch of finding it: allocated once, never saved.
 template <Number T>
 struct ContactSolver {
   using R = real_t<T>;

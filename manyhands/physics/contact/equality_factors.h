@@ -8,7 +8,8 @@
 
 namespace manyhands::internal {
 
-/// K = L D L^T in place; a row that no joint moves, or that adds nothing to those before it, gets no say. n rows.
+/// K = L D L^T of n rows, in place. A row that no joint moves, or that depends on rows before it, gets no impulse: its
+/// 1 / D is 0.
 template <Number T>
 MANYHANDS_INLINE void factor_K(std::size_t n, Factors<T>& factors) {
   using R = real_t<T>;

@@ -1,4 +1,4 @@
-// The solver's present answer: the change of velocity, and the impulse of everything that constrains it.
+// The solution so far: the change of velocity, and the impulse of everything that constrains it.
 #pragma once
 
 #include "manyhands/physics/contact/contact_problem.h"

@@ -1,7 +1,7 @@
 // Motors, drives, dry friction and limits, solved exactly given all other impulses.
 //
 // Given the state of every dof the problem is linear. Block principal pivoting (Júdice and Pires 1994) solves it, moves
-// the dofs whose answer contradicts their state, and repeats: all of them while that makes them fewer, else the first
+// the dofs whose solution contradicts their state, and repeats: all of them while that makes them fewer, else the first
 // alone, which is Murty's finite method.
 #pragma once
 
@@ -156,8 +156,8 @@ MANYHANDS_INLINE T check_joints(const ContactProblem<T>& problem, const Iterate<
 
 }  // namespace internal
 
-/// dv and impulses of all dofs under the joints' laws alone, given rhs. The answer depends on the state and the active
-/// set it starts from, not on the other lanes.
+/// dv and impulses of all dofs under the joints' laws alone, given rhs. The solution depends on the state and the
+/// active set it starts from, not on the other lanes.
 template <Number T>
 MANYHANDS_INLINE void solve_joints(const ContactProblem<T>& problem, Factors<T>& factors, Iterate<T>& iterate,
                                    std::vector<T>& next_state) {

@@ -121,8 +121,8 @@ MANYHANDS_INLINE void correct_free_fall(const Tree<real_t<T>>& tree, const Param
   }
 }
 
-/// What touches of the bodies as they are in `placed`, and the pairs that were looked at: all that are listed, or those
-/// that a broad phase finds.
+/// Finds the manifolds of bodies at the poses in `placed`, into ws.collision.touches. Returns the pairs that it tested,
+/// to which the touches refer: all that are listed, or in a large world those that the broad phase finds.
 template <Number T, Number P>
 MANYHANDS_INLINE std::span<const ColliderPair> look_for_touches(const Colliders<real_t<T>>& colliders,
                                                                 const Params<P>& params, real_t<T> h,
@@ -139,7 +139,8 @@ MANYHANDS_INLINE std::span<const ColliderPair> look_for_touches(const Colliders<
   return pairs;
 }
 
-/// The same in a step, whose contact cache follows what touches.
+/// As `look_for_touches`, at the poses of this step; in a large world the state's contact cache is sorted anew, as what
+/// touches.
 template <Number T, Number P>
 MANYHANDS_INLINE std::span<const ColliderPair> find_touches(const Colliders<real_t<T>>& colliders,
                                                             const Params<P>& params, real_t<T> h, State<T>& state,

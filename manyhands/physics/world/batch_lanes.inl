@@ -70,7 +70,7 @@ class BatchLanesOf final : public BatchLanes {
     if (n > 0) sum_contacts(block, worker.step);
   }
 
-  /// Worlds whose numbers have stopped being finite go back to where they were, and stay there without memory.
+  /// Worlds whose numbers have stopped being finite go back to where they were, and stay there without a warm start.
   void freeze(WorldBlock<T>& block, std::span<const T> kept) {
     T &frozen = block.extras.frozen[0], &advanced = block.extras.advanced[0];
     const auto good = (frozen == zero()) & block.is_finite();

@@ -105,14 +105,14 @@ class World {
   [[nodiscard]] Energy<double> energy() const;                   ///< [J]
   [[nodiscard]] MassProperties<double> mass_properties() const;  ///< centre of mass, momentum about the world's origin
 
-  /// All that a run continues from, bit for bit, as bytes (see snapshot.h): state, contact memory, commands, forces
+  /// All that a run continues from, bit for bit, as bytes (see snapshot.h): state, contact cache, commands, forces
   /// applied, parameters and clock; not the solver's settings.
   [[nodiscard]] std::vector<std::uint8_t> snapshot() const;
   /// Throws std::invalid_argument if the snapshot is not of a world with this model and time step, or holds numbers
   /// that cannot be; then nothing has changed. What the last step found (contacts, reactions) is forgotten.
   void restore(std::span<const std::uint8_t> snapshot);
-  /// Starts the clock anew and forgets what the solver remembers of the steps before: what follows depends on q, v,
-  /// forces and commands alone.
+  /// Starts the clock anew and forgets the solver's warm start: what follows depends on q, v, forces and commands
+  /// alone.
   void forget();
   /// FNV-1a over the bits of what a snapshot holds.
   [[nodiscard]] std::uint64_t state_hash() const;
@@ -159,8 +159,8 @@ class World {
                                                                  std::span<const Vec3<double>> directions,
                                                                  double max_distance) const;
 
-  /// Of a link or geom that an answer names, as in `model`, which they do not ask for: that sweeps out what was
-  /// removed.
+  /// Of a link or geom of a query's result. The id is that of `model`; these do not ask for it, since that clears out
+  /// what was removed.
   [[nodiscard]] std::string link_name(LinkId id) const;
   [[nodiscard]] std::string geom_name(GeomId id) const;  ///< or "link#k" for the k-th nameless geom of a link
 

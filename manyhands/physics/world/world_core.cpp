@@ -208,7 +208,7 @@ void WorldCore::edit_colliders(Change&& change) {
   cache_contacts(kept);
 }
 
-/// What equality constraints remember goes too: their rows may mean others now.
+/// The impulses of equality constraints go too: their rows may be those of others now.
 void WorldCore::forget_topology() {
   std::ranges::fill(state.equality_impulses(), 0.0);
   step_fits_ = false;

@@ -88,7 +88,7 @@ class PyBullet:
         self._simulation = None
 
     def forget(self) -> None:
-        """Holds all joints where they are, and clears what the solver remembers: what follows depends on poses and
+        """Holds all joints where they are, and clears the solver's warm start: what follows depends on poses and
         velocities alone. Environments do it in each reset; panda-gym does not."""
         self.physics_client.forget()
 

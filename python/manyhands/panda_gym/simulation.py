@@ -53,7 +53,7 @@ class Simulation:
             _core.step(self.world, 1, free)
 
     def forget(self) -> None:
-        """Joints are held where they are, and the solver remembers nothing: what follows depends on poses alone."""
+        """Joints are held where they are, and the solver starts cold: what follows depends on poses alone."""
         self._joints.hold()
         self.world.forget()
 

@@ -80,7 +80,7 @@ struct SceneBuilder {
 
 inline constexpr int kScenes = 5;
 
-/// Stacked boxes; a pinched capsule; an arm among boxes; rolling, spinning and bouncing things; loops.
+/// Stacked boxes; a pinched capsule; an arm among boxes; rolling, spinning and bouncing things; equality constraints.
 inline Model contact_scene(int which) {
   SceneBuilder s("scene " + std::to_string(which));
   const LinkId world = s.builder.world();

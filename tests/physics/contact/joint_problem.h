@@ -145,12 +145,12 @@ struct JointLaw {
     return worst;
   }
 
-  /// The same problem by another road: each dof in turn takes its place on its staircase while the others wait, until
+  /// The same problem by another road: each dof in turn takes its place on its force law while the others wait, until
   /// nothing moves. Slow and sure: coordinate descent on a strictly convex function.
-  [[nodiscard]] std::vector<double> by_gauss_seidel(int max_sweeps) const {
+  [[nodiscard]] std::vector<double> by_gauss_seidel(int max_iterations) const {
     std::vector<double> dv(n, 0.0);
     for (std::size_t i = 0; i < n; ++i) dv[i] = std::clamp(0.0, lower[i], upper[i]);
-    for (int sweep = 0; sweep < max_sweeps; ++sweep) {
+    for (int iteration = 0; iteration < max_iterations; ++iteration) {
       double change = 0;
       for (std::size_t i = 0; i < n; ++i) {
         double push = rhs[i];

@@ -1,4 +1,4 @@
-// Contact against closed forms: slopes, impacts, rolling, spinning, pinching, loops and drives, in double.
+// Contact against closed forms: slopes, impacts, rolling, spinning, pinching, closed loops and drives, in double.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -14,7 +14,7 @@ using testing::JointLaw;
 using testing::JointProblem;
 
 template <Real R>
-struct Answer {
+struct JointSolution {
   std::vector<double> dv, impulse;
   std::vector<R> active_set;
 };
@@ -43,7 +43,7 @@ struct JointSolver {
 };
 
 template <Real R>
-Answer<R> answer(const JointProblem<R>& p, std::span<const R> active_set = {}) {
+JointSolution<R> solution_of(const JointProblem<R>& p, std::span<const R> active_set = {}) {
   JointSolver<R> solver(p, active_set);
   solve_joints(solver.problem, solver.factors, solver.iterate, solver.next_state);
   const Iterate<R>& found = solver.iterate;
@@ -62,7 +62,7 @@ constexpr int kTrees = 1500;
 TEST(JointConstraints, ObeyTheirLawInDouble) {
   for (std::uint64_t seed = 0; seed < kTrees; ++seed) {
     const JointProblem<double> p(seed, 1 + static_cast<int>(seed % 12));
-    const Answer<double> found = answer(p);
+    const JointSolution<double> found = solution_of(p);
     EXPECT_LE(JointLaw(p).residual(found.dv, 1e-11), 1e-10) << "seed " << seed << ", nv " << p.tree.nv;
   }
 }
@@ -71,15 +71,15 @@ TEST(JointConstraints, ObeyTheirLawInDouble) {
 TEST(JointConstraints, ObeyTheirLawInFloat) {
   for (std::uint64_t seed = 0; seed < kTrees; ++seed) {
     const JointProblem<float> p(seed, 1 + static_cast<int>(seed % 12));
-    EXPECT_LE(JointLaw(p).residual(answer(p).dv, 5e-4), 5e-4) << "seed " << seed << ", nv " << p.tree.nv;
+    EXPECT_LE(JointLaw(p).residual(solution_of(p).dv, 5e-4), 5e-4) << "seed " << seed << ", nv " << p.tree.nv;
   }
 }
 
-TEST(JointConstraints, ReportTheImpulseThatTheAnswerNeeds) {
+TEST(JointConstraints, ReportTheImpulseThatTheSolutionNeeds) {
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
     const JointProblem<double> p(seed, 8);
     const JointLaw law(p);
-    const Answer<double> found = answer(p);
+    const JointSolution<double> found = solution_of(p);
     for (std::size_t i = 0; i < law.n; ++i) {
       double impulse = -law.rhs[i], scale = std::abs(law.rhs[i]) + law.F[i];
       for (std::size_t j = 0; j < law.n; ++j) {
@@ -97,16 +97,16 @@ TEST(JointConstraints, EqualGaussSeidelRunToConvergence) {
     const JointLaw law(p);
     const std::vector<double> slow = law.by_gauss_seidel(200000);
     ASSERT_LE(law.residual(slow, 1e-8), 1e-7) << "Gauss-Seidel has not converged, seed " << seed;
-    EXPECT_LE(worst_difference(answer(p).dv, slow), 1e-7) << "seed " << seed << ", nv " << p.tree.nv;
+    EXPECT_LE(worst_difference(solution_of(p).dv, slow), 1e-7) << "seed " << seed << ", nv " << p.tree.nv;
   }
 }
 
-/// The answer is unique; where the search begins may show in its rounding only.
+/// The solution is unique; where the search begins may show in its rounding only.
 TEST(JointConstraints, DoNotDependOnTheirWarmStart) {
   for (std::uint64_t seed = 0; seed < 400; ++seed) {
     const JointProblem<double> p(seed, 10);
     const JointLaw law(p);
-    const Answer<double> cold = answer(p);
+    const JointSolution<double> cold = solution_of(p);
     Generator rng(seed);
     for (int start = 0; start < 5; ++start) {
       std::vector<double> states(p.size());
@@ -119,10 +119,10 @@ TEST(JointConstraints, DoNotDependOnTheirWarmStart) {
                 ? 0
                 : state;
       }
-      EXPECT_LE(worst_difference(answer<double>(p, states).dv, cold.dv), 1e-9)
+      EXPECT_LE(worst_difference(solution_of<double>(p, states).dv, cold.dv), 1e-9)
           << "seed " << seed << ", start " << start;
     }
-    const Answer<double> again = answer<double>(p, cold.active_set);
+    const JointSolution<double> again = solution_of<double>(p, cold.active_set);
     EXPECT_EQ(again.active_set, cold.active_set) << "seed " << seed;
     EXPECT_LE(worst_difference(again.dv, cold.dv), 1e-9) << "seed " << seed;
   }
@@ -135,10 +135,10 @@ TEST(JointConstraints, ForgetAMotorThatWasSwitchedOff) {
     p.tree.dof_limited[i] = false;
     p.params.motor_max_force[i] = 0;
   }
-  const std::vector<double> cold = answer(p).dv;
+  const std::vector<double> cold = solution_of(p).dv;
   for (const double state : {-1.0, 0.0, 1.0}) {
     const std::vector<double> left(p.size(), state);
-    EXPECT_LE(worst_difference(answer<double>(p, left).dv, cold), 1e-12) << "state " << state;
+    EXPECT_LE(worst_difference(solution_of<double>(p, left).dv, cold), 1e-12) << "state " << state;
   }
 }
 
@@ -172,7 +172,7 @@ void expect_few_pivots(const char* number, int links, double mean) {
     ++histogram[pivots];
     sum += pivots;
     EXPECT_LE(pivots, contact_settings::kMaxStateChanges)
-        << "no answer, " << number << ", " << links << " links, seed " << seed;
+        << "no solution, " << number << ", " << links << " links, seed " << seed;
   }
   std::cout << number << ", " << links << " links, pivots x problems:";
   for (const auto& [pivots, count] : histogram) std::cout << ' ' << pivots << 'x' << count;

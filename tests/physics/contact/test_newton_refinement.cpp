@@ -1,5 +1,5 @@
-// Where sweeps alone do not arrive: stacks, heavy on light, and an arm that presses with all it has. The law is checked
-// on the reference's own problem, made from masses, points and normals alone.
+// Where iterations alone do not converge: stacks, heavy on light, and an arm that presses with all it has. The law is
+// checked on the reference's own problem, made from masses, points and normals alone.
 #include <gtest/gtest.h>
 
 #include <numeric>

@@ -149,8 +149,8 @@ TEST_P(EverySolver, ObeysTheLawInEveryScene) {
   }
 }
 
-/// With independent contacts and little friction there is one answer: all methods must find it.
-TEST(Reference, MethodsAgreeWhereTheAnswerIsUnique) {
+/// With independent contacts and little friction there is one solution: all methods must find it.
+TEST(Reference, MethodsAgreeWhereTheSolutionIsUnique) {
   int touching = 0, sliding = 0;
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     const ReferenceProblem problem = random_problem(seed, 18, 5, 100, 0.2);
@@ -168,8 +168,8 @@ TEST(Reference, MethodsAgreeWhereTheAnswerIsUnique) {
   EXPECT_GT(sliding, 30);
 }
 
-/// Ten cubes, 100 kg on nine of 1 kg, and a dry arch: where sweeps alone do not arrive.
-TEST(Reference, NewtonSolvesWhatSweepsCannot) {
+/// Ten cubes, 100 kg on nine of 1 kg, and a dry arch: where iterations alone do not converge.
+TEST(Reference, NewtonSolvesWhatIterationsCannot) {
   std::vector<double> topped(10, 1.0);
   topped.back() = 100;
   for (const ReferenceProblem& problem : {tower(std::vector<double>(10, 1.0)), tower(topped), arch(9)}) {

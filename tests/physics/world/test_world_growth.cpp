@@ -208,7 +208,7 @@ TEST(WorldGrowth, AModelThatSomebodyHoldsNeverChanges) {
   EXPECT_EQ(world.q()[0], 1);
 }
 
-/// With one iteration a step, a pile stays where it is only as long as its impulses are remembered: without them it
+/// With one iteration a step, a pile stays where it is only as long as it is warm started: without that it
 /// would gain 0.02 m/s.
 TEST(WorldGrowth, PilesRestWhileTheWorldOutgrowsItsListOfPairs) {
   World world;

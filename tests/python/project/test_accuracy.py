@@ -212,9 +212,9 @@ def test_run_writes_rows_and_keeps_them(tmp_path: Path, capsys: pytest.CaptureFi
 def test_what_ends_badly_is_a_row() -> None:
     made: list[rows.Row] = []
     impossible = Task("impulse", Settings(MUJOCO, 0.002))
-    hopeless = Task("pinch", Settings(MUJOCO, 0.002, options={"cone": "square"}))
+    failing = Task("pinch", Settings(MUJOCO, 0.002, options={"cone": "square"}))
     short = Task("tower", Settings(MUJOCO, 0.002, budget=0.0))
-    run_all([impossible, hopeless, short], 2, lambda _, new: made.extend(new), lambda _: None)
+    run_all([impossible, failing, short], 2, lambda _, new: made.extend(new), lambda _: None)
     notes = {row.case: (row.note, row.verdict) for row in made}
     assert notes["impulse"] == ("cannot: MuJoCo has no coefficient of restitution", "")
     assert notes["pinch"][0].startswith("failed: ")

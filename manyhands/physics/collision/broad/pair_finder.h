@@ -1,4 +1,4 @@
-// The pairs of a large world, found anew in every step, and what their contacts remember.
+// The pairs of a large world, found anew in every step.
 #pragma once
 
 #include "manyhands/physics/collision/broad/broad_phase.h"

@@ -5,7 +5,7 @@
 
 namespace manyhands {
 
-/// The contact problem of one step, what was derived from it, and its answer so far.
+/// The contact problem of one step, what was derived from it, and the iterate.
 struct NewtonContext {
   const ContactProblem<double>& problem;
   const Factors<double>& factors;

@@ -19,8 +19,8 @@ struct MultiplierLaw {
 };
 
 /// Newton's method on H x = J^T (impulses(J (dv + x)) - impulses(J dv)), where H = M + diag(penalty) of the dofs in
-/// trees whose contacts have not converged, and impulses follow the law softened by r about their present values (the
-/// anchor):
+/// trees whose contacts have not converged, and impulses follow the law softened by r about their present values, the
+/// multipliers (n_0, y_0):
 ///   n = max(0, n_0 - (u_n + R n) / r_n),  y = P(y_0 - u_t / r_t), P onto the disc of radius n.
 /// Equality constraints are rows without bounds. R: softness of the surface.
 class NewtonSystem {
