@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "manyhands/base/ids.h"
@@ -123,6 +124,11 @@ struct SurfaceMaterial {
   double restitution = 0;
   std::optional<double> stiffness{};  ///< [N/m]; only where somebody asked for softness
   std::optional<double> damping{};    ///< [N s/m]
+
+  /// All of it, for the model's fingerprint.
+  [[nodiscard]] auto fields() const {
+    return std::tie(lateral_friction, friction_y, spinning_friction, rolling_friction, restitution, stiffness, damping);
+  }
 };
 
 /// How the numbers of two surfaces become one.

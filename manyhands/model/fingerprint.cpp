@@ -38,9 +38,8 @@ class Fingerprint {
   }
   void add(const SymMat3<double>& m) { add(m.xx, m.yy, m.zz, m.xy, m.xz, m.yz); }
   void add(const Transform<double>& X) { add(X.R.x, X.R.y, X.R.z, X.p); }
-  void add(const SurfaceMaterial& s) {
-    add(s.lateral_friction, s.friction_y, s.spinning_friction, s.rolling_friction, s.restitution, s.stiffness,
-        s.damping);
+  void add(const SurfaceMaterial& surface) {
+    std::apply([this](const auto&... fields) { add(fields...); }, surface.fields());
   }
   void add(const Link& link) {
     add(link.name, link.inertial.mass, link.inertial.com, link.inertial.inertia, link.parent.value(),
