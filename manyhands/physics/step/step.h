@@ -161,8 +161,11 @@ void step(const System<real_t<T>>& system, const Params<P>& params, real_t<T> h,
           StepWorkspace<T>& ws) {
   const Tree<real_t<T>>& tree = system.tree;
   MANYHANDS_ASSERT(h > 0 && is_finite(h));
-  MANYHANDS_ASSERT(internal::all_finite(state.q(), tree.nq) && internal::all_finite(state.v(), tree.nv));
-  MANYHANDS_ASSERT(internal::are_quaternions_unit(tree, state.q()));
+  // In single precision a world that runs away is found after the step, or after several, and put back.
+  if constexpr (std::same_as<T, double>) {
+    MANYHANDS_ASSERT(internal::all_finite(state.q(), tree.nq) && internal::all_finite(state.v(), tree.nv));
+    MANYHANDS_ASSERT(internal::are_quaternions_unit(tree, state.q()));
+  }
   const Colliders<real_t<T>>& colliders = system.colliders;
   bias_and_mass_matrix(tree, params, state.q(), state.v(), ws.dynamics);                      // 1 dynamics
   const std::span<const ColliderPair> pairs = find_touches(colliders, params, h, state, ws);  // 2 collision
