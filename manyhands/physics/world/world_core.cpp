@@ -138,7 +138,7 @@ const GeomPlaces& WorldCore::placed_geoms() const {
 
 // ---- parts ------------------------------------------------------------------------------------------------------
 
-void WorldCore::insert(const Model& part, const ContactRules& rules) {
+void WorldCore::insert(const Model& part, ContactRules rules) {
   const System<double> alone(part, PairSearch::kSwept);
   const WorldBlock<double> numbers(part, 0);
   ModelEdit edit(own_model());

@@ -43,7 +43,7 @@ struct WorldCore : WorldBlock<double> {
 
   /// Takes in the parts of a model, and from now on goes by the rules. Throws ModelError, and changes nothing, if a
   /// name is taken.
-  void insert(const Model& part, const ContactRules& rules);
+  void insert(const Model& part, ContactRules rules);
   /// Removes a link, its joint and its geoms; not what hangs on it.
   void remove(LinkId link);
   [[nodiscard]] bool is_gone(LinkId link) const { return link.index() < gone_.size() && gone_[link.index()] != 0; }
