@@ -111,7 +111,7 @@ void World::rebuild() const {
   const WorldCore& old = *core_;
   std::vector<std::uint8_t> gone = old.gone();
   gone.resize(old.model->links().size(), 0);
-  ModelBuilder builder("world");
+  ModelBuilder builder(old.model->name());
   const PartMap map = append(builder, *old.model, {.left_out = gone});
   take_settings(*old.model, builder);
   for (const auto& [link, X_WL] : old.new_places) {
