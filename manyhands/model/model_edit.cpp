@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "manyhands/base/index.h"
+
 namespace manyhands {
 
 namespace {
@@ -22,8 +24,6 @@ void append(std::vector<Item>& into, std::span<const Item> items) {
 }
 
 int count_of(const auto& list) { return static_cast<int>(list.size()); }
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 

@@ -4,10 +4,7 @@
 
 namespace manyhands {
 
-namespace {
-
-/// How many of the sizes a shape uses.
-std::size_t sizes_of(ShapeType type) {
+std::size_t num_sizes(ShapeType type) {
   switch (type) {
     case ShapeType::kSphere:
       return 1;
@@ -20,8 +17,6 @@ std::size_t sizes_of(ShapeType type) {
       return 0;
   }
 }
-
-}  // namespace
 
 void check_inertial(const std::string& name, const Inertial& inertial) {
   const SymMat3<double>& I = inertial.inertia;
@@ -43,7 +38,7 @@ void check_inertial(const std::string& name, const Inertial& inertial) {
 void check_geom(const Geom& geom) {
   const std::string what = "geom '" + geom.name + "'";
   const std::array sizes{geom.shape.size.x, geom.shape.size.y, geom.shape.size.z};
-  for (std::size_t i = 0; i < sizes_of(geom.shape.type); ++i) {
+  for (std::size_t i = 0; i < num_sizes(geom.shape.type); ++i) {
     const bool may_be_zero = geom.shape.type == ShapeType::kCapsule && i == 1;
     if (!finite(sizes[i]) || sizes[i] < 0 || (sizes[i] == 0 && !may_be_zero)) {
       throw ModelError(what + ": a size is " + std::to_string(sizes[i]) + " m; expected a finite number above 0");

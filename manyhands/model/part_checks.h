@@ -8,6 +8,9 @@ namespace manyhands {
 [[nodiscard]] inline bool finite(double a) { return is_finite(a); }
 [[nodiscard]] inline bool finite(const Vec3<double>& a) { return finite(a.x) && finite(a.y) && finite(a.z); }
 
+/// How many numbers of Shape::size a shape uses.
+[[nodiscard]] std::size_t num_sizes(ShapeType type);
+
 /// Throws ModelError, naming the part, on numbers that are not finite, a negative mass, or an inertia that is not
 /// positive semi-definite.
 void check_inertial(const std::string& link, const Inertial& inertial);

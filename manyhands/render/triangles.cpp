@@ -9,6 +9,7 @@
 #include <unordered_map>
 
 #include "manyhands/base/hash.h"
+#include "manyhands/base/index.h"
 
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
@@ -36,8 +37,6 @@ RTCDevice device() {
   if (device.handle == nullptr) throw std::runtime_error("Embree does not start on this machine");
   return device.handle;
 }
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 /// For each vertex, the first one at the same place: files repeat vertices where normals or textures differ.
 std::vector<int> merged(const std::vector<Vec>& vertices) {

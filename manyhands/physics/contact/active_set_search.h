@@ -60,7 +60,7 @@ template <Number T>
 MANYHANDS_INLINE T merit(const ContactProblem<T>& problem, const Iterate<T>& iterate,
                          const std::vector<T>& next_state) {
   const T zero = constant<T>(0), one = constant<T>(1);
-  const T tiny = constant<T>(1e6 * std::numeric_limits<real_t<T>>::min());
+  const T tiny = constant<T>(SolverTraits<real_t<T>>::kSmallest);
   T worst = zero;
   for (std::size_t i = 0; i < next_state.size(); ++i) {
     const T state = iterate.active_set[i], inertia = max(tree_row(*problem.tree, problem.M(), i)[i], tiny);

@@ -31,6 +31,10 @@ template <Number T>
 [[nodiscard]] MANYHANDS_INLINE std::span<CachedManifold<T>> cached_manifolds(std::span<T> numbers) {
   return {reinterpret_cast<CachedManifold<T>*>(numbers.data()), numbers.size() / kManifoldNumbers<T>};
 }
+template <Number T>
+[[nodiscard]] MANYHANDS_INLINE std::span<const CachedManifold<T>> cached_manifolds(std::span<const T> numbers) {
+  return {reinterpret_cast<const CachedManifold<T>*>(numbers.data()), numbers.size() / kManifoldNumbers<T>};
+}
 
 /// Hands the impulse of each old point that carried something to the nearest new one that is still free, in order.
 template <Number T>

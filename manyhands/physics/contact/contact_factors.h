@@ -50,7 +50,7 @@ MANYHANDS_INLINE void factor_patch(const ContactProblem<T>& problem, const Conta
 template <Number T>
 MANYHANDS_INLINE void factor_contacts(const ContactProblem<T>& problem, Factors<T>& factors) {
   const T zero = constant<T>(0), one = constant<T>(1);
-  const T tiny = constant<T>(1e6 * std::numeric_limits<real_t<T>>::min());
+  const T tiny = constant<T>(SolverTraits<real_t<T>>::kSmallest);
   factors.patches.resize(problem.patches.size());
   factors.points.resize(problem.points.size());
   factors.torsions.resize(problem.torsions.size());

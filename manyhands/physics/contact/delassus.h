@@ -2,6 +2,7 @@
 #pragma once
 
 #include "manyhands/math/vec3.h"
+#include "manyhands/physics/contact/settings.h"
 
 namespace manyhands {
 
@@ -30,8 +31,8 @@ struct DelassusBlock {
 /// the surfaces, and the contact does nothing.
 template <Number T>
 MANYHANDS_INLINE DelassusBlock<T> diagonalise(const Mat3<T>& G, T softness, T immovable) {
-  using Limits = std::numeric_limits<real_t<T>>;
-  const T zero = constant<T>(0), one = constant<T>(1), half = constant<T>(0.5), tiny = constant<T>(1e6 * Limits::min());
+  const T zero = constant<T>(0), one = constant<T>(1), half = constant<T>(0.5),
+          tiny = constant<T>(SolverTraits<real_t<T>>::kSmallest);
   DelassusBlock<T> block;
   block.normal = G.x.x + softness;
   const auto moves = block.normal > max(immovable, tiny);
@@ -47,7 +48,7 @@ MANYHANDS_INLINE DelassusBlock<T> diagonalise(const Mat3<T>& G, T softness, T im
   block.s = select(turned, copysign(one, d) * s_12 / (max(r, tiny) * (block.c + block.c)), zero);
   const T mean = half * (s_11 + s_22), spread = copysign(r, d);
   // Where the surfaces cannot slide at all, as on a link that has two joints before it, rounding leaves less than this.
-  const T least = constant<T>(8 * static_cast<double>(Limits::epsilon())) * (G.y.y + G.z.z);
+  const T least = constant<T>(8 * static_cast<double>(std::numeric_limits<real_t<T>>::epsilon())) * (G.y.y + G.z.z);
   block.sigma_1 = max(mean + spread, least);
   block.sigma_2 = max(mean - spread, least);
   block.inverse_1 = one / max(block.sigma_1, tiny);

@@ -13,7 +13,7 @@ namespace manyhands::internal {
 template <Number T>
 MANYHANDS_INLINE void factor_K(std::size_t n, Factors<T>& factors) {
   using R = real_t<T>;
-  const T zero = constant<T>(0), one = constant<T>(1), tiny = constant<T>(1e6 * std::numeric_limits<R>::min());
+  const T zero = constant<T>(0), one = constant<T>(1), tiny = constant<T>(SolverTraits<R>::kSmallest);
   for (std::size_t i = 0; i < n; ++i) {
     T* row = &factors.K[i * n];
     const T whole = row[i];

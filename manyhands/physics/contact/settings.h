@@ -21,6 +21,8 @@ struct SolverTraits;
 template <>
 struct SolverTraits<double> {
   static constexpr SolverSettings kDefaults{};
+  /// The least that is divided by: 1 / kSmallest is still far from overflow.
+  static constexpr double kSmallest = 1e6 * std::numeric_limits<double>::min();
   /// Newton's method takes over where Gauss-Seidel has a long tail. It needs double: r = 1e-7 of the effective mass.
   static constexpr bool kRefines = true;
   /// Iterations between two looks at the joints: contacts that have not converged mislead them.
@@ -43,6 +45,7 @@ struct SolverTraits<double> {
 template <>
 struct SolverTraits<float> {
   static constexpr SolverSettings kDefaults{.max_iterations = 10, .tolerance = 1e-6};
+  static constexpr double kSmallest = 1e6 * std::numeric_limits<float>::min();
   static constexpr bool kRefines = false;
   static constexpr int kIterationsPerLook = 2;
   /// One: the next visit goes on from there.

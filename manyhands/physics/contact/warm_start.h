@@ -45,8 +45,8 @@ MANYHANDS_INLINE void start_patch(const ContactProblem<T>& problem, const Contac
 
 /// Fills the iterate from the state and from what the touches of this step, one for each patch, have in the cache.
 template <Number T>
-MANYHANDS_INLINE void warm_start(const ContactProblem<T>& problem, std::span<const Touch<T>> touches, State<T>& state,
-                                 Iterate<T>& iterate) {
+MANYHANDS_INLINE void warm_start(const ContactProblem<T>& problem, std::span<const Touch<T>> touches,
+                                 const State<T>& state, Iterate<T>& iterate) {
   iterate.active_set = problem.joints.first_state;
   iterate.patches.resize(problem.patches.size());
   iterate.points.resize(problem.points.size());

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cstddef>
 #include <cstdint>
 
+#include "manyhands/base/assert.h"
 #include "manyhands/math/number.h"
 #include "manyhands/model/insertion.h"
 
@@ -78,11 +78,11 @@ class Field {
   Field(Item* first, std::size_t size) : first_(first), size_(size) {}
 
   [[nodiscard]] MANYHANDS_INLINE Item& operator[](std::size_t i) {
-    assert(i < size_);
+    MANYHANDS_ASSERT(i < size_);
     return first_[i];
   }
   [[nodiscard]] MANYHANDS_INLINE const Item& operator[](std::size_t i) const {
-    assert(i < size_);
+    MANYHANDS_ASSERT(i < size_);
     return first_[i];
   }
   [[nodiscard]] std::size_t size() const { return size_; }
@@ -107,7 +107,7 @@ struct Strided {
 
   [[nodiscard]] std::size_t size() const { return count; }
   [[nodiscard]] R& operator[](std::size_t i) const {
-    assert(i < count);
+    MANYHANDS_ASSERT(i < count);
     return first[i * stride];
   }
 };

@@ -1,11 +1,10 @@
 // Tree: taking in the tree of another model.
+#include "manyhands/base/index.h"
 #include "manyhands/physics/dynamics/tree.h"
 
 namespace manyhands {
 
 namespace {
-
-std::size_t index(std::ptrdiff_t i) { return static_cast<std::size_t>(i); }
 
 /// The paths of bodies, which follow each other without gaps.
 template <Real R>

@@ -171,10 +171,11 @@ void step(const System<real_t<T>>& system, const Params<P>& params, real_t<T> h,
   const std::span<const ColliderPair> pairs = find_touches(colliders, params, h, state, ws);  // 2 collision
   ContactSolver<T>& contact = ws.contact;
   assemble(tree, colliders, pairs, params, h, state, ws.collision, ws.dynamics, contact);  // 3 the constrained problem
-  warm_start(contact.problem, std::span<const Touch<T>>(ws.collision.touches), state, contact.iterate);  // 4
-  solve(system.solver, contact);                                  // 5 velocities and impulses
-  store_warm_start(contact.problem, contact.iterate, state);      // 6 for the next step
-  add_velocity_change(state, static_cast<std::size_t>(tree.nv));  // 7
+  const std::span<const Touch<T>> touches(ws.collision.touches);
+  warm_start(contact.problem, touches, state, contact.iterate);   // 4 its first iterate
+  solve(system.solver, contact);                                  // 5 its solution
+  store_warm_start(contact.problem, contact.iterate, state);      // 6 where the next step begins
+  add_velocity_change(state, static_cast<std::size_t>(tree.nv));  // 7 velocities
   integrate_configuration(tree, state.v(), T(h), state.q());      // 8 positions
   correct_free_fall(tree, params, h, contact, ws.resting, state);
 }

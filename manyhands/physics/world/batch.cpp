@@ -232,7 +232,7 @@ void Batch::reset(std::span<const std::uint8_t> mask) {
 
 const SnapshotOwner& Batch::Impl::snapshot_owner() {
   if (!owner) {
-    owner = manyhands::snapshot_owner("a Batch", *model, time_step, fingerprint(*model));
+    owner = manyhands::snapshot_owner("a Batch", *model, time_step);
     owner->text += ", " + std::to_string(num_worlds) + (num_worlds == 1 ? " world" : " worlds");
   }
   return *owner;

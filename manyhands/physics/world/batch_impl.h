@@ -4,7 +4,6 @@
 #include <optional>
 
 #include "manyhands/base/thread_pool.h"
-#include "manyhands/model/fingerprint.h"
 #include "manyhands/physics/world/batch.h"
 #include "manyhands/physics/world/batch_lanes.h"
 #include "manyhands/physics/world/named_parameters.h"

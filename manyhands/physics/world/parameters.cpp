@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "manyhands/model/part_checks.h"
+
 namespace manyhands {
 
 namespace {
@@ -116,29 +118,10 @@ void set_link_mass(const Model& model, LinkId link, double mass, const Strided<R
 template void set_link_mass(const Model&, LinkId, double, const Strided<double>&, const ParamsView<double>&);
 template void set_link_mass(const Model&, LinkId, double, const Strided<float>&, const ParamsView<float>&);
 
-namespace {
-
-/// How many numbers of Shape::size the shape uses.
-int size_count(ShapeType type) {
-  switch (type) {
-    case ShapeType::kSphere:
-      return 1;
-    case ShapeType::kCapsule:
-    case ShapeType::kCylinder:
-      return 2;
-    case ShapeType::kBox:
-      return 3;
-    default:
-      return 0;
-  }
-}
-
-}  // namespace
-
 void require_shape_size(const std::string& what, const Shape& shape) {
   const std::array<double, 3> size{shape.size.x, shape.size.y, shape.size.z};
-  for (int k = 0; k < size_count(shape.type); ++k) {
-    const double number = size[static_cast<std::size_t>(k)];
+  for (std::size_t k = 0; k < num_sizes(shape.type); ++k) {
+    const double number = size[k];
     if (is_finite(number) && number > 0) continue;
     throw std::invalid_argument(what + ": its size has " + std::to_string(number) +
                                 " m; expected finite numbers above 0");
@@ -146,7 +129,7 @@ void require_shape_size(const std::string& what, const Shape& shape) {
 }
 
 void require_sized(const std::string& geom, const Shape& shape) {
-  if (size_count(shape.type) == 0) {
+  if (num_sizes(shape.type) == 0) {
     throw std::invalid_argument("geom '" + geom +
                                 "' has no size: only spheres, capsules, cylinders and boxes have one");
   }

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "manyhands/base/hash.h"
+#include "manyhands/model/fingerprint.h"
 #include "manyhands/physics/world/parameters.h"
 #include "manyhands/physics/world/world_checks.h"
 
@@ -104,10 +105,9 @@ void visit_kept(const View& view, Visit&& visit) {
 
 }  // namespace
 
-SnapshotOwner snapshot_owner(const std::string& kind, const Model& model, double time_step,
-                             std::uint64_t model_fingerprint) {
+SnapshotOwner snapshot_owner(const std::string& kind, const Model& model, double time_step) {
   Hash hash;
-  hash.add(model_fingerprint);
+  hash.add(fingerprint(model));
   hash.add(time_step);
   std::ostringstream text;
   text << kind << " of '" << model.name() << "' (" << model.links().size() << " links, nq " << model.nq() << ", nv "

@@ -27,8 +27,7 @@ struct SnapshotOwner {
 };
 
 /// "kind of 'name' (links, nq, nv)", and the fingerprint of the model and the time step.
-[[nodiscard]] SnapshotOwner snapshot_owner(const std::string& kind, const Model& model, double time_step,
-                                           std::uint64_t model_fingerprint);
+[[nodiscard]] SnapshotOwner snapshot_owner(const std::string& kind, const Model& model, double time_step);
 
 class SnapshotWriter {
  public:

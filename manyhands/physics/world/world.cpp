@@ -4,7 +4,6 @@
 
 #include "manyhands/base/float_environment.h"
 #include "manyhands/base/hash.h"
-#include "manyhands/model/fingerprint.h"
 #include "manyhands/physics/world/world_impl.h"
 
 namespace manyhands {
@@ -234,9 +233,9 @@ MassProperties<double> World::mass_properties() const {
 
 namespace {
 
-SnapshotOwner owner_of(const WorldCore& core, double time_step) {
-  if (!core.fingerprint) core.fingerprint = fingerprint(*core.model);
-  return snapshot_owner("a World", *core.model, time_step, *core.fingerprint);
+const SnapshotOwner& owner_of(const WorldCore& core, double time_step) {
+  if (!core.owner) core.owner = snapshot_owner("a World", *core.model, time_step);
+  return *core.owner;
 }
 
 /// Reads a world's part of a snapshot; `draft` has the core's model. Throws std::invalid_argument on numbers that

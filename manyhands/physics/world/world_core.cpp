@@ -108,7 +108,7 @@ Model& WorldCore::own_model() {
     model = std::make_shared<Model>(*model);
     owns_model_ = true;
   }
-  fingerprint.reset();
+  owner.reset();
   return const_cast<Model&>(*model);  // made as one that may change
 }
 

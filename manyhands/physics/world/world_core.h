@@ -85,8 +85,8 @@ struct WorldCore : WorldBlock<double> {
   std::size_t num_gone = 0;                        ///< links that were removed
   bool has_stepped = false;                        ///< whether `step` and `before` tell of a step
   mutable bool is_placed = false;
-  mutable Workspace<double> scratch;                   ///< holds `placed` while is_placed
-  mutable std::optional<std::uint64_t> fingerprint{};  ///< of the model, once it is asked for
+  mutable Workspace<double> scratch;             ///< holds `placed` while is_placed
+  mutable std::optional<SnapshotOwner> owner{};  ///< what snapshots are of, once one is asked for
 
  private:
   WorldCore(std::shared_ptr<const Model> shared_model, System<double> shared_system);

@@ -2,7 +2,6 @@
 
 import os
 import re
-import resource
 import signal
 import subprocess
 import sys
@@ -21,6 +20,8 @@ from manyhands import cli
 from manyhands.cli import record
 from manyhands.envs.single import ArmEnv
 from manyhands.video import write_video
+
+MANYHANDS = "import sys; from manyhands.cli import main; sys.exit(main(sys.argv[1:]))"
 
 
 def still() -> Callable[[Any], Any]:
@@ -105,41 +106,54 @@ def test_what_is_interrupted_leaves_the_file_as_it_was(name: str, tmp_path: Path
     assert list(tmp_path.iterdir()) == [out]
 
 
-@pytest.fixture
-def small_disk() -> Iterator[None]:
-    """Files end at 4 kB, as they do where a disk is full."""
-    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, limits[1]))
-    yield
-    resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+def on_a_small_disk(program: str, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """A Python program whose files end at 4 kB, as they do where a disk is full.
+
+    A process of its own, since the limit holds for all that a process writes, pytest's own output included.
+    """
+    limit = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (4096, resource.RLIM_INFINITY))\n"
+    return subprocess.run(
+        [sys.executable, "-c", limit + program, *arguments], capture_output=True, text=True, timeout=300, check=False
+    )
 
 
 @pytest.mark.parametrize("name", ["reach.mp4", "reach.gif"])
-def test_a_full_disk_leaves_the_file_as_it_was(
-    name: str, tmp_path: Path, small_disk: None, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_a_full_disk_leaves_the_file_as_it_was(name: str, tmp_path: Path) -> None:
     out = tmp_path / name
     out.write_text("of yesterday")
-    assert cli.main(["record", "PandaReach", "--out", str(out), "--size", "320", "240"]) == 2
-    said, error = capfd.readouterr()
-    assert said == "" and len(error.splitlines()) == 1
+    ended = on_a_small_disk(MANYHANDS, "record", "PandaReach", "--out", str(out), "--size", "320", "240")
+    assert ended.returncode == 2
+    assert ended.stdout == "" and len(ended.stderr.splitlines()) == 1
     assert out.read_text() == "of yesterday"
     assert list(tmp_path.iterdir()) == [out]
 
 
-def test_a_long_video_ends_where_the_disk_is_full(tmp_path: Path, small_disk: None) -> None:
+ENDLESS_NOISE = """
+import sys
+import numpy as np
+from manyhands.video import write_video
+
+noise = np.random.default_rng(0).integers(0, 255, (240, 320, 3)).astype(np.uint8)
+made = 0
+
+def pictures():
+    global made
+    for made in range(10000):
+        yield np.roll(noise, made, 0)
+
+try:
+    write_video(pictures(), sys.argv[1])
+except OSError as error:
+    print(made, error)
+"""
+
+
+def test_a_long_video_ends_where_the_disk_is_full(tmp_path: Path) -> None:
     """Before all of it was made."""
-    noise = np.random.default_rng(0).integers(0, 255, (240, 320, 3)).astype(np.uint8)
-    made = 0
-
-    def pictures() -> Iterator[NDArray[np.uint8]]:
-        nonlocal made
-        for made in range(10000):
-            yield np.roll(noise, made, 0)
-
-    with pytest.raises(OSError, match="the video cannot be written: "):
-        write_video(pictures(), tmp_path / "noise.mp4")
-    assert made < 5000
+    ended = on_a_small_disk(ENDLESS_NOISE, str(tmp_path / "noise.mp4"))
+    made, _, error = ended.stdout.partition(" ")
+    assert error.startswith("the video cannot be written: "), ended.stderr
+    assert int(made) < 5000
 
 
 @pytest.mark.parametrize("name", ["x.mp4", "x.gif"])
@@ -161,9 +175,8 @@ def test_a_folder_is_no_video(tmp_path: Path) -> None:
 def test_what_is_stopped_keeps_the_episodes_that_were_filmed(number: signal.Signals, tmp_path: Path) -> None:
     out = tmp_path / "long.mp4"
     asked = ["PandaReach", "--episodes", "100000", "--out", str(out), "--size", "80", "60"]
-    program = "import sys; from manyhands.cli import main; sys.exit(main(sys.argv[1:]))"
     process = subprocess.Popen(
-        [sys.executable, "-c", program, "record", *asked], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        [sys.executable, "-c", MANYHANDS, "record", *asked], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         start_new_session=True,
     )  # fmt: skip
     deadline = time.monotonic() + 60

@@ -1,7 +1,8 @@
 #include "manyhands/physics/collision/general/convex.h"
 
 #include <algorithm>
-#include <cassert>
+
+#include "manyhands/base/assert.h"
 
 namespace manyhands {
 namespace {
@@ -157,7 +158,7 @@ ConvexShape ConvexShape::of(ShapeType type, const Vec& size, const ConvexPolyhed
     case ShapeType::kBox:
       return box(size);
     default:
-      assert(type == ShapeType::kConvex && hull);
+      MANYHANDS_ASSERT(type == ShapeType::kConvex && hull);
       return polyhedron(*hull);
   }
 }

@@ -1,10 +1,10 @@
 #include "manyhands/physics/collision/queries/queries.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <map>
 
+#include "manyhands/base/assert.h"
 #include "manyhands/physics/collision/queries/ray_cast.h"
 
 namespace manyhands {
@@ -142,7 +142,7 @@ std::vector<LinkDistance> links_within(const Model& model, const PlacedGeoms& ge
 
 std::vector<std::optional<WorldRayHit>> ray_cast(const PlacedGeoms& geoms, std::span<const Vec3<double>> origins,
                                                  std::span<const Vec3<double>> directions, double far) {
-  assert(origins.size() == directions.size());
+  MANYHANDS_ASSERT(origins.size() == directions.size());
   std::vector<std::optional<WorldRayHit>> hits(origins.size());
   for (std::size_t i = 0; i < origins.size(); ++i) {
     double reach = far;

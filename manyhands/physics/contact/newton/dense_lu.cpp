@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "manyhands/base/index.h"
+
 namespace manyhands::internal {
 
 namespace {
@@ -12,8 +14,6 @@ constexpr std::size_t kBlock = 8;
 
 /// Pivots smaller than this, relative to the largest entry of their column, are rounding.
 constexpr double kLeastPivot = 64 * std::numeric_limits<double>::epsilon();
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 /// to -= a from, in whole blocks: of a length that the compiler knows, and so in vectors.
 void subtract(const double* __restrict from, double a, std::size_t begin, std::size_t end, double* __restrict to) {

@@ -4,14 +4,14 @@
 #include <bit>
 #include <limits>
 
+#include "manyhands/base/index.h"
+
 namespace manyhands::internal {
 
 namespace {
 
 constexpr std::size_t kBits = 64;
 constexpr int kEliminated = std::numeric_limits<int>::max();
-
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 std::uint64_t bit(int node) { return std::uint64_t{1} << (index(node) % kBits); }
 

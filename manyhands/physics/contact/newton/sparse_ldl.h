@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "manyhands/base/index.h"
+
 namespace manyhands::internal {
 
 /// The up-looking factorisation along the elimination tree (Davis, "Algorithm 849: a concise sparse Cholesky
@@ -42,7 +44,6 @@ class SparseLdl {
   [[nodiscard]] std::size_t fill() const noexcept { return L_rows_.size(); }
 
  private:
-  static std::size_t index(int i) { return static_cast<std::size_t>(i); }
   void gather_columns(std::span<const Entry> entries, std::vector<std::size_t>& slots);
   void find_tree();
 
