@@ -1,6 +1,7 @@
 """The Python of the documents runs as it stands there, block after block of a page."""
 
 import re
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -24,3 +25,8 @@ def test_python_blocks_run(page: Path) -> None:
 def test_links_lead_somewhere(page: Path) -> None:
     for target in LINK.findall(page.read_text()):
         assert (page.parent / target).exists(), f"{page.name} points to {target}, which is not there"
+
+
+@pytest.mark.parametrize("patch", sorted((ROOT / "docs/exercises").glob("*.patch")), ids=lambda patch: patch.name)
+def test_exercises_apply(patch: Path) -> None:
+    subprocess.run(["git", "apply", "--check", str(patch)], cwd=ROOT, check=True)
