@@ -28,7 +28,7 @@ train: $(VENV)/.core $(VENV)/.installed  ## Learn a task from nothing: make trai
 test: $(VENV)/.test $(VENV)/.installed  ## C++ and Python tests, formatting, types, layers
 	tools/test.sh
 
-asan: $(VENV)/.cpp  ## C++ tests under address and undefined-behaviour sanitizers
+asan: $(VENV)/.cpp  ## C++ tests of what handles memory, under address and undefined-behaviour sanitizers
 	tools/cpp_tests.sh asan
 
 tsan: $(VENV)/.cpp  ## C++ tests with threads under the thread sanitizer

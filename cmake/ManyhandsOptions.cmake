@@ -74,6 +74,10 @@ if(MANYHANDS_SANITIZE)
   set(sanitize -fsanitize=${MANYHANDS_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   target_compile_options(manyhands_options INTERFACE ${sanitize})
   target_link_options(manyhands_options INTERFACE ${sanitize})
+  if(MANYHANDS_SANITIZE MATCHES "address")
+    # These double the time of compiling, and a bad address ends the program without them.
+    target_compile_options(manyhands_options INTERFACE -fno-sanitize=null,alignment,object-size,vptr)
+  endif()
   # For lanes and tests, which instantiate once more what the library has in double and float: without checks of
   # arithmetic and of the stack. With them a kernel in 16 lanes takes eight minutes to compile, without them 16 s.
   set(sanitize_lightly -fno-sanitize=undefined)
