@@ -4,21 +4,15 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-import gymnasium
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-import manyhands as mh  # noqa: F401  registers its own environments first
+from manyhands.panda_gym import registration
+from manyhands.panda_gym.pybullet import PyBullet
 
 panda_tasks = pytest.importorskip("panda_gym.envs.panda_tasks")
 theirs_pybullet = pytest.importorskip("panda_gym.pybullet")
-
-_REGISTRY = dict(gymnasium.registry)
-from manyhands.panda_gym import registration  # noqa: E402
-from manyhands.panda_gym.pybullet import PyBullet  # noqa: E402
-
-gymnasium.registry.update(_REGISTRY)  # other tests make the environments of manyhands.envs
 
 ARM = range(7)
 SEEDS = 6

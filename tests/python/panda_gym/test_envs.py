@@ -13,15 +13,11 @@ from gymnasium.utils.env_checker import check_env
 from numpy.typing import NDArray
 
 import manyhands as mh
-
-_REGISTRY = dict(gymnasium.registry)
-from manyhands import panda_gym  # noqa: E402
-from manyhands.panda_gym import registration  # noqa: E402
-from manyhands.panda_gym.envs.core import RobotTaskEnv  # noqa: E402
-from manyhands.panda_gym.envs.robots.panda import Panda  # noqa: E402
-from manyhands.panda_gym.pybullet import PyBullet, error  # noqa: E402
-
-gymnasium.registry.update(_REGISTRY)  # other tests make the environments of manyhands.envs
+from manyhands import panda_gym
+from manyhands.panda_gym import registration
+from manyhands.panda_gym.envs.core import RobotTaskEnv
+from manyhands.panda_gym.envs.robots.panda import Panda
+from manyhands.panda_gym.pybullet import PyBullet, error
 
 TASKS = ("Reach", "Slide", "Push", "PickAndPlace", "Stack", "Flip")
 WITH_OBJECTS = TASKS[1:]

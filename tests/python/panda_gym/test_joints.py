@@ -2,16 +2,11 @@
 
 import math
 
-import gymnasium
 import numpy as np
 import pytest
 
 import manyhands as mh  # noqa: F401  registers its own environments first
-
-_REGISTRY = dict(gymnasium.registry)
-from manyhands.panda_gym.pybullet import PyBullet  # noqa: E402
-
-gymnasium.registry.update(_REGISTRY)  # other tests make the environments of manyhands.envs
+from manyhands.panda_gym.pybullet import PyBullet
 
 IDENTITY = [0.0, 0.0, 0.0, 1.0]
 DOWN = [1.0, 0.0, 0.0, 0.0]

@@ -11,12 +11,8 @@ import numpy as np
 import pytest
 
 import manyhands as mh  # noqa: F401  registers its own environments first
-
-_REGISTRY = dict(gymnasium.registry)
-from manyhands import panda_gym  # noqa: E402
-from manyhands.panda_gym import registration, rendering  # noqa: E402
-
-gymnasium.registry.update(_REGISTRY)  # other tests make the environments of manyhands.envs
+from manyhands import panda_gym
+from manyhands.panda_gym import registration, rendering
 
 V2_IDS = [name.replace("-v3", "-v2") for name in panda_gym.ENV_IDS]
 MANUAL = Path(__file__).parents[3] / "docs" / "panda_gym.md"

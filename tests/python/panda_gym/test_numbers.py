@@ -3,16 +3,11 @@
 from collections.abc import Callable
 from typing import Any
 
-import gymnasium
 import numpy as np
 import pytest
 
 import manyhands as mh  # noqa: F401  registers its own environments first
-
-_REGISTRY = dict(gymnasium.registry)
-from manyhands.panda_gym import registration  # noqa: E402
-
-gymnasium.registry.update(_REGISTRY)  # other tests make the environments of manyhands.envs
+from manyhands.panda_gym import registration
 
 TASKS = ("Reach", "Slide", "Push", "PickAndPlace", "Stack", "Flip")
 

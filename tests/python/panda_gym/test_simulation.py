@@ -7,16 +7,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import gymnasium
 import numpy as np
 import pytest
 
 import manyhands as mh
-
-_REGISTRY = dict(gymnasium.registry)
-from manyhands.panda_gym.pybullet import PyBullet, error  # noqa: E402
-
-gymnasium.registry.update(_REGISTRY)  # other tests make the environments of manyhands.envs
+from manyhands.panda_gym.pybullet import PyBullet, error
 
 IDENTITY = [0.0, 0.0, 0.0, 1.0]
 DOWN = [1.0, 0.0, 0.0, 0.0]

@@ -13,13 +13,9 @@ from PIL import Image
 
 import manyhands as mh
 from manyhands.envs import ArmEnv
+from manyhands.panda_gym.envs.panda_tasks import PandaPushEnv
 from manyhands.plots import panels, plot
 from manyhands.recording import Recorder, Recording
-
-_REGISTRY = dict(gymnasium.registry)
-from manyhands.panda_gym.envs.panda_tasks import PandaPushEnv  # noqa: E402
-
-gymnasium.registry.update(_REGISTRY)  # other tests make the environments of manyhands.envs
 
 
 @pytest.fixture(scope="module")

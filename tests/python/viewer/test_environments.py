@@ -12,14 +12,10 @@ import pytest
 import manyhands as mh
 from manyhands.envs.single import ArmEnv
 from manyhands.measures import rotate
+from manyhands.panda_gym import registration
 from manyhands.viewer.environments import DropInSource, NativeSource, source_of_environment
 from manyhands.viewer.episodes import EpisodeWriter
 from manyhands.viewer.sources import Push
-
-_REGISTRY = dict(gymnasium.registry)
-from manyhands.panda_gym import registration  # noqa: E402
-
-gymnasium.registry.update(_REGISTRY)  # other tests make the environments of manyhands.envs
 
 
 def test_pushes_act_in_every_time_step_of_an_environment() -> None:

@@ -12,13 +12,9 @@ from manyhands import cli
 from manyhands.cli import view
 from manyhands.envs import Expert
 from manyhands.envs.single import ArmEnv
+from manyhands.panda_gym import registration
 from manyhands.viewer import Viewer
 from manyhands.viewer.environments import DropInSource, EnvSource, NativeSource, source_of_environment
-
-_REGISTRY = dict(gymnasium.registry)
-from manyhands.panda_gym import registration  # noqa: E402
-
-gymnasium.registry.update(_REGISTRY)  # other tests make the environments of manyhands.envs
 
 
 def source_of(env: Any, seed: int = 0) -> EnvSource:

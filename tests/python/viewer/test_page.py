@@ -17,13 +17,9 @@ from PIL import Image
 
 import manyhands as mh
 from manyhands.measures import rotate
+from manyhands.panda_gym import registration
 from manyhands.training.evaluation import PolicyFile
 from manyhands.viewer import Viewer
-
-_REGISTRY = dict(gymnasium.registry)
-from manyhands.panda_gym import registration  # noqa: E402
-
-gymnasium.registry.update(_REGISTRY)  # other tests make the environments of manyhands.envs
 
 playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed: make test installs it")
 

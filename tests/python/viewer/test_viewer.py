@@ -6,7 +6,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import gymnasium
 import numpy as np
 import pytest
 from viewed import falling_ball, panda, until
@@ -15,10 +14,6 @@ import manyhands as mh
 from manyhands.plots import plot
 from manyhands.recording import Recorder
 from manyhands.viewer import Viewer
-
-_REGISTRY = dict(gymnasium.registry)
-
-gymnasium.registry.update(_REGISTRY)  # other tests make the environments of manyhands.envs
 
 
 def test_what_cannot_be_shown_is_refused() -> None:
