@@ -1,7 +1,6 @@
 #include "manyhands/physics/world/world_core.h"
 
 #include <algorithm>
-#include <atomic>
 #include <tuple>
 
 #include "manyhands/model/model_edit.h"
@@ -103,7 +102,8 @@ WorldCore::WorldCore(std::shared_ptr<const Model> shared_model, System<double> o
 
 Model& WorldCore::own_model() {
   const bool is_shared = model.use_count() > 1;
-  std::atomic_thread_fence(std::memory_order_acquire);  // after what others did who have let go of it
+  // use_count promises no order. To give a reference back comes after what others did who have let go of theirs.
+  std::shared_ptr<const Model>(model).reset();
   if (!owns_model_ || is_shared) {
     model = std::make_shared<Model>(*model);
     owns_model_ = true;
