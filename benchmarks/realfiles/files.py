@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from fnmatch import fnmatch
 from pathlib import Path
 
-KINDS = (".xml", ".mjcf", ".urdf")
+KINDS = (".xml", ".mjcf")
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ import numpy as np
 
 import manyhands as mh
 from benchmarks.mujoco_map import Scene
+from benchmarks.realfiles.wording import alike
 
 DISABLED = {int(bit): bit.name[7:].lower() for bit in mujoco.mjtDisableBit.__members__.values() if int(bit) > 0}
 EQUALITY_KINDS = ("connect", "weld", "joint", "tendon", "flex", "flexvert", "distance", "flexstrain")
@@ -42,8 +43,7 @@ def load_ours(path: Path) -> Ours:
         except Exception as why:
             refused = f"{type(why).__name__}: {first_line(why)}"
         try:
-            load = mh.load_urdf if path.suffix.lower() == ".urdf" else mh.load_mjcf
-            return Ours(*load(path, allow_outside_package=True), refused, bool(caught))
+            return Ours(*mh.load_mjcf(path, allow_outside_package=True), refused, bool(caught))
         except Exception:
             return Ours(None, None, refused, bool(caught))
 
@@ -62,7 +62,7 @@ def scene_of(theirs: mujoco.MjModel, ours: Ours) -> Scene | None:
 
 def serious(report: mh.LoadReport) -> list[str]:
     """What is missing or moves otherwise than the file asks for, by our own word."""
-    return sorted({f"{note.element.split(' ')[0]}: {note.message}" for note in report.notes if note.serious})
+    return sorted({alike(f"{note.element.split(' ')[0]}: {note.message}") for note in report.notes if note.serious})
 
 
 def features(model: mujoco.MjModel) -> list[str]:

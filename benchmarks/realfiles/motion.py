@@ -15,6 +15,7 @@ from benchmarks.realfiles.statics import Difference
 
 CHUNK = 0.1  # [s] simulated by one program, then by the other
 REST = 1e-3  # [m]
+SAME = 1e-2  # [m] within which both have settled in one place: what stood on its tip may have fallen otherwise
 LAST = 0.2  # the part of a run, at its end, in which what has settled rests
 # What counts as an explosion: a speed, or a kinetic energy, that MuJoCo's stays below by so much.
 TIMES_SPEED, TIMES_ENERGY = 100.0, 1000.0
@@ -38,6 +39,7 @@ class Run:
     they_moved: float = 0.0
     drifted: float = 0.0  # [m] in the last part
     they_drifted: float = 0.0
+    apart: float = 0.0  # [m] of any body from MuJoCo's, where the last part begins
     where: str = ""  # what moved farthest
     cost: float = 0.0  # [s] a step
     their_cost: float = 0.0
@@ -49,15 +51,23 @@ class Run:
         return self.exploded if not self.unstable else ""
 
     @property
+    def rests(self) -> bool:
+        """Whether MuJoCo's scene rests, from the start, or at the end where ours has settled too."""
+        whole = not (self.exploded or self.unstable or self.out_of_time)
+        return whole and (self.they_moved <= REST or (self.they_drifted <= REST and self.apart <= SAME))
+
+    @property
     def restless(self) -> str:
-        """Where MuJoCo's scene rests and ours moves."""
-        if self.exploded or self.unstable or self.out_of_time:
-            return ""
-        if self.they_moved <= REST < self.moved:
+        """Where it rests and ours moves."""
+        if self.rests and self.they_moved <= REST < self.moved:
             return f"{self.where} moves {self.moved * 1e3:.3g} mm"
-        if self.they_drifted <= REST < self.drifted:
+        if self.rests and self.apart <= SAME and self.they_drifted <= REST < self.drifted:
             return f"{self.where} drifts {self.drifted * 1e3:.3g} mm at the end"
         return ""
+
+    def words(self) -> dict[str, Any]:
+        """All that is known, and what follows from it."""
+        return asdict(self) | {"verdict": self.verdict, "rests": self.rests, "restless": self.restless}
 
 
 class Pair:
@@ -139,7 +149,9 @@ def run_pair(pair: Pair, start: str, seconds: float, budget: float, command: Cal
         now = pair.positions()
         spread(far, now, first, pair.names)
         if run.seconds >= (1 - LAST) * seconds:
-            before_end = before_end or now
+            if before_end is None:
+                before_end = now
+                run.apart = float(np.max(np.linalg.norm(now[0] - now[1], axis=1), initial=0.0))
             spread(at_end, now, before_end, pair.names)
     run.moved, run.they_moved = far[0].away, far[1].away
     run.drifted, run.they_drifted = at_end[0].away, at_end[1].away
@@ -172,4 +184,4 @@ def compare(scene: Scene, seconds: float, budget: float, done: Callable[[dict[st
             run = run_pair(Pair(scene, key), name, seconds, budget, command)
         except (ValueError, RuntimeError, KeyError) as why:
             run = Run(name, exploded=f"{type(why).__name__}: {why}".splitlines()[0][:300])
-        done(asdict(run) | {"verdict": run.verdict, "restless": run.restless})
+        done(run.words())

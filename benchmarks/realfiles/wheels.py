@@ -23,7 +23,7 @@ class Wheel:
 
 WHEELS = (
     Wheel("gymnasium", "1.4.0", (("gymnasium", "gymnasium/envs/mujoco/assets"),)),
-    Wheel("pybullet", "3.2.7", (("pybullet_data", "pybullet_data"),)),
+    Wheel("pybullet", "3.2.7", (("pybullet_data", "pybullet_data/mjcf"),)),
     Wheel("robosuite", "1.5.2", (("robosuite", "robosuite/models/assets"),)),
     Wheel(
         "dm_control",
@@ -39,7 +39,6 @@ WHEELS = (
     ),
     Wheel("gymnasium_robotics", "1.4.2", (("gymnasium_robotics", "gymnasium_robotics/envs"),)),
     Wheel("metaworld", "3.1.1", (("metaworld", "metaworld/assets"),)),
-    Wheel("example_robot_data", "6.0.0", (("example_robot_data", "cmeel.prefix/share/example-robot-data/robots"),)),
 )
 
 
