@@ -43,7 +43,7 @@ accuracy: $(VENV)/.test $(VENV)/.installed  ## How right the physics is: a table
 	python -m benchmarks.accuracy
 
 realfiles: $(VENV)/.test $(VENV)/.installed  ## Real robots' files beside MuJoCo: build/realfiles.json (SAMPLE=60 for a part)
-	python -m benchmarks.realfiles --jobs $(JOBS) $(if $(SAMPLE),--sample $(SAMPLE)) $(REALFILES)
+	python -m benchmarks.realfiles --jobs $(JOBS) $(if $(SAMPLE),--sample $(SAMPLE),--composed) $(REALFILES)
 
 lint: $(VENV)/.test $(VENV)/.installed  ## All checks that run no program, with clang-tidy (slow)
 	tools/lint.sh --tidy

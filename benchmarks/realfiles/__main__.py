@@ -53,9 +53,7 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--budget", type=float, default=30.0, help="processor seconds of each run (default: 30)")
     parser.add_argument("--limit", type=float, default=300.0, help="processor seconds of each file (default: 300)")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="files at a time (default: %(default)s)")
-    parser.add_argument(
-        "--composed", action="store_true", help="scenes of robosuite's and dm_control's environments, too"
-    )
+    parser.add_argument("--composed", action="store_true", help="scenes of robosuite and dm_control, too")
     parser.add_argument("--fresh", action="store_true", help="run again what has been run")
     parser.add_argument("--all", action="store_true", help="print every reason of every file")
     parser.add_argument("--list", action="store_true", help="name the files and end")

@@ -49,11 +49,16 @@ def export(folder: Path, task: str, robots: str | list[str]) -> None:
 def main() -> None:
     """All that this version can make."""
     for task, robots in SCENES:
-        try:
-            export(Path(sys.argv[1]), task, robots)
-        except Exception:
-            print(f"robosuite makes no {task} of {robots}:")
-            traceback.print_exc()
+        try_to_export(Path(sys.argv[1]), task, robots)
+
+
+def try_to_export(folder: Path, task: str, robots: str | list[str]) -> None:
+    """Says so if this version cannot make it."""
+    try:
+        export(folder, task, robots)
+    except Exception:
+        print(f"robosuite makes no {task} of {robots}:")
+        traceback.print_exc()
 
 
 if __name__ == "__main__":
