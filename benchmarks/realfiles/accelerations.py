@@ -2,11 +2,10 @@
 
 from collections.abc import Iterator
 
-import mujoco
 import numpy as np
 
 import manyhands as mh
-from benchmarks.mujoco_map import BALL, FREE, Array, Scene
+from benchmarks.mujoco_map import BALL, FREE, Array, MjModel, Scene, mujoco
 
 TOLERANCE = 1e-6  # relative to the largest acceleration of the state, or to 1
 STATES = 20
@@ -90,7 +89,7 @@ def states(scene: Scene) -> Iterator[tuple[str, Array, Array, Array]]:
         yield f"state {k}", random_qpos(model, rng), qvel, random_ctrl(model, rng)
 
 
-def random_qpos(model: mujoco.MjModel, rng: np.random.Generator) -> Array:
+def random_qpos(model: MjModel, rng: np.random.Generator) -> Array:
     """Joints anywhere in their ranges, but never at an end."""
     qpos = rng.uniform(-2, 2, model.nq)
     for i, (kind, at) in enumerate(zip(model.jnt_type, model.jnt_qposadr, strict=True)):
@@ -103,7 +102,7 @@ def random_qpos(model: mujoco.MjModel, rng: np.random.Generator) -> Array:
     return qpos
 
 
-def random_ctrl(model: mujoco.MjModel, rng: np.random.Generator) -> Array:
+def random_ctrl(model: MjModel, rng: np.random.Generator) -> Array:
     """Within their ranges, or within 1."""
     limited = model.actuator_ctrllimited.astype(bool)
     lower = np.where(limited, model.actuator_ctrlrange[:, 0], -1.0)
@@ -122,7 +121,7 @@ def acceleration(scene: Scene, qpos: Array, qvel: Array, ctrl: Array) -> Array |
     return np.array(data.qacc) if hard else None
 
 
-def at_limit(model: mujoco.MjModel, qpos: Array) -> bool:
+def at_limit(model: MjModel, qpos: Array) -> bool:
     """Whether a joint stands at an end of its range."""
     limited = np.flatnonzero(model.jnt_limited.astype(bool) & (model.jnt_type > BALL))
     away = np.abs(model.jnt_range[limited] - qpos[model.jnt_qposadr[limited], None])

@@ -4,18 +4,17 @@ import warnings
 from dataclasses import dataclass
 from pathlib import Path
 
-import mujoco
 import numpy as np
 
 import manyhands as mh
-from benchmarks.mujoco_map import Scene
+from benchmarks.mujoco_map import MjModel, Scene, mujoco
 from benchmarks.realfiles.wording import alike
 
 DISABLED = {int(bit): bit.name[7:].lower() for bit in mujoco.mjtDisableBit.__members__.values() if int(bit) > 0}
 EQUALITY_KINDS = ("connect", "weld", "joint", "tendon", "flex", "flexvert", "distance", "flexstrain")
 
 
-def load_theirs(path: Path) -> tuple[mujoco.MjModel | None, str]:
+def load_theirs(path: Path) -> tuple[MjModel | None, str]:
     """MuJoCo's model, or None and why not."""
     try:
         return mujoco.MjModel.from_xml_path(str(path)), ""
@@ -53,7 +52,7 @@ def first_line(why: Exception) -> str:
     return (str(why).strip() or "no reason given").splitlines()[0][:300]
 
 
-def scene_of(theirs: mujoco.MjModel, ours: Ours) -> Scene | None:
+def scene_of(theirs: MjModel, ours: Ours) -> Scene | None:
     """Both, if we have it."""
     if ours.model is None or ours.report is None:
         return None
@@ -65,7 +64,7 @@ def serious(report: mh.LoadReport) -> list[str]:
     return sorted({alike(f"{note.element.split(' ')[0]}: {note.message}") for note in report.notes if note.serious})
 
 
-def features(model: mujoco.MjModel) -> list[str]:
+def features(model: MjModel) -> list[str]:
     """What the file asks of motion, in MuJoCo's words."""
     option = model.opt
     hinge_like = np.isin(model.jnt_type, [int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)])
@@ -94,13 +93,13 @@ def features(model: mujoco.MjModel) -> list[str]:
     return found
 
 
-def transmissions(model: mujoco.MjModel) -> set[str]:
+def transmissions(model: MjModel) -> set[str]:
     """What actuators act on, joints apart."""
     joint = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
     return {mujoco.mjtTrn(kind).name[6:].lower() for kind in model.actuator_trntype if kind not in joint}
 
 
-def overlap(model: mujoco.MjModel) -> float:
+def overlap(model: MjModel) -> float:
     """How deep geoms lie in each other at the start, in MuJoCo [m]; tiny if they only touch, 0 if they do not."""
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)

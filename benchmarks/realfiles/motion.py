@@ -5,11 +5,10 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import Any
 
-import mujoco
 import numpy as np
 
 import manyhands as mh
-from benchmarks.mujoco_map import Array, Scene
+from benchmarks.mujoco_map import Array, Scene, mujoco
 from benchmarks.realfiles.accelerations import commands, random_ctrl
 from benchmarks.realfiles.statics import Difference
 

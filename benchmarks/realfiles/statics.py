@@ -2,11 +2,10 @@
 
 from dataclasses import dataclass
 
-import mujoco
 import numpy as np
 
 import manyhands as mh
-from benchmarks.mujoco_map import Array, Scene, rotation
+from benchmarks.mujoco_map import Array, Scene, mujoco, rotation
 
 TOLERANCE = 1e-6  # of lengths in metres, of angles, of masses relative to the file's heaviest body
 CONFIGURATIONS = 5
