@@ -23,7 +23,7 @@ def cause(result: Result, column: str, reason: str) -> str:
     if column == "accelerations":
         return "statics differ" if any(result["statics"].values()) else asks(result, FORCES)
     if column == "stable":
-        how = "SimulationError" if "SimulationError" in reason else "in silence"
+        how = "SimulationError" if "SimulationError" in reason else "runs away"
         return f"{how}; {asks(result, CONSTRAINTS)}; {overlap(result)}"
     return asks(result, FORCES + CONSTRAINTS)
 

@@ -1,5 +1,6 @@
 """Scenes that no file holds: their packages compose them, each in an environment of its own, and they are written."""
 
+import os
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -33,7 +34,8 @@ def compose(composer: Composer, folder: Path) -> Path:
     scenes.mkdir(parents=True, exist_ok=True)
     with (scenes / "log.txt").open("w") as log:
         command = [str(python), "-P", str(EXPORTS / composer.script), str(scenes)]
-        subprocess.run(command, check=True, stdout=log, stderr=subprocess.STDOUT, cwd=scenes)
+        unseen = os.environ | {"MUJOCO_GL": "disable"}  # nothing is drawn
+        subprocess.run(command, check=True, stdout=log, stderr=subprocess.STDOUT, cwd=scenes, env=unseen)
     done.write_text("\n".join(composer.requirements))
     return scenes
 

@@ -112,7 +112,7 @@ def test_crashes_and_hangs_fail_in_their_column() -> None:
 def test_explosions_count_unless_mujoco_is_unstable_too() -> None:
     silent = result_of("a/x", motion=[run_of(exploded="1e9 rad/s beside MuJoCo's 1")], features=["equality weld"])
     assert results.verdicts(silent)["stable"] == "fail"
-    assert causes.by_cause([silent])["stable"] == {"in silence; equality weld; nothing touches": ["a/x"]}
+    assert causes.by_cause([silent])["stable"] == {"runs away; equality weld; nothing touches": ["a/x"]}
     both = result_of("a/x", motion=[run_of(exploded="SimulationError: x", unstable=True)])
     assert results.verdicts(both)["stable"] == "-"
 
