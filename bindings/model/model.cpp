@@ -12,6 +12,7 @@
 #include "bindings/model/model_values.h"
 #include "bindings/model/python_model.h"
 #include "manyhands/base/assets.h"
+#include "manyhands/model/fingerprint.h"
 #include "manyhands/model/io/mjcf/mjcf.h"
 #include "manyhands/model/io/urdf/urdf.h"
 
@@ -91,6 +92,9 @@ void bind_model_class(nb::module_& m) {
       .def_prop_ro("equalities", [](const PythonModel& self) { return copy_of(self.model->equalities()); })
       .def_prop_ro("actuators", [](const PythonModel& self) { return copy_of(self.model->actuators()); })
       .def_prop_ro("contact_pairs", [](const PythonModel& self) { return copy_of(self.model->contact_pairs()); })
+      .def_prop_ro(
+          "fingerprint", [](const PythonModel& self) { return fingerprint(*self.model); },
+          "A number that tells models apart: equal where the same state moves in the same way, to the last bit.")
       .def_prop_ro("keyframes", [](const PythonModel& self) { return copy_of(self.model->keyframes()); })
       .def_prop_ro(
           "nu", [](const PythonModel& self) { return self.model->nu(); }, "Length of ctrl: one for each actuator.")
@@ -213,6 +217,7 @@ void bind_model(nb::module_& m) {
   bind_model_builder(m);
   bind_loading(m);
   bind_mjcf(m);
+  bind_saving(m);
 }
 
 }  // namespace manyhands

@@ -18,6 +18,7 @@ namespace manyhands {
 
 void bind_model_parts(nanobind::module_& m);
 void bind_model_builder(nanobind::module_& m);  // after bind_model's Model
+void bind_saving(nanobind::module_& m);         // after bind_model's Model and LoadReport
 
 namespace bindings {
 

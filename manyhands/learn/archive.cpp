@@ -1,14 +1,12 @@
 #include "manyhands/learn/archive.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cerrno>
 #include <fstream>
 #include <system_error>
+
+#include "manyhands/base/whole_file.h"
 
 namespace manyhands::learn {
 
@@ -37,29 +35,6 @@ std::uint64_t checksum(std::span<const std::byte> bytes) {
   return sum;
 }
 
-void write_all(int file, std::span<const std::byte> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(file, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) throw std::system_error(errno, std::generic_category());
-    bytes = bytes.subspan(static_cast<std::size_t>(written));
-  }
-}
-
-void write_file(const std::filesystem::path& path, const Header& header, std::span<const std::byte> payload) {
-  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-  if (file < 0) throw std::system_error(errno, std::generic_category());
-  try {
-    write_all(file, std::as_bytes(std::span(&header, 1)));
-    write_all(file, payload);
-    if (::fsync(file) != 0) throw std::system_error(errno, std::generic_category());
-  } catch (...) {
-    ::close(file);
-    throw;
-  }
-  if (::close(file) != 0) throw std::system_error(errno, std::generic_category());
-}
-
 }  // namespace
 
 void ArchiveWriter::append(const void* data, std::size_t bytes) {
@@ -71,14 +46,9 @@ void ArchiveWriter::commit(const std::filesystem::path& path) const {
   Header header;
   header.payload_bytes = bytes_.size();
   header.checksum = checksum(bytes_);
-  std::filesystem::path draft = path;
-  draft += ".part" + std::to_string(::getpid());
   try {
-    write_file(draft, header, bytes_);
-    std::filesystem::rename(draft, path);
+    write_whole_file(path, {std::as_bytes(std::span(&header, 1)), bytes_});
   } catch (const std::system_error& error) {
-    std::error_code ignored;
-    std::filesystem::remove(draft, ignored);
     throw CheckpointError("cannot write checkpoint " + path.string() + ": " + error.code().message());
   }
 }

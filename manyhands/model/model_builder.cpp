@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "manyhands/model/part_checks.h"
+#include "manyhands/model/unit.h"
 
 namespace manyhands {
 
@@ -53,7 +54,7 @@ JointId ModelBuilder::add_joint(Joint joint) {
   }
   const double length = norm(joint.axis);
   if (!finite(joint.axis) || length < 1e-9) throw ModelError(what + ": the axis must be a finite vector other than 0");
-  joint.axis = (1.0 / length) * joint.axis;
+  joint.axis = at_unit_length(joint.axis);
   if (!(joint.limits.lower <= joint.limits.upper)) {
     throw ModelError(what + ": lower limit " + std::to_string(joint.limits.lower) + " is above the upper limit " +
                      std::to_string(joint.limits.upper));

@@ -26,6 +26,7 @@ from manyhands._core import (
     MjcfError,
     Model,
     ModelBuilder,
+    SaveError,
     SimulationError,
     UrdfError,
     World,
@@ -33,6 +34,8 @@ from manyhands._core import (
     load_mjcf,
     load_mjcf_string,
     load_urdf,
+    save_mjcf,
+    save_mjcf_string,
     set_asset_root,
 )
 from manyhands._core.render import Camera, Look, Mark, Picture, Renderer, Texture
@@ -91,6 +94,7 @@ __all__ = [
     "ModelBuilder",
     "Picture",
     "Renderer",
+    "SaveError",
     "SimulationError",
     "Texture",
     "UrdfError",
@@ -107,6 +111,8 @@ __all__ = [
     "load_urdf",
     "plots",
     "recording",
+    "save_mjcf",
+    "save_mjcf_string",
     "video",
     "view",
 ]

@@ -110,8 +110,8 @@ bool is_limited(const MjcfScene& scene, const MjcfElement& e, const char* range,
 void read_ranges(const MjcfScene& scene, const MjcfElement& e, double gear, Actuator& actuator) {
   if (is_limited(scene, e, "ctrlrange", "ctrllimited")) {
     const std::vector<double> range = e.numbers("ctrlrange", 2, 2);
-    actuator.min_ctrl = range[0];
-    actuator.max_ctrl = range[1];
+    if (range[0] > -kMjcfUnlimited) actuator.min_ctrl = range[0];
+    if (range[1] < kMjcfUnlimited) actuator.max_ctrl = range[1];
   } else if (e.tag() == "position" && e.number_or("inheritrange", 0) > 0) {
     const JointLimits& limits = scene.builder.joints()[actuator.joint.index()].limits;
     if (!is_finite(limits.lower)) e.fail("'inheritrange' needs a joint with a range");

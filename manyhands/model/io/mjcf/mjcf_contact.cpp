@@ -122,7 +122,9 @@ void exclude_across_chains(MjcfScene& scene) {
     for (const MjcfBody& outer : scene.bodies) {
       if (outer.first_moving != around) continue;
       for (const MjcfBody& inner : scene.bodies) {
-        if (inner.first_moving == static_cast<int>(i)) scene.builder.exclude_contact(outer.link, inner.link);
+        if (inner.first_moving != static_cast<int>(i)) continue;
+        const auto links = std::minmax(outer.link, inner.link);
+        if (scene.exclusions.insert(links).second) scene.builder.exclude_contact(outer.link, inner.link);
       }
     }
   }
@@ -161,8 +163,11 @@ SurfaceMaterial surface_between(const MjcfGeom& a, const MjcfGeom& b) {
   return surface_of(friction, std::max(a.condim, b.condim));
 }
 
-/// Pairs that say what filters and the larger friction of two surfaces cannot.
-void add_needed_pairs(MjcfScene& scene) {
+/// The file's pairs and those that say what filters and the larger friction of two surfaces cannot, in the order of
+/// their geoms.
+void add_pairs(MjcfScene& scene) {
+  std::map<std::pair<GeomId, GeomId>, std::optional<SurfaceMaterial>> pairs;
+  for (const auto& [geoms, surface] : scene.pairs) pairs.emplace(geoms, surface);
   for (std::size_t i = 0; i < scene.geoms.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k) {
       const MjcfGeom &a = scene.geoms[k], &b = scene.geoms[i];
@@ -174,10 +179,11 @@ void add_needed_pairs(MjcfScene& scene) {
                               theirs.rolling_friction == std::max(own_a.rolling_friction, own_b.rolling_friction);
       if (is_largest && !is_on_base(scene, a, b) && !is_on_base(scene, b, a)) continue;
       if (scene.pairs.contains({*a.id, *b.id}) || !may_touch(scene, a, b)) continue;
-      ContactPair pair{.a = *a.id, .b = *b.id};
-      if (!is_largest) pair.surface = theirs;
-      scene.builder.add_contact_pair(pair);
+      pairs.emplace(std::pair{*a.id, *b.id}, is_largest ? std::nullopt : std::optional(theirs));
     }
+  }
+  for (const auto& [geoms, surface] : pairs) {
+    scene.builder.add_contact_pair({.a = geoms.first, .b = geoms.second, .surface = surface});
   }
 }
 
@@ -191,13 +197,10 @@ void read_contacts(MjcfScene& scene) {
       if (element.tag() == "exclude") read_exclude(scene, element);
     }
   }
-  for (const auto& [geoms, surface] : scene.pairs) {
-    scene.builder.add_contact_pair({.a = geoms.first, .b = geoms.second, .surface = surface});
-  }
   set_filters(scene);
   set_roles(scene);
   exclude_across_chains(scene);
-  add_needed_pairs(scene);
+  add_pairs(scene);
   scene.builder.set_contact_rules({.friction = CombineRule::kMaximum});
 }
 

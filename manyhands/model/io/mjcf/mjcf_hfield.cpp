@@ -79,7 +79,11 @@ HeightField read_height_field(const MjcfElement& source, const std::string& byte
   // MuJoCo scales the lowest to 0 and the highest to size[2].
   const auto [low, high] = std::ranges::minmax(field.height);
   const double range = high - low;
-  for (double& height : field.height) height = range > 0 ? (height - low) / range * size[2] : 0.0;
+  if (range == size[2]) {
+    for (double& height : field.height) height -= low;
+  } else {
+    for (double& height : field.height) height = range > 0 ? (height - low) / range * size[2] : 0.0;
+  }
   return field;
 }
 

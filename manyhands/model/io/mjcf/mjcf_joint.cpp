@@ -4,6 +4,7 @@
 
 #include "manyhands/model/io/mjcf/mjcf_scene.h"
 #include "manyhands/model/io/text_numbers.h"
+#include "manyhands/model/unit.h"
 
 namespace manyhands::io {
 
@@ -43,8 +44,8 @@ void read_range(const MjcfElement& e, const MjcfSettings& settings, Joint& joint
            "; expected the lower limit first");
   }
   const double unit = joint.type == JointType::kRevolute ? settings.radians(1) : 1;
-  joint.limits.lower = unit * range[0];
-  joint.limits.upper = unit * range[1];
+  if (range[0] > -kMjcfUnlimited) joint.limits.lower = unit * range[0];
+  if (range[1] < kMjcfUnlimited) joint.limits.upper = unit * range[1];
 }
 
 void read_effort(const MjcfElement& e, Joint& joint) {
@@ -96,7 +97,7 @@ Read read_joint(const MjcfScene& scene, const MjcfElement& e, const Transform<do
   if (joint.type == JointType::kSpherical) return result;
   const Vec3<double> axis = e.vec3_or("axis", {0, 0, 1});
   if (!(norm(axis) > 1e-10)) e.fail("its axis is 0; expected a direction such as \"0 0 1\"");
-  joint.axis = X_BF.R * ((1 / norm(axis)) * axis);
+  joint.axis = X_BF.R * at_unit_length(axis);
   const double unit = joint.type == JointType::kPrismatic ? 1 : scene.settings.radians(1);
   result.reference = unit * e.number_or("ref", 0);
   return result;
@@ -110,15 +111,15 @@ std::string unused_name(const MjcfScene& scene, const std::vector<Part>& parts, 
   return name;
 }
 
-/// The joint frame F in the parent: at q = 0, which is short of the file's pose by the reference.
-Transform<double> place(const Transform<double>& X_PB, const Read& read) {
-  const Transform<double> X_PF = X_PB * Transform<double>{Mat3<double>::identity(), read.anchor};
-  const Vec3<double> back = -read.reference * read.joint.axis;
-  if (read.joint.type == JointType::kPrismatic) return {X_PF.R, X_PF * back};
+}  // namespace
+
+Transform<double> joint_frame(const Transform<double>& X_PB, const Vec3<double>& anchor, const Joint& joint,
+                              double reference) {
+  const Transform<double> X_PF = X_PB * Transform<double>{Mat3<double>::identity(), anchor};
+  const Vec3<double> back = -reference * joint.axis;
+  if (joint.type == JointType::kPrismatic) return {X_PF.R, X_PF * back};
   return {X_PF.R * to_matrix(quat_from_rotation_vector(back)), X_PF.p};
 }
-
-}  // namespace
 
 // MuJoCo lets joints of one body act in turn, each about its own anchor. Here each gets a link whose frame is the
 // joint's; the body's own link is the last of them, or is fixed to it where the anchor is not the body's origin.
@@ -149,7 +150,7 @@ LinkId add_joints(MjcfScene& scene, MjcfBody& body, LinkId parent, const Transfo
       const Vec3<double>& p = X_CB.p;
       read.joint.initial = {p.x, p.y, p.z, r.x, r.y, r.z, r.w};
     } else {
-      read.joint.X_PF = place(X_CB, read);
+      read.joint.X_PF = joint_frame(X_CB, read.anchor, read.joint, read.reference);
       if (read.reference != 0) read.joint.initial = {read.reference};
     }
     const bool ends_in_body = i + 1 == joints.size() && squared_norm(read.anchor) == 0;

@@ -110,6 +110,10 @@ struct MjcfPlaced {
   Transform<double> X_BF;
 };
 
+/// The joint frame F in the parent at q = 0, which is short of the file's pose by the reference; the file places the
+/// body at X_PB, and the joint at `anchor` in it.
+[[nodiscard]] Transform<double> joint_frame(const Transform<double>& X_PB, const Vec3<double>& anchor,
+                                            const Joint& joint, double reference);
 /// Adds the joints between a parent link and a new body; returns the body's link.
 [[nodiscard]] LinkId add_joints(MjcfScene& scene, MjcfBody& body, LinkId parent, const Transform<double>& X_PB,
                                 const std::vector<MjcfPlaced>& joints);

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "manyhands/model/io/text_numbers.h"
+#include "manyhands/model/unit.h"
 
 namespace manyhands::io {
 
@@ -114,7 +115,7 @@ Quat<double> quat_from_wxyz(const MjcfElement& element, const double* wxyz) {
   const Quat<double> q{wxyz[1], wxyz[2], wxyz[3], wxyz[0]};
   const double length2 = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
   if (!(length2 > 1e-20)) element.fail("a quaternion of length 0; expected one such as \"1 0 0 0\"");
-  return normalized(q);
+  return at_unit_length(q);
 }
 
 Mat3<double> rotation_from_z(const Vec3<double>& direction) {

@@ -9,6 +9,9 @@
 
 namespace manyhands::io {
 
+/// A limit that is none, where a range needs both: MuJoCo's largest number (mjMAXVAL).
+inline constexpr double kMjcfUnlimited = 1e10;
+
 struct MjcfSettings {
   bool degrees = true;
   std::string euler_sequence = "xyz";

@@ -154,7 +154,7 @@ class WorldReader {
       contents.inertials[i].element.fail("a second <inertial>; expected one");
     }
     inertial.mass = std::max(inertial.mass, settings.bound_mass);
-    bound_principal_moments(inertial.inertia, settings.bound_inertia);
+    if (settings.bound_inertia > 0) bound_principal_moments(inertial.inertia, settings.bound_inertia);
     const MjcfElement& source = is_given ? contents.inertials[0].element : *body.source;
     if (settings.balance_inertia && !repairs_to_itself(inertial)) {
       const double mean = (inertial.inertia.xx + inertial.inertia.yy + inertial.inertia.zz) / 3;

@@ -1,0 +1,54 @@
+// manyhands._core: models saved as MJCF.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+
+#include "bindings/model/model_values.h"
+#include "bindings/model/python_model.h"
+#include "manyhands/model/io/save/save.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace manyhands {
+
+namespace {
+
+/// Saves without holding Python's lock.
+template <class Save>
+auto saved_by(Save save) {
+  const nb::gil_scoped_release release;
+  return save();
+}
+
+}  // namespace
+
+void bind_saving(nb::module_& m) {
+  nb::exception<SaveError>(m, "SaveError", PyExc_ValueError).doc() =
+      "A model cannot be saved: the format cannot say what moves or touches in it, or a file cannot be written.";
+  m.def(
+      "save_mjcf",
+      [](const PythonModel& model, const std::filesystem::path& path, bool allow_loss) {
+        return saved_by([&] { return save_mjcf(*model.model, path, {.allow_loss = allow_loss}); });
+      },
+      "model"_a, "path"_a, nb::kw_only(), "allow_loss"_a = false,
+      "Saves a model as an MJCF file, which `load_mjcf` and MuJoCo read; returns what is said otherwise or left "
+      "out.\n\n"
+      "What MJCF can say is read back as the same numbers, to the last bit. Meshes (OBJ) and images go to the folder "
+      "STEM_assets beside the file, which alone is overwritten. allow_loss: whether to write a file that moves or "
+      "touches otherwise than the model, where MJCF cannot say it. Raises SaveError (a ValueError) else, or if a file "
+      "cannot be written; what was there is whole then.");
+  m.def(
+      "save_mjcf_string",
+      [](const PythonModel& model, bool allow_loss) {
+        return saved_by([&] {
+          SavedText saved = save_mjcf_string(*model.model, {.allow_loss = allow_loss});
+          return std::pair(std::move(saved.text), std::move(saved.report));
+        });
+      },
+      "model"_a, nb::kw_only(), "allow_loss"_a = false,
+      "The same as a text that needs no other files, and the report: meshes lie in it, images are left out.");
+}
+
+}  // namespace manyhands

@@ -1,0 +1,57 @@
+#include "manyhands/base/whole_file.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <string>
+#include <system_error>
+
+namespace manyhands {
+
+namespace {
+
+[[noreturn]] void throw_errno() { throw std::system_error(errno, std::generic_category()); }
+
+void write_all(int file, std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(file, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) throw_errno();
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+}
+
+void write_file(const std::filesystem::path& path, std::initializer_list<std::span<const std::byte>> pieces) {
+  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  if (file < 0) throw_errno();
+  try {
+    for (const std::span<const std::byte> piece : pieces) write_all(file, piece);
+    if (::fsync(file) != 0) throw_errno();
+  } catch (...) {
+    ::close(file);
+    throw;
+  }
+  if (::close(file) != 0) throw_errno();
+}
+
+}  // namespace
+
+void write_whole_file(const std::filesystem::path& path, std::initializer_list<std::span<const std::byte>> pieces) {
+  std::filesystem::path draft = path;
+  draft += ".part" + std::to_string(::getpid());
+  try {
+    write_file(draft, pieces);
+    std::filesystem::rename(draft, path);
+  } catch (const std::system_error&) {
+    std::error_code ignored;
+    std::filesystem::remove(draft, ignored);
+    throw;
+  }
+}
+
+void write_whole_file(const std::filesystem::path& path, std::string_view text) {
+  write_whole_file(path, {std::as_bytes(std::span(text))});
+}
+
+}  // namespace manyhands

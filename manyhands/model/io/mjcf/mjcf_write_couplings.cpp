@@ -1,0 +1,188 @@
+// <equality>, <actuator> and <keyframe>.
+#include <algorithm>
+#include <cmath>
+
+#include "manyhands/model/io/mjcf/mjcf_settings.h"
+#include "manyhands/model/io/mjcf/mjcf_writer.h"
+#include "manyhands/model/unit.h"
+
+namespace manyhands::io {
+
+namespace {
+
+using Pose = Transform<double>;
+
+class EqualityWriter {
+ public:
+  EqualityWriter(MjcfWriter& writer, pugi::xml_node section) : writer_(writer), section_(section) {}
+
+  void write(const EqualityConstraint& e) {
+    const std::string what = part("equality", e.name);
+    if (std::isfinite(e.max_force)) {
+      writer_.notes.loss(LoadAction::kIgnored, what, "its largest force is left out: MJCF has none");
+    }
+    switch (e.type) {
+      case EqualityType::kPoint:
+        return write_poses("connect", e, e.name, e.X_LA, e.X_LB);
+      case EqualityType::kHinge:
+        return write_hinge(e, what);
+      case EqualityType::kFixed:
+        return write_weld(e);
+      case EqualityType::kJoint:
+        return write_joint(e);
+      case EqualityType::kGear:
+        writer_.notes.loss(LoadAction::kRepaired, what, "a gear, which couples velocities, becomes a joint equality");
+        return write_joint(e);
+      case EqualityType::kPrismatic:
+      case EqualityType::kSlider:
+        return writer_.notes.loss(LoadAction::kIgnored, what, "a slider between two bodies of a loop is left out");
+    }
+  }
+
+ private:
+  [[nodiscard]] pugi::xml_node add(const char* kind, const std::string& name) {
+    pugi::xml_node node = section_.append_child(kind);
+    set(node, "name", writer_.names.claim("equality", name, kind, writer_.notes));
+    return node;
+  }
+
+  /// A site of the equality's own: the reader takes both poses as they are.
+  std::string add_site(LinkId link, const Pose& X, const std::string& wanted) {
+    const auto found = writer_.bodies.find(writer_.carried_by[link.index()]);
+    pugi::xml_node body = found == writer_.bodies.end() ? writer_.world : found->second;
+    const std::string name = writer_.names.claim("site", wanted, "site", writer_.notes);
+    pugi::xml_node site = body.append_child("site");
+    set(site, "name", name);
+    write_pose(site, X);
+    return name;
+  }
+
+  void write_poses(const char* kind, const EqualityConstraint& e, const std::string& name, const Pose& X_LA,
+                   const Pose& X_LB) {
+    pugi::xml_node node = add(kind, name);
+    const std::string stem = node.attribute("name").value();
+    set(node, "site1", add_site(e.link_a, X_LA, stem + "_a"));
+    set(node, "site2", add_site(e.link_b, X_LB, stem + "_b"));
+  }
+
+  /// Two points on the axis.
+  void write_hinge(const EqualityConstraint& e, const std::string& what) {
+    constexpr double kApart = 0.1;  // [m]
+    const Pose up{Mat3<double>::identity(), {0, 0, kApart}};
+    write_poses("connect", e, e.name, e.X_LA, e.X_LB);
+    write_poses("connect", e, e.name.empty() ? "" : e.name + "_axis", e.X_LA * up, e.X_LB * up);
+    writer_.notes.changed(what, "a hinge of a loop becomes two points on its axis");
+  }
+
+  /// X_LA is relpose times the anchor.
+  void write_weld(const EqualityConstraint& e) {
+    if (!same(e.X_LB.R, Mat3<double>::identity())) return write_poses("weld", e, e.name, e.X_LA, e.X_LB);
+    pugi::xml_node node = add("weld", e.name);
+    set(node, "body1", writer_.body(e.link_a));
+    set(node, "body2", writer_.body(e.link_b));
+    set(node, "anchor", e.X_LB.p);
+    const Quat<double> q = quat_for(e.X_LA.R);
+    const Mat3<double> R = to_matrix(q);
+    const auto read = [&](const Vec3<double>& p) { return Pose{R, p} * e.X_LB.p; };
+    const Vec3<double> p = point_for(e.X_LA.p - R * e.X_LB.p, e.X_LA.p, read);
+    const std::array<double, 4> turn = wxyz(q);
+    set(node, "relpose", std::array{p.x, p.y, p.z, turn[0], turn[1], turn[2], turn[3]});
+  }
+
+  /// MuJoCo counts both joints from their references.
+  void write_joint(const EqualityConstraint& e) {
+    const Joint &a = writer_.model.joint(e.joint_a), &b = writer_.model.joint(e.joint_b);
+    const auto reference = [](const Joint& joint) { return joint.initial.empty() ? 0 : joint.initial[0]; };
+    const double from = reference(a), to = reference(b);
+    pugi::xml_node node = add("joint", e.name);
+    set(node, "joint1", b.name);
+    set(node, "joint2", a.name);
+    const auto read = [&](double c) { return to + c - e.ratio * from; };
+    const double offset = number_for(e.offset - to + e.ratio * from, e.offset, read);
+    set(node, "polycoef", std::array{offset, e.ratio, 0.0, 0.0, 0.0});
+  }
+
+  MjcfWriter& writer_;
+  pugi::xml_node section_;
+};
+
+bool is_written(const MjcfWriter& writer, const EqualityConstraint& e) {
+  const auto has_name = [&](JointId id) { return !id.is_valid() || !writer.model.joint(id).name.empty(); };
+  const auto has_body = [&](LinkId id) { return !id.is_valid() || writer.carried_by[id.index()].is_valid(); };
+  return has_name(e.joint_a) && has_name(e.joint_b) && has_body(e.link_a) && has_body(e.link_b);
+}
+
+void write_actuator(MjcfWriter& writer, pugi::xml_node section, const Actuator& actuator) {
+  const bool is_force = actuator.type == ActuatorType::kForce, is_velocity = actuator.type == ActuatorType::kVelocity;
+  pugi::xml_node node = section.append_child(is_force ? "motor" : is_velocity ? "velocity" : "position");
+  const std::string name = writer.names.claim("actuator", actuator.name, "actuator", writer.notes);
+  set(node, "name", name);
+  set(node, "joint", writer.model.joint(actuator.joint).name);
+  set_unless(node, "gear", actuator.gear, 1);
+  if (actuator.type == ActuatorType::kPosition) set(node, "kp", actuator.kp);
+  if (!is_force) set(node, "kv", actuator.kd);
+  const double gain = is_force ? 1 : is_velocity ? actuator.kd : actuator.kp;
+  if (gain == 0)
+    writer.notes.loss(LoadAction::kRepaired, part("actuator", name), "its gain is 0, which readers leave out");
+  if (std::isfinite(actuator.min_ctrl) || std::isfinite(actuator.max_ctrl)) {
+    const auto bound = [](double x) { return std::clamp(x, -kMjcfUnlimited, kMjcfUnlimited); };
+    set(node, "ctrlrange", std::array{bound(actuator.min_ctrl), bound(actuator.max_ctrl)});
+  }
+  if (!std::isfinite(actuator.max_force)) return;
+  const double gear = std::abs(actuator.gear);
+  const double most =
+      number_for(actuator.max_force / gear, actuator.max_force, [&](double x) { return gear * x; }, gear);
+  set(node, "forcerange", std::array{-most, most});
+}
+
+/// q and v as MuJoCo's qpos and qvel, joint by joint in the order of q.
+void write_key(MjcfWriter& writer, pugi::xml_node section, const Keyframe& key) {
+  pugi::xml_node node = section.append_child("key");
+  set(node, "name", writer.names.claim("key", key.name, "key", writer.notes));
+  set_unless(node, "time", key.time, 0);
+  std::vector<double> qpos = key.q, qvel = key.v;
+  for (const Body& body : writer.model.bodies()) {
+    const bool is_free = body.type == JointType::kFloating;
+    if (!is_free && body.type != JointType::kSpherical) continue;
+    double* const r = &qpos[static_cast<std::size_t>(body.iq + (is_free ? 3 : 0))];
+    double* const w = &qvel[static_cast<std::size_t>(body.iv)];
+    const Quat<double> q = at_unit_length(Quat<double>{r[0], r[1], r[2], r[3]});
+    std::ranges::copy(wxyz(q), r);
+    const Mat3<double> R = to_matrix(q);
+    const Vec3<double> turning = transpose_times(R, Vec3<double>{w[0], w[1], w[2]});
+    if (!is_free) {
+      std::ranges::copy(std::array{turning.x, turning.y, turning.z}, w);
+    } else {
+      std::ranges::copy(std::array{w[3], w[4], w[5], turning.x, turning.y, turning.z}, w);
+    }
+  }
+  set(node, "qpos", qpos);
+  if (std::ranges::any_of(qvel, [](double x) { return x != 0; })) set(node, "qvel", qvel);
+  if (std::ranges::any_of(key.ctrl, [](double x) { return x != 0; })) set(node, "ctrl", key.ctrl);
+}
+
+}  // namespace
+
+void write_equalities(MjcfWriter& writer) {
+  if (writer.model.equalities().empty()) return;
+  EqualityWriter equalities(writer, writer.root.append_child("equality"));
+  for (const EqualityConstraint& equality : writer.model.equalities()) {
+    if (is_written(writer, equality)) equalities.write(equality);
+  }
+}
+
+void write_actuators(MjcfWriter& writer) {
+  if (writer.model.actuators().empty()) return;
+  pugi::xml_node section = writer.root.append_child("actuator");
+  for (const Actuator& actuator : writer.model.actuators()) {
+    if (!writer.model.joint(actuator.joint).name.empty()) write_actuator(writer, section, actuator);
+  }
+}
+
+void write_keyframes(MjcfWriter& writer) {
+  if (writer.model.keyframes().empty()) return;
+  pugi::xml_node section = writer.root.append_child("keyframe");
+  for (const Keyframe& key : writer.model.keyframes()) write_key(writer, section, key);
+}
+
+}  // namespace manyhands::io

@@ -1,0 +1,77 @@
+#include "manyhands/model/io/mjcf/mjcf_writer.h"
+
+#include "manyhands/model/io/text_numbers.h"
+
+namespace manyhands {
+
+namespace io {
+
+MjcfWriter::MjcfWriter(const Model& described, SaveNotes& save_notes, AssetFiles* asset_files)
+    : model(described),
+      notes(save_notes),
+      files(asset_files),
+      root(document.append_child("mujoco")),
+      carried_by(described.links().size()),
+      geom_names(described.geoms().size()) {}
+
+std::array<double, 4> wxyz(const Quat<double>& q) { return {q.w, q.x, q.y, q.z}; }
+
+void write_pose(pugi::xml_node node, const Vec3<double>& p, const Quat<double>& q) {
+  if (!same(p, Vec3<double>::zero())) set(node, "pos", p);
+  if (q.w != 1) set(node, "quat", wxyz(q));
+}
+
+void write_pose(pugi::xml_node node, const Transform<double>& X) { write_pose(node, X.p, quat_for(X.R)); }
+
+void write_settings(MjcfWriter& writer) {
+  const Model& model = writer.model;
+  require_text(model.name());
+  set(writer.root, "model", model.name());
+  pugi::xml_node compiler = writer.root.append_child("compiler");
+  set(compiler, "angle", "radian");
+  set(compiler, "autolimits", "true");
+  set(compiler, "inertiafromgeom", "false");
+  pugi::xml_node option = writer.root.append_child("option");
+  set(option, "gravity", model.gravity());
+  if (model.time_step()) {
+    set(option, "timestep", *model.time_step());
+  } else {
+    writer.notes.changed("model " + in_quotes(model.name()), "it asks for no time step; readers take MJCF's, 0.002 s");
+  }
+  writer.assets = writer.root.append_child("asset");
+  writer.world = writer.root.append_child("worldbody");
+}
+
+namespace {
+
+SavedText saved(const Model& model, const std::string& file, AssetFiles* files, const SaveOptions& options) {
+  SaveNotes notes(file, "MJCF");
+  MjcfWriter writer(model, notes, files);
+  write_settings(writer);
+  choose_filters(writer);
+  choose_frames(writer);
+  write_world(writer);
+  write_contacts(writer);
+  write_equalities(writer);
+  write_actuators(writer);
+  write_keyframes(writer);
+  return {text_of(writer.document), notes.take(options)};
+}
+
+}  // namespace
+
+}  // namespace io
+
+LoadReport save_mjcf(const Model& model, const std::filesystem::path& path, const SaveOptions& options) {
+  io::AssetFiles files(path);
+  SavedText saved = io::saved(model, path.string(), &files, options);
+  files.write();
+  io::save_file(path, saved.text);
+  return std::move(saved.report);
+}
+
+SavedText save_mjcf_string(const Model& model, const SaveOptions& options) {
+  return io::saved(model, "mjcf", nullptr, options);
+}
+
+}  // namespace manyhands

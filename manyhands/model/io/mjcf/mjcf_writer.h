@@ -1,0 +1,86 @@
+// An MJCF file in the making: what is shared by the writers of its sections.
+#pragma once
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "manyhands/model/io/save/asset_files.h"
+#include "manyhands/model/io/save/save_notes.h"
+#include "manyhands/model/io/save/xml_out.h"
+
+namespace manyhands::io {
+
+struct MjcfWriter {
+  MjcfWriter(const Model& described, SaveNotes& save_notes, AssetFiles* asset_files);
+
+  const Model& model;
+  SaveNotes& notes;
+  AssetFiles* files;  ///< none: everything lies in the text
+  pugi::xml_document document;
+  pugi::xml_node root, assets, world;
+  SavedNames names;
+  std::map<LinkId, pugi::xml_node> bodies;
+  std::vector<LinkId> carried_by;  ///< by link: the body that it is written as; invalid for links that are left out
+  std::vector<std::string> geom_names;       ///< by geom, as written; empty for those that are left out
+  std::vector<std::pair<int, int>> filters;  ///< by geom: contype and conaffinity
+  std::map<int, std::string> meshes, height_fields;
+  std::map<std::string, std::string> textures, materials;  ///< by all that they say
+  std::vector<std::vector<int>> frames_of;                 ///< by link: the frames that are written on it
+
+  /// The name of a link's body.
+  [[nodiscard]] const std::string& body(LinkId link) const { return model.link(carried_by[link.index()]).name; }
+};
+
+// The writers, in the order in which they run.
+void write_settings(MjcfWriter& writer);
+void choose_filters(MjcfWriter& writer);
+void choose_frames(MjcfWriter& writer);
+void write_world(MjcfWriter& writer);
+void write_contacts(MjcfWriter& writer);
+void write_equalities(MjcfWriter& writer);
+void write_actuators(MjcfWriter& writer);
+void write_keyframes(MjcfWriter& writer);
+
+/// pos and quat, where they are not those of no pose at all.
+void write_pose(pugi::xml_node node, const Vec3<double>& p, const Quat<double>& q);
+void write_pose(pugi::xml_node node, const Transform<double>& X);
+/// wxyz: the only place where MJCF's order is made.
+[[nodiscard]] std::array<double, 4> wxyz(const Quat<double>& q);
+
+void write_geom(MjcfWriter& writer, pugi::xml_node body, GeomId id);
+/// friction and condim. Notes what of the surface MJCF cannot say.
+void write_surface(MjcfWriter& writer, pugi::xml_node node, const SurfaceMaterial& surface, bool is_pair,
+                   const std::string& element);
+[[nodiscard]] const std::string& mesh_asset(MjcfWriter& writer, MeshId id);
+[[nodiscard]] const std::string& height_field_asset(MjcfWriter& writer, HeightFieldId id);
+/// The material that shows the texture; empty if it cannot be shown.
+[[nodiscard]] std::string material_asset(MjcfWriter& writer, const Geom& geom);
+
+/// The joints that a body has in MJCF in the place of a link's one: three for a planar joint, four for one that floats
+/// on something.
+struct MjcfStep {
+  std::string name;
+  JointType type{};
+  Transform<double> X_PF = Transform<double>::identity();  ///< from the last step's frame
+  Vec3<double> axis{0, 0, 1};
+  double reference = 0;
+  const Joint* joint = nullptr;
+};
+
+/// Joints in turn that move one body: where the file places it, and each joint in it.
+struct MjcfChain {
+  std::vector<MjcfStep> steps;
+  Vec3<double> to_body{};  ///< the body's origin in the last step's frame
+  Transform<double> X_PB = Transform<double>::identity();
+  Quat<double> quat = Quat<double>::identity();  ///< of X_PB, as it is written
+  std::vector<Vec3<double>> anchors, axes;       ///< in the body's frame
+};
+
+/// Finds X_PB, anchors and axes such that the reader finds the steps; false if it does so up to rounding only, the
+/// frames between the steps being turned.
+bool place_chain(MjcfChain& chain);
+void write_joint(MjcfWriter& writer, pugi::xml_node body, const MjcfChain& chain, std::size_t step);
+
+}  // namespace manyhands::io
