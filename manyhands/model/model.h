@@ -33,6 +33,8 @@ struct Frame {
   std::string name{};
   BodyId body{};
   Transform<double> X_BF = Transform<double>::identity();
+  LinkId link{};  ///< on which it was described
+  Transform<double> X_LF = Transform<double>::identity();
 };
 
 /// Thrown when a description cannot become a model; the message names the part and what to change.

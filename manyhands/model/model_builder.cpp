@@ -210,10 +210,13 @@ Model ModelBuilder::compile() const {
       compile_link(model, id);
     }
   }
-  for (const Link& link : model.links_) model.frames_.push_back({link.name, link.body, link.X_BL});
+  for (std::size_t i = 0; i < model.links_.size(); ++i) {
+    const Link& link = model.links_[i];
+    model.frames_.push_back({.name = link.name, .body = link.body, .X_BF = link.X_BL, .link = LinkId(i)});
+  }
   for (const NamedFrame& frame : frames_) {
     const Link& link = model.link(frame.link);
-    model.frames_.push_back({frame.name, link.body, link.X_BL * frame.X_LF});
+    model.frames_.push_back({frame.name, link.body, link.X_BL * frame.X_LF, frame.link, frame.X_LF});
   }
   compile_dofs(model);
   model.link_names_ = link_names_;

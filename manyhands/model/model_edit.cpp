@@ -149,7 +149,10 @@ void ModelEdit::insert_joints_and_bodies(const Model& part, const Insertion& at)
 
 void ModelEdit::insert_frames(const Model& part, const Insertion& at) {
   std::vector<Frame> frames(part.frames_.begin() + 1, part.frames_.end());
-  for (Frame& frame : frames) frame.body = BodyId(at.new_body(frame.body.value()));
+  for (Frame& frame : frames) {
+    frame.body = BodyId(at.new_body(frame.body.value()));
+    frame.link = LinkId(at.new_link(frame.link.value()));
+  }
   const auto first_named = frames.begin() + static_cast<std::ptrdiff_t>(part.links_.size() - 1);
   const int new_links = count_of(part.links_) - 1;
   if (new_links > 0 && count_of(model_.frames_) > at.links) {

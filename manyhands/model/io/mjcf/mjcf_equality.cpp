@@ -42,7 +42,7 @@ void read_weld(const MjcfScene& scene, const MjcfElement& e, EqualityConstraint&
   const MjcfBody &a = scene.body(e, "body1"), &b = second_body(scene, e);
   equality.link_a = a.link;
   equality.link_b = b.link;
-  Transform<double> X_AB = inverse(a.X_WB) * b.X_WB;
+  Transform<double> X_AB = placed_in(inverse(a.X_WB), b.X_WB);
   if (e.has("relpose")) {
     const std::vector<double> v = e.numbers("relpose", 7, 7);
     const bool has_quaternion = v[3] != 0 || v[4] != 0 || v[5] != 0 || v[6] != 0;  // else the file's poses count

@@ -84,7 +84,7 @@ void read_primitive(MjcfScene& scene, Part& part, const MjcfPlaced& placed) {
     const Vec3<double> from{v[0], v[1], v[2]}, to{v[3], v[4], v[5]};
     const double half = 0.5 * norm(from - to);
     if (!(half > 1e-10)) e.fail("the ends of 'fromto' are one point");
-    part.geom.X_LG = placed.X_BF * Transform<double>{rotation_from_z(from - to), 0.5 * (from + to)};
+    part.geom.X_LG = placed_in(placed.X_BF, {rotation_from_z(from - to), 0.5 * (from + to)});
     size = is_round ? Vec3<double>{given[0], half, 0} : Vec3<double>{given[0], given[0], half};
   }
   Shape& shape = part.geom.shape;
@@ -111,7 +111,7 @@ void require_fixed(const Part& part, const MjcfBody& body) {
 /// Reads the shape into `part`; false if it is left out, which is noted.
 bool read_shape(MjcfScene& scene, const MjcfBody& body, Part& part, const MjcfPlaced& placed) {
   const MjcfElement& e = part.element;
-  part.geom.X_LG = placed.X_BF * read_pose(e, scene.settings);
+  part.geom.X_LG = placed_in(placed.X_BF, read_pose(e, scene.settings));
   if (part.type == "plane") {
     require_fixed(part, body);
     part.geom.shape.type = ShapeType::kPlane;

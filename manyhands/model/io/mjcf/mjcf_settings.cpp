@@ -172,6 +172,14 @@ Mat3<double> read_rotation_as(const MjcfElement& element, std::string_view kind,
 
 }  // namespace
 
+namespace {
+
+Mat3<double> of_a_quaternion(const Mat3<double>& R) { return to_matrix(normalized(to_quat(R))); }
+
+bool is_identity(const Mat3<double>& R) { return R.x.x == 1 && R.y.y == 1 && R.z.z == 1; }
+
+}  // namespace
+
 bool has_rotation(const MjcfElement& element) {
   return std::ranges::any_of(kRotations, [&](const char* kind) { return element.has(kind); });
 }
@@ -187,9 +195,16 @@ Mat3<double> read_rotation(const MjcfElement& element, const MjcfSettings& setti
       }
       chosen = kind;
     }
-    if (chosen != nullptr) return read_rotation_as(element, chosen, settings);
+    if (chosen == nullptr) continue;
+    const Mat3<double> R = read_rotation_as(element, chosen, settings);
+    return std::string_view(chosen) == "quat" ? R : of_a_quaternion(R);
   }
   return Mat3<double>::identity();
+}
+
+Transform<double> placed_in(const Transform<double>& X_AF, const Transform<double>& X_FB) {
+  const Transform<double> X_AB = X_AF * X_FB;
+  return {is_identity(X_AF.R) ? X_FB.R : of_a_quaternion(X_AB.R), X_AB.p};
 }
 
 Transform<double> read_pose(const MjcfElement& element, const MjcfSettings& settings) {

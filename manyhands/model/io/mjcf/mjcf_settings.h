@@ -42,6 +42,9 @@ struct MjcfSettings {
 [[nodiscard]] Mat3<double> read_rotation(const MjcfElement& element, const MjcfSettings& settings);
 /// The rotation of three Euler angles, in the file's unit and sequence.
 [[nodiscard]] Mat3<double> rotation_from_euler(const Vec3<double>& angles, const MjcfSettings& settings);
+/// What is written in frame F of frame A. Its rotation is one that a quaternion gives to the bit, so that it can be
+/// saved.
+[[nodiscard]] Transform<double> placed_in(const Transform<double>& X_AF, const Transform<double>& X_FB);
 /// pos and rotation.
 [[nodiscard]] Transform<double> read_pose(const MjcfElement& element, const MjcfSettings& settings);
 /// The rotation of four numbers wxyz, which must not all be 0: the only place where MJCF's order is undone.

@@ -114,7 +114,7 @@ class WorldReader {
     collect(element, Transform<double>::identity(), contents);
 
     const MjcfBody around = scene_.bodies[static_cast<std::size_t>(parent)];
-    const Transform<double> X_PB = placed.X_BF * read_pose(element, scene_.settings);
+    const Transform<double> X_PB = placed_in(placed.X_BF, read_pose(element, scene_.settings));
     MjcfBody body{.name = name, .link = {}, .X_WB = around.X_WB * X_PB, .parent = parent, .source = element};
     body.has_joints = !contents.joints.empty();
     body.has_chain = contents.joints.size() > 1;
@@ -187,12 +187,12 @@ class WorldReader {
     const std::string given = placed.element.text_or("name", "");
     const MjcfElement site = placed.element.named("site '" + given + "'").with_defaults(scene_.classes, "site");
     site.expect({"name", "class", "pos", "quat", "axisangle", "euler", "xyaxes", "zaxis", "fromto"});
-    Transform<double> X_LS = placed.X_BF * read_pose(site, scene_.settings);
+    Transform<double> X_LS = placed_in(placed.X_BF, read_pose(site, scene_.settings));
     if (site.has("fromto")) {
       const std::vector<double> v = site.numbers("fromto", 6, 6);
       const Vec3<double> from{v[0], v[1], v[2]}, to{v[3], v[4], v[5]};
       if (!(norm(from - to) > 1e-10)) site.fail("the ends of 'fromto' are one point");
-      X_LS = placed.X_BF * Transform<double>{rotation_from_z(from - to), 0.5 * (from + to)};
+      X_LS = placed_in(placed.X_BF, {rotation_from_z(from - to), 0.5 * (from + to)});
     }
     const MjcfBody& body = scene_.bodies[index];
     const std::size_t number = scene_.num_sites++;

@@ -127,7 +127,8 @@ class ContactWriter {
     pugi::xml_node node = section_.append_child("pair");
     set(node, "geom1", first);
     set(node, "geom2", second);
-    write_surface(writer_, node, surface, true, "the pair of " + part("geom", first) + " and " + part("geom", second));
+    write_surface(node, surface, true);
+    note_surface(writer_, surface, "the pair of " + part("geom", first) + " and " + part("geom", second));
   }
 
   /// MJCF takes the larger friction; where the model's rule gives another, a pair says so.
@@ -179,7 +180,7 @@ void choose_filters(MjcfWriter& writer) {
   constexpr std::size_t kMostKinds = 31;
   if (!keeps_bits && kinds.size() > kMostKinds)
     throw SaveError("more than 31 kinds of collision filters; MJCF has no more");
-  std::uint32_t used = 0;
+  std::uint32_t used = 1;  // of geoms by default, which readers reckon with whether there are any or not
   for (const CollisionFilter& kind : kinds) used |= kind.group;
   writer.filters.assign(geoms.size(), {0, 0});
   for (std::size_t i = 0; i < geoms.size(); ++i) {

@@ -23,7 +23,7 @@ class EqualityWriter {
     }
     switch (e.type) {
       case EqualityType::kPoint:
-        return write_poses("connect", e, e.name, e.X_LA, e.X_LB);
+        return write_point(e);
       case EqualityType::kHinge:
         return write_hinge(e, what);
       case EqualityType::kFixed:
@@ -46,15 +46,33 @@ class EqualityWriter {
     return node;
   }
 
-  /// A site of the equality's own: the reader takes both poses as they are.
+  [[nodiscard]] const MjcfPlace& place_of(LinkId link) const {
+    return writer_.bodies.at(writer_.carried_by[link.index()]);
+  }
+
+  /// A site there is at X, or one of the equality's own: readers take its pose as it is.
   std::string add_site(LinkId link, const Pose& X, const std::string& wanted) {
-    const auto found = writer_.bodies.find(writer_.carried_by[link.index()]);
-    pugi::xml_node body = found == writer_.bodies.end() ? writer_.world : found->second;
+    for (const int i : writer_.frames_of[link.index()]) {
+      const Frame& frame = writer_.model.frames()[static_cast<std::size_t>(i)];
+      if (same(frame.X_LF.p, X.p) && same(frame.X_LF.R, X.R)) return frame.name;
+    }
     const std::string name = writer_.names.claim("site", wanted, "site", writer_.notes);
+    pugi::xml_node body = place_of(link).node;
     pugi::xml_node site = body.append_child("site");
     set(site, "name", name);
     write_pose(site, X);
     return name;
+  }
+
+  /// By one anchor, if readers find the other point where it is: by the poses at the start.
+  void write_point(const EqualityConstraint& e) {
+    const Vec3<double> p_B = inverse(place_of(e.link_b).X_WB) * (place_of(e.link_a).X_WB * e.X_LA.p);
+    const bool is_turned = !same(e.X_LA.R, Mat3<double>::identity()) || !same(e.X_LB.R, Mat3<double>::identity());
+    if (is_turned || !same(p_B, e.X_LB.p)) return write_poses("connect", e, e.name, e.X_LA, e.X_LB);
+    pugi::xml_node node = add("connect", e.name);
+    set(node, "body1", writer_.body(e.link_a));
+    set(node, "body2", writer_.body(e.link_b));
+    set(node, "anchor", e.X_LA.p);
   }
 
   void write_poses(const char* kind, const EqualityConstraint& e, const std::string& name, const Pose& X_LA,

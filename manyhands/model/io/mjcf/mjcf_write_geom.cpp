@@ -99,17 +99,15 @@ void write_geom(MjcfWriter& writer, pugi::xml_node body, GeomId id) {
   const auto& [contype, conaffinity] = writer.filters[id.index()];
   if (contype != 1) set(node, "contype", contype);
   if (conaffinity != 1) set(node, "conaffinity", conaffinity);
-  if (collides) {
-    write_surface(writer, node, geom.surface, false, what);
-    set_unless(node, "margin", geom.margin, 0);
-  }
+  write_surface(node, geom.surface, false);
+  if (collides) note_surface(writer, geom.surface, what);
+  set_unless(node, "margin", geom.margin, 0);
   const std::string material = geom.texture ? material_asset(writer, geom) : "";
   if (!material.empty()) set(node, "material", material);
   set(node, "rgba", colour(geom.rgba));
 }
 
-void write_surface(MjcfWriter& writer, pugi::xml_node node, const SurfaceMaterial& surface, bool is_pair,
-                   const std::string& what) {
+void write_surface(pugi::xml_node node, const SurfaceMaterial& surface, bool is_pair) {
   const double slide = surface.lateral_friction, spin = surface.spinning_friction, roll = surface.rolling_friction;
   const int condim = roll > 0 ? 6 : spin > 0 ? 4 : slide > 0 ? 3 : 1;
   if (condim != 3) set(node, "condim", condim);
@@ -118,7 +116,10 @@ void write_surface(MjcfWriter& writer, pugi::xml_node node, const SurfaceMateria
   } else if (condim > 1) {
     set(node, "friction", std::array{slide, spin, roll});
   }
-  const bool has_two = surface.friction_y && *surface.friction_y != slide;
+}
+
+void note_surface(MjcfWriter& writer, const SurfaceMaterial& surface, const std::string& what) {
+  const bool has_two = surface.friction_y && *surface.friction_y != surface.lateral_friction;
   if (has_two) writer.notes.loss(LoadAction::kIgnored, what, "its friction differs by direction");
   if (surface.restitution != 0) writer.notes.loss(LoadAction::kIgnored, what, "it bounces: MJCF has no restitution");
   if (surface.stiffness || surface.damping) {

@@ -29,8 +29,9 @@ class WorldWriter {
 
   void write() {
     writer_.carried_by[0] = LinkId(0);
+    writer_.bodies[LinkId(0)].node = writer_.world;
     write_contents(writer_.world, LinkId(0));
-    for (const LinkId child : children_[0]) write_link(writer_.world, child);
+    for (const LinkId child : children_[0]) write_link(LinkId(0), child);
   }
 
  private:
@@ -113,14 +114,14 @@ class WorldWriter {
                        "it starts turned, but MJCF's ball joints do not");
   }
 
-  void write_link(pugi::xml_node around, LinkId first) {
+  void write_link(LinkId parent, LinkId first) {
     constexpr int kMostNested = 1000;
     if (++depth_ > kMostNested) throw SaveError("links follow one another more than 1000 deep, which readers refuse");
     const std::vector<LinkId> links = links_of_body(first);
     const LinkId last = links.back();
-    pugi::xml_node body = around.append_child("body");
+    MjcfPlace around = writer_.bodies[parent];
+    pugi::xml_node body = around.node.append_child("body");
     set(body, "name", writer_.names.claim("body", model_.link(last).name, "body", writer_.notes));
-    writer_.bodies.emplace(last, body);
     for (const LinkId link : links) writer_.carried_by[link.index()] = last;
     MjcfChain chain;
     for (const LinkId link : links) {
@@ -128,22 +129,27 @@ class WorldWriter {
       if (joint != nullptr && joint->type != JointType::kFixed) add_steps(chain, *joint);
     }
     if (chain.steps.empty()) {
-      write_fixed(body, last);
+      place_fixed(chain, last);
     } else if (chain.steps[0].type == JointType::kFloating) {
-      write_free(body, chain);
+      place_free(chain);
     } else {
       if (joint_of(last)->type == JointType::kFixed) chain.to_body = joint_of(last)->X_PF.p;
-      write_chain(body, chain, links);
+      note_between(links, place_chain(chain));
     }
+    write_pose(body, chain.X_PB.p, chain.quat);
+    writer_.bodies[last] = {body, around.X_WB * chain.X_PB};
+    for (std::size_t i = 0; i < chain.steps.size(); ++i) write_joint(writer_, body, chain, i);
     write_inertial(body, model_.link(last));
     write_contents(body, last);
-    for (const LinkId child : children_[last.index()]) write_link(body, child);
+    for (const LinkId child : children_[last.index()]) write_link(last, child);
     --depth_;
   }
 
-  void write_fixed(pugi::xml_node body, LinkId link) {
+  void place_fixed(MjcfChain& chain, LinkId link) {
     const Joint* const joint = joint_of(link);
-    write_pose(body, joint == nullptr ? model_.link(link).X_BL : joint->X_PF);
+    const Transform<double>& X = joint == nullptr ? model_.link(link).X_BL : joint->X_PF;
+    chain.quat = quat_for(X.R);
+    chain.X_PB = {to_matrix(chain.quat), X.p};
     const std::string& name = model_.link(link).name;
     if (joint == nullptr) {
       writer_.notes.changed_alike("root", part("link", name), "it stands in the world; read as fixed by a joint");
@@ -154,18 +160,14 @@ class WorldWriter {
   }
 
   /// Where it is at the start is what places a free body.
-  void write_free(pugi::xml_node body, const MjcfChain& chain) {
+  static void place_free(MjcfChain& chain) {
     const std::vector<double>& q = chain.steps[0].joint->initial;
-    if (!q.empty()) {
-      write_pose(body, {q[0], q[1], q[2]}, quat_for(Quat<double>{q[3], q[4], q[5], q[6]}));
-    }
-    write_joint(writer_, body, chain, 0);
+    if (q.empty()) return;
+    chain.quat = quat_for(Quat<double>{q[3], q[4], q[5], q[6]});
+    chain.X_PB = {to_matrix(chain.quat), {q[0], q[1], q[2]}};
   }
 
-  void write_chain(pugi::xml_node body, MjcfChain& chain, const std::vector<LinkId>& links) {
-    const bool is_parallel = place_chain(chain);
-    write_pose(body, chain.X_PB.p, chain.quat);
-    for (std::size_t i = 0; i < chain.steps.size(); ++i) write_joint(writer_, body, chain, i);
+  void note_between(const std::vector<LinkId>& links, bool is_parallel) const {
     const std::string& name = model_.link(links.back()).name;
     for (std::size_t i = 0; i + 1 < links.size(); ++i) {
       const Link& link = model_.link(links[i]);
@@ -196,7 +198,7 @@ class WorldWriter {
       const Frame& frame = model_.frames()[static_cast<std::size_t>(i)];
       pugi::xml_node site = body.append_child("site");
       set(site, "name", writer_.names.claim("site", frame.name, "site", writer_.notes));
-      write_pose(site, inverse(model_.link(link).X_BL) * frame.X_BF);
+      write_pose(site, frame.X_LF);
     }
   }
 
@@ -208,22 +210,6 @@ class WorldWriter {
 };
 
 }  // namespace
-
-/// A frame knows its body; of its links, the one whose frame is the body's stands for it, if there is one.
-void choose_frames(MjcfWriter& writer) {
-  const Model& model = writer.model;
-  writer.frames_of.resize(model.links().size());
-  for (std::size_t i = model.links().size(); i < model.frames().size(); ++i) {
-    const Frame& frame = model.frames()[i];
-    const std::span<const LinkId> links = model.links_of(frame.body);
-    const auto is_body = [&](LinkId id) {
-      return same(model.link(id).X_BL.R, Mat3<double>::identity()) && same(model.link(id).X_BL.p, Vec3<double>::zero());
-    };
-    const auto found = std::ranges::find_if(links, is_body);
-    if (frame.name.empty() || links.empty()) continue;
-    writer.frames_of[(found == links.end() ? links.front() : *found).index()].push_back(static_cast<int>(i));
-  }
-}
 
 void write_world(MjcfWriter& writer) { WorldWriter(writer).write(); }
 

@@ -12,7 +12,13 @@ MjcfWriter::MjcfWriter(const Model& described, SaveNotes& save_notes, AssetFiles
       files(asset_files),
       root(document.append_child("mujoco")),
       carried_by(described.links().size()),
-      geom_names(described.geoms().size()) {}
+      geom_names(described.geoms().size()),
+      frames_of(described.links().size()) {
+  for (std::size_t i = described.links().size(); i < described.frames().size(); ++i) {
+    const Frame& frame = described.frames()[i];
+    if (!frame.name.empty()) frames_of[frame.link.index()].push_back(static_cast<int>(i));
+  }
+}
 
 std::array<double, 4> wxyz(const Quat<double>& q) { return {q.w, q.x, q.y, q.z}; }
 
@@ -49,7 +55,6 @@ SavedText saved(const Model& model, const std::string& file, AssetFiles* files, 
   MjcfWriter writer(model, notes, files);
   write_settings(writer);
   choose_filters(writer);
-  choose_frames(writer);
   write_world(writer);
   write_contacts(writer);
   write_equalities(writer);

@@ -12,6 +12,12 @@
 
 namespace manyhands::io {
 
+/// A body that is written, and where its readers find it at the start.
+struct MjcfPlace {
+  pugi::xml_node node;
+  Transform<double> X_WB = Transform<double>::identity();
+};
+
 struct MjcfWriter {
   MjcfWriter(const Model& described, SaveNotes& save_notes, AssetFiles* asset_files);
 
@@ -21,8 +27,8 @@ struct MjcfWriter {
   pugi::xml_document document;
   pugi::xml_node root, assets, world;
   SavedNames names;
-  std::map<LinkId, pugi::xml_node> bodies;
-  std::vector<LinkId> carried_by;  ///< by link: the body that it is written as; invalid for links that are left out
+  std::map<LinkId, MjcfPlace> bodies;  ///< by the link that they are
+  std::vector<LinkId> carried_by;      ///< by link: the body that it is written as; invalid for links that are left out
   std::vector<std::string> geom_names;       ///< by geom, as written; empty for those that are left out
   std::vector<std::pair<int, int>> filters;  ///< by geom: contype and conaffinity
   std::map<int, std::string> meshes, height_fields;
@@ -36,7 +42,6 @@ struct MjcfWriter {
 // The writers, in the order in which they run.
 void write_settings(MjcfWriter& writer);
 void choose_filters(MjcfWriter& writer);
-void choose_frames(MjcfWriter& writer);
 void write_world(MjcfWriter& writer);
 void write_contacts(MjcfWriter& writer);
 void write_equalities(MjcfWriter& writer);
@@ -50,9 +55,10 @@ void write_pose(pugi::xml_node node, const Transform<double>& X);
 [[nodiscard]] std::array<double, 4> wxyz(const Quat<double>& q);
 
 void write_geom(MjcfWriter& writer, pugi::xml_node body, GeomId id);
-/// friction and condim. Notes what of the surface MJCF cannot say.
-void write_surface(MjcfWriter& writer, pugi::xml_node node, const SurfaceMaterial& surface, bool is_pair,
-                   const std::string& element);
+/// friction and condim.
+void write_surface(pugi::xml_node node, const SurfaceMaterial& surface, bool is_pair);
+/// Notes what of the surface MJCF cannot say.
+void note_surface(MjcfWriter& writer, const SurfaceMaterial& surface, const std::string& element);
 [[nodiscard]] const std::string& mesh_asset(MjcfWriter& writer, MeshId id);
 [[nodiscard]] const std::string& height_field_asset(MjcfWriter& writer, HeightFieldId id);
 /// The material that shows the texture; empty if it cannot be shown.
