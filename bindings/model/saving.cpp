@@ -1,4 +1,4 @@
-// manyhands._core: models saved as MJCF.
+// manyhands._core: models saved as MJCF and URDF.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/pair.h>
@@ -49,6 +49,27 @@ void bind_saving(nb::module_& m) {
       },
       "model"_a, nb::kw_only(), "allow_loss"_a = false,
       "The same as a text that needs no other files, and the report: meshes lie in it, images are left out.");
+  m.def(
+      "save_urdf",
+      [](const PythonModel& model, const std::filesystem::path& path, bool allow_loss) {
+        return saved_by([&] { return save_urdf(*model.model, path, {.allow_loss = allow_loss}); });
+      },
+      "model"_a, "path"_a, nb::kw_only(), "allow_loss"_a = false,
+      "Saves a robot as a URDF file; returns what is said otherwise or left out.\n\n"
+      "URDF has a tree of links with masses, shapes, joints and mimics, and PyBullet's <contact>. One root is the "
+      "file's; "
+      "several come from a link 'world'. Loops, actuators, armature, planes, ball joints and other things that move or "
+      "touch raise SaveError (a ValueError), or with allow_loss are left out. Meshes (OBJ) and images go to the folder "
+      "STEM_assets beside the file, which alone is overwritten.");
+  m.def(
+      "save_urdf_string",
+      [](const PythonModel& model, bool allow_loss) {
+        return saved_by([&] {
+          SavedText saved = save_urdf_string(*model.model, {.allow_loss = allow_loss});
+          return std::pair(std::move(saved.text), std::move(saved.report));
+        });
+      },
+      "model"_a, nb::kw_only(), "allow_loss"_a = false, "The same as a text, which holds no meshes, and the report.");
 }
 
 }  // namespace manyhands

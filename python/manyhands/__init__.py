@@ -36,6 +36,8 @@ from manyhands._core import (
     load_urdf,
     save_mjcf,
     save_mjcf_string,
+    save_urdf,
+    save_urdf_string,
     set_asset_root,
 )
 from manyhands._core.render import Camera, Look, Mark, Picture, Renderer, Texture
@@ -113,6 +115,8 @@ __all__ = [
     "recording",
     "save_mjcf",
     "save_mjcf_string",
+    "save_urdf",
+    "save_urdf_string",
     "video",
     "view",
 ]

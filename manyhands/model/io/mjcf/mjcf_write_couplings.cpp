@@ -167,7 +167,7 @@ void write_key(MjcfWriter& writer, pugi::xml_node section, const Keyframe& key) 
     const Quat<double> q = at_unit_length(Quat<double>{r[0], r[1], r[2], r[3]});
     std::ranges::copy(wxyz(q), r);
     const Mat3<double> R = to_matrix(q);
-    const Vec3<double> turning = transpose_times(R, Vec3<double>{w[0], w[1], w[2]});
+    const Vec3<double> turning = vector_for(R, {w[0], w[1], w[2]});
     if (!is_free) {
       std::ranges::copy(std::array{turning.x, turning.y, turning.z}, w);
     } else {

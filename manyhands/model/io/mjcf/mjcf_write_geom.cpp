@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "manyhands/model/io/mjcf/mjcf_assets.h"
 #include "manyhands/model/io/mjcf/mjcf_writer.h"
 
 namespace manyhands::io {
@@ -74,6 +75,26 @@ Transform<double> write_shape(MjcfWriter& writer, pugi::xml_node node, const Geo
   return X;
 }
 
+/// A mesh in the world touches by its triangles here, and by its hull in MJCF; those that move have hulls in both.
+void note_hull(MjcfWriter& writer, const Geom& geom, const std::string& what) {
+  constexpr double kAlike = 1e-3;
+  if (writer.model.link(geom.link).body.value() != 0) return;
+  const Mesh& mesh = writer.model.meshes()[geom.shape.mesh.index()];
+  const auto is_convex = [&] {
+    try {
+      const double volume = solid_of(mesh, false).mass, hull = solid_of(hull_of(mesh), false).mass;
+      return std::abs(hull - volume) <= kAlike * hull;
+    } catch (const ModelError&) {  // flat
+      return false;
+    }
+  };
+  if (is_convex()) {
+    writer.notes.changed(what, "a mesh that is as good as convex touches by its hull");
+  } else {
+    writer.notes.loss(LoadAction::kRepaired, what, "a mesh that touches by its triangles becomes its convex hull");
+  }
+}
+
 /// A capsule of no length is a sphere, which MJCF asks to be called one.
 Geom as_written(const Geom& geom) {
   Geom result = geom;
@@ -93,9 +114,7 @@ void write_geom(MjcfWriter& writer, pugi::xml_node body, GeomId id) {
   const Transform<double> X = write_shape(writer, node, geom, what);
   write_pose(node, X);
   const bool collides = geom.role == GeomRole::kCollision;
-  if (collides && geom.shape.type == ShapeType::kMesh) {
-    writer.notes.loss(LoadAction::kRepaired, what, "a mesh that touches by its triangles becomes its convex hull");
-  }
+  if (collides && geom.shape.type == ShapeType::kMesh) note_hull(writer, geom, what);
   const auto& [contype, conaffinity] = writer.filters[id.index()];
   if (contype != 1) set(node, "contype", contype);
   if (conaffinity != 1) set(node, "conaffinity", conaffinity);
@@ -131,8 +150,7 @@ const std::string& mesh_asset(MjcfWriter& writer, MeshId id) {
   const auto [entry, is_new] = writer.meshes.try_emplace(id.value());
   if (!is_new) return entry->second;
   const Mesh& mesh = writer.model.meshes()[id.index()];
-  const std::string stem = file_stem(std::filesystem::path(mesh.source).stem().string(), "mesh");
-  entry->second = writer.names.claim("mesh", "", stem, writer.notes);
+  entry->second = writer.names.unused("mesh", mesh_stem(mesh));
   pugi::xml_node node = writer.assets.append_child("mesh");
   set(node, "name", entry->second);
   set(node, "inertia", "shell");  // of no use, but what MuJoCo takes of meshes that do not close
@@ -154,7 +172,7 @@ const std::string& height_field_asset(MjcfWriter& writer, HeightFieldId id) {
   const auto [entry, is_new] = writer.height_fields.try_emplace(id.value());
   if (!is_new) return entry->second;
   const HeightField& field = writer.model.height_fields()[id.index()];
-  entry->second = writer.names.claim("hfield", "", "hfield", writer.notes);
+  entry->second = writer.names.unused("hfield", "hfield");
   pugi::xml_node node = writer.assets.append_child("hfield");
   set(node, "name", entry->second);
   set(node, "nrow", field.rows);
@@ -195,7 +213,7 @@ std::string material_asset(MjcfWriter& writer, const Geom& geom) {
   const std::string key = is_image ? shown.file : colour(shown.rgb[0]) + ", " + colour(shown.rgb[1]);
   const auto [texture, is_new_texture] = writer.textures.try_emplace(key);
   if (is_new_texture) {
-    texture->second = writer.names.claim("texture", "", "texture", writer.notes);
+    texture->second = writer.names.unused("texture", "texture");
     pugi::xml_node node = writer.assets.append_child("texture");
     set(node, "name", texture->second);
     set(node, "type", "2d");
@@ -214,7 +232,7 @@ std::string material_asset(MjcfWriter& writer, const Geom& geom) {
   }
   const auto [material, is_new] = writer.materials.try_emplace(texture->second + " " + repeat);
   if (is_new) {
-    material->second = writer.names.claim("material", "", "material", writer.notes);
+    material->second = writer.names.unused("material", "material");
     pugi::xml_node node = writer.assets.append_child("material");
     set(node, "name", material->second);
     set(node, "texture", texture->second);

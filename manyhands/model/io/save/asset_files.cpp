@@ -24,6 +24,14 @@ std::string obj_text(const Mesh& mesh) {
   return text;
 }
 
+std::string mesh_stem(const Mesh& mesh) {
+  const std::size_t from = mesh.source.find('\''), to = mesh.source.rfind('\'');
+  const bool is_element = mesh.source.starts_with("mesh '") && from < to;  // as loaders of MJCF call it
+  const fs::path name =
+      is_element ? mesh.source.substr(from + 1, to - from - 1) : fs::path(mesh.source).stem().string();
+  return file_stem(name.string(), "mesh");
+}
+
 AssetFiles::AssetFiles(const fs::path& path)
     : folder_(fs::absolute(path).parent_path()), own_folder_(file_stem(path.stem().string(), "model") + "_assets") {}
 

@@ -13,6 +13,9 @@ namespace manyhands::io {
 /// The triangles as Wavefront OBJ: vertices in order, each number the shortest that is read back.
 [[nodiscard]] std::string obj_text(const Mesh& mesh);
 
+/// A name for a mesh, after the file or the element that it came from.
+[[nodiscard]] std::string mesh_stem(const Mesh& mesh);
+
 /// Collects files, and writes them when all is known to be well.
 class AssetFiles {
  public:

@@ -39,7 +39,9 @@ class RotationError {
   Mat3<double> R_, after_;
 };
 
-double unit_in_last_place(double x) { return std::nextafter(std::abs(x), 4.0) - std::abs(x); }
+double unit_in_last_place(double x) {
+  return std::nextafter(std::abs(x), std::numeric_limits<double>::infinity()) - std::abs(x);
+}
 
 struct Best {
   Four q;
@@ -126,6 +128,13 @@ Quat<double> quat_for(const Quat<double>& wanted) {
     const Quat<double> q = to_quat(to_matrix(Quat<double>{f[0], f[1], f[2], f[3]}));
     return std::abs(q.x - wanted.x) + std::abs(q.y - wanted.y) + std::abs(q.z - wanted.z) + std::abs(q.w - wanted.w);
   });
+}
+
+Vec3<double> vector_for(const Mat3<double>& R, const Vec3<double>& wanted) {
+  const Vec3<double> start = transpose_times(R, wanted);
+  const Quat<double> found = found_near(
+      {start.x, start.y, start.z, 0}, [&](const Four& v) { return apart(R * Vec3<double>{v[0], v[1], v[2]}, wanted); });
+  return {found.x, found.y, found.z};
 }
 
 Vec3<double> rpy_for(const Mat3<double>& R) {

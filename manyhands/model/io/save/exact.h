@@ -25,6 +25,9 @@ namespace manyhands::io {
 /// The same for to_quat(to_matrix(q)), which is to be `wanted`.
 [[nodiscard]] Quat<double> quat_for(const Quat<double>& wanted);
 
+/// The vector v for which R * v is `wanted` to the bit, or comes closest.
+[[nodiscard]] Vec3<double> vector_for(const Mat3<double>& R, const Vec3<double>& wanted);
+
 /// URDF's rpy, for which rotation_from_rpy(rpy) is R to the bit, or comes closest.
 [[nodiscard]] Vec3<double> rpy_for(const Mat3<double>& R);
 

@@ -39,4 +39,13 @@ LoadReport save_mjcf(const Model& model, const std::filesystem::path& path, cons
 /// The same as a text that needs no other files: meshes lie in it, images are left out.
 [[nodiscard]] SavedText save_mjcf_string(const Model& model, const SaveOptions& options = {});
 
+/// Writes a URDF file: a tree of links, their masses, shapes, joints and mimics, PyBullet's <contact> where a surface
+/// is not the default. One root that stands at the world's origin, or floats, is the file's; else a link "world" is.
+/// What URDF cannot say (loops, actuators, armature, planes, ball joints ...) is a SaveError, or with allow_loss left
+/// out. Meshes and images as with `save_mjcf`. Returns what is said otherwise or left out.
+LoadReport save_urdf(const Model& model, const std::filesystem::path& path, const SaveOptions& options = {});
+
+/// The same as a text; of meshes, which it cannot hold, shapes that touch are a loss.
+[[nodiscard]] SavedText save_urdf_string(const Model& model, const SaveOptions& options = {});
+
 }  // namespace manyhands

@@ -63,6 +63,12 @@ std::string SavedNames::claim(const std::string& kind, const std::string& wanted
   return name;
 }
 
+std::string SavedNames::unused(const std::string& kind, const std::string& wanted) {
+  std::string name = wanted;
+  for (int number = 2; !taken_[kind].insert(name).second; ++number) name = wanted + "_" + std::to_string(number);
+  return name;
+}
+
 void require_text(std::string_view text) {
   const auto is_unfit = [](char c) {
     return static_cast<unsigned char>(c) < 0x20 && c != '\t' && c != '\n' && c != '\r';

@@ -45,6 +45,8 @@ class SavedNames {
  public:
   /// `wanted`, or it with a number behind it, which is noted; of an empty one `otherwise` with a number, which is not.
   std::string claim(const std::string& kind, const std::string& wanted, const std::string& otherwise, SaveNotes& notes);
+  /// `wanted`, or it with a number behind it: of parts that models have no names for.
+  std::string unused(const std::string& kind, const std::string& wanted);
 
  private:
   std::map<std::string, std::set<std::string>> taken_;

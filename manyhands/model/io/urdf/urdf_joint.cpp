@@ -5,6 +5,7 @@
 
 #include "manyhands/model/io/text_numbers.h"
 #include "manyhands/model/io/urdf/urdf_parts.h"
+#include "manyhands/model/unit.h"
 
 namespace manyhands::io {
 
@@ -58,7 +59,7 @@ Vec3<double> read_axis(const UrdfElement& joint) {
   if (std::abs(length - 1) > 1e-3) {
     axis.note(LoadAction::kRepaired, "the axis has length " + format_number(length) + "; brought to 1");
   }
-  return (1 / length) * v;
+  return at_unit_length(v);
 }
 
 double positive_or_unlimited(const UrdfElement& limit, const char* attribute) {
