@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from manyhands._core.envs import env_ids, make_env_batch
 from manyhands._core.learn import CheckpointError
-from manyhands.cli import evaluate, record, train, view
+from manyhands.cli import convert, evaluate, record, train, view
 from manyhands.extras import install_extra
 from manyhands.interrupts import INTERRUPTED
 
@@ -29,6 +29,10 @@ _COMMANDS = (
     (
         "view", view, "show a robot, a scene or an environment in the browser",
         "Shows a robot, a scene or an environment on a page in the browser, to play with.",
+    ),
+    (
+        "convert", convert, "a robot or scene from URDF to MJCF, or back",
+        "Reads a robot or scene and writes it in another format, to the last bit where that can say it.",
     ),
     ("record", record, "a video of episodes", "Writes a video of a scripted expert, or of a policy."),
 )  # fmt: skip
