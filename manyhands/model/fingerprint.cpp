@@ -11,7 +11,7 @@ class Fingerprint {
   template <class Number>
     requires std::is_arithmetic_v<Number>
   void add(Number number) {
-    hash_.add(number);
+    hash_.add(static_cast<Number>(number + Number(0)));  // -0 and 0 are one number
   }
   template <class Enum>
     requires std::is_enum_v<Enum>

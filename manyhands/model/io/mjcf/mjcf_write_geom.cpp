@@ -132,7 +132,7 @@ void write_surface(pugi::xml_node node, const SurfaceMaterial& surface, bool is_
   if (condim != 3) set(node, "condim", condim);
   if (is_pair) {
     set(node, "friction", std::array{slide, slide, spin, roll, roll});
-  } else if (condim > 1) {
+  } else {
     set(node, "friction", std::array{slide, spin, roll});
   }
 }
@@ -159,7 +159,8 @@ const std::string& mesh_asset(MjcfWriter& writer, MeshId id) {
     return entry->second;
   }
   std::string vertices, faces;
-  for (const Vec3<float>& v : mesh.vertices) vertices += colour<3>({v.x, v.y, v.z}) + " ";
+  // 0 for -0, as it is read.
+  for (const Vec3<float>& v : mesh.vertices) vertices += colour<3>({v.x + 0, v.y + 0, v.z + 0}) + " ";
   for (const std::array<int, 3>& t : mesh.triangles) {
     for (const int corner : t) faces += std::to_string(corner) + " ";
   }

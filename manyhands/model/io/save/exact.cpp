@@ -48,22 +48,28 @@ struct Best {
   double error;
 };
 
-/// All neighbours up to two units in the last place away, the nearest first.
+/// All neighbours up to `reach` units in the last place away. What is 0 stays 0.
 template <class Error>
-void search_neighbours(const Error& error_of, Best& best) {
+void search_neighbours(const Error& error_of, int reach, Best& best) {
   const Four start = best.q;
-  const auto moved = [&](std::size_t i, int steps) { return start[i] + steps * unit_in_last_place(start[i]); };
-  for (int shell = 1; shell <= 2 && best.error > 0; ++shell) {
-    const int width = 2 * shell + 1;
-    for (int code = 0; code < width * width * width * width && best.error > 0; ++code) {
-      std::array<int, 4> steps{};
-      for (int i = 0, rest = code; i < 4; ++i, rest /= width) steps[static_cast<std::size_t>(i)] = rest % width - shell;
-      const Four q{moved(0, steps[0]), moved(1, steps[1]), moved(2, steps[2]), moved(3, steps[3])};
-      const double error = error_of(q);
-      if (error < best.error) best = {q, error};
+  const int width = 2 * reach + 1;
+  std::array<int, 4> widths{};
+  int count = 1;
+  for (std::size_t i = 0; i < 4; ++i) count *= widths[i] = start[i] == 0 ? 1 : width;
+  for (int code = 0; code < count && best.error > 0; ++code) {
+    Four q = start;
+    int rest = code;
+    for (std::size_t i = 0; i < 4; rest /= widths[i++]) {
+      const int steps = rest % widths[i] - widths[i] / 2;
+      q[i] += steps * unit_in_last_place(start[i]);
     }
+    const double error = error_of(q);
+    if (error < best.error) best = {q, error};
   }
 }
+
+/// How far neighbours are searched where so many of the numbers are not 0: a few thousand of them.
+constexpr std::array<int, 5> kReach{0, 1000, 30, 7, 3};
 
 /// A walk from the best so far, always by the same numbers: steps of one unit in the last place to a few 2^-53, taken
 /// where the error does not grow much.
@@ -81,7 +87,7 @@ void search_around(const Error& error_of, Best& best) {
     for (double& x : q) {
       const auto direction = rest & 3, finer = (rest >> 2) & 15, is_small = (rest >> 6) & 1;
       rest >>= 7;
-      if (direction > 1) continue;
+      if (direction > 1 || x == 0) continue;
       const double least = unit_in_last_place(x);
       const double step = is_small != 0 ? least : std::max(least, std::ldexp(1.0, -52 - static_cast<int>(finer)));
       x += direction == 0 ? step : -step;
@@ -97,7 +103,9 @@ template <class Error>
 Quat<double> found_near(const Quat<double>& start, const Error& error_of) {
   Best best{{start.x, start.y, start.z, start.w}, 0};
   best.error = error_of(best.q);
-  if (best.error > 0) search_neighbours(error_of, best);
+  const auto moving = std::ranges::count_if(best.q, [](double x) { return x != 0; });
+  if (best.error > 0) search_neighbours(error_of, 1, best);
+  if (best.error > 0) search_neighbours(error_of, kReach[static_cast<std::size_t>(moving)], best);
   if (best.error > 0) search_around(error_of, best);
   return {best.q[0], best.q[1], best.q[2], best.q[3]};
 }

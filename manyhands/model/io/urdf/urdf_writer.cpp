@@ -77,7 +77,7 @@ class UrdfWriter {
     set(node, "name", names_.claim("link", link.name, "link", notes_));
     const Inertial& inertial = link.inertial;
     const SymMat3<double>& I = inertial.inertia;
-    if (inertial.mass != 0 || I.xx != 0 || I.yy != 0 || I.zz != 0) {
+    if (id != LinkId(0)) {  // of mass 0 too: PyBullet takes 1 kg where a link has none
       pugi::xml_node own = node.append_child("inertial");
       write_origin(own, {Mat3<double>::identity(), inertial.com});
       set(own.append_child("mass"), "value", inertial.mass);
