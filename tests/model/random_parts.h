@@ -3,6 +3,7 @@
 
 #include <random>
 
+#include "manyhands/math/quaternion.h"
 #include "manyhands/model/model_builder.h"
 
 namespace manyhands::testing {

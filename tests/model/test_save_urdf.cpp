@@ -1,6 +1,7 @@
 // What is saved as URDF is read back as it was, and what URDF cannot say is an error.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 #include "manyhands/model/fingerprint.h"
