@@ -212,6 +212,23 @@ TEST(SaveMjcf, NamesOfAnyKind) {
   EXPECT_THROW((void)save_mjcf_string(with_body_of("a\x01")), SaveError);
 }
 
+Model chain_of(int links) {
+  ModelBuilder builder("chain");
+  LinkId last = builder.world();
+  for (int i = 0; i < links; ++i) {
+    const LinkId link = builder.add_link("l" + std::to_string(i), {.mass = 1, .inertia = {1, 1, 1, 0, 0, 0}});
+    builder.add_joint({.name = "j" + std::to_string(i), .type = JointType::kRevolute, .parent = last, .child = link});
+    builder.add_geom({.link = link, .shape = {.size = {1, 0, 0}}});
+    last = link;
+  }
+  return builder.build();
+}
+
+TEST(SaveMjcf, WhatIsWrittenIsNotTooDeepToBeRead) {
+  EXPECT_EQ(read_again(chain_of(125)).nq(), 125);
+  EXPECT_THROW((void)save_mjcf_string(chain_of(126)), SaveError);
+}
+
 TEST(SaveMjcf, NumbersThatAreNoneAreRefused) {
   ModelBuilder builder("nan");
   builder.set_gravity({0, 0, std::numeric_limits<double>::quiet_NaN()});

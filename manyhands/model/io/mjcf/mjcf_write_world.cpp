@@ -115,8 +115,9 @@ class WorldWriter {
   }
 
   void write_link(LinkId parent, LinkId first) {
-    constexpr int kMostNested = 1000;
-    if (++depth_ > kMostNested) throw SaveError("links follow one another more than 1000 deep, which readers refuse");
+    constexpr int kMostNested = 125;  // elements in elements: XmlFile reads 128
+    if (++depth_ > kMostNested)
+      throw SaveError("links follow one another more than 125 deep, which readers of XML refuse");
     const std::vector<LinkId> links = links_of_body(first);
     const LinkId last = links.back();
     MjcfPlace around = writer_.bodies[parent];
