@@ -126,7 +126,8 @@ MANYHANDS_INLINE void add_point(const Workspace<T>& ws, T inverse_h, const Combi
   // Points that stick shall stay together along the arcs on which the step carries them: u + h / 2 gamma = 0.
   const Vec3<T> slip =
       u + Vec3<T>{bounded_arc(half_h * gamma.x), bounded_arc(half_h * gamma.y), bounded_arc(half_h * gamma.z)};
-  point.offset = {u_n - target, dot(slip, patch.e_1), dot(slip, patch.e_2)};
+  point.recovery = max(target, constant<T>(0));
+  point.offset = {u_n - min(target, constant<T>(0)), dot(slip, patch.e_1), dot(slip, patch.e_2)};
 }
 
 }  // namespace internal

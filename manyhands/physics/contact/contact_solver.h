@@ -7,6 +7,7 @@
 #include "manyhands/physics/contact/active_set_search.h"
 #include "manyhands/physics/contact/gauss_seidel.h"
 #include "manyhands/physics/contact/newton/newton_refinement.h"
+#include "manyhands/physics/contact/soft_solver.h"
 
 namespace manyhands {
 
@@ -16,7 +17,7 @@ struct ContactSolver {
   using R = real_t<T>;
 
   ContactSolver(const Tree<R>& tree, const Colliders<R>& colliders)
-      : problem(tree, colliders), iterate(tree.nv), factors(tree), search(tree.nv) {}
+      : problem(tree, colliders), iterate(tree.nv), factors(tree), search(tree.nv), soft(tree.nv) {}
 
   ContactProblem<T> problem;
   Iterate<T> iterate;
@@ -24,6 +25,7 @@ struct ContactSolver {
   ActiveSetSearch<T> search;
   std::vector<T> equality_scratch;  ///< (equality rows)
   std::conditional_t<SolverTraits<R>::kRefines, NewtonRefinement, std::monostate> newton;
+  SoftSolver<T> soft;
   int iterations = 0;  ///< of Gauss-Seidel, over all worlds of the block
 };
 
@@ -35,7 +37,7 @@ MANYHANDS_INLINE void factor(ContactSolver<T>& solver) {
   const ContactProblem<T>& problem = solver.problem;
   if (solver.factors.Y.size() < problem.rows.used_Y) solver.factors.Y.resize(2 * problem.rows.used_Y);
   compute_sqrt_D_inverse(*problem.tree, solver.factors);
-  factor_equalities(problem, solver.factors);
+  factor_equalities(problem, solver.equality_scratch, solver.factors);
   factor_contacts(problem, solver.factors);
   for (std::size_t k = 0; k < problem.patches.size(); ++k)
     solver.iterate.patches[k].at_closing = patch_force(problem, solver.iterate, problem.patches[k]);
@@ -51,7 +53,8 @@ MANYHANDS_INLINE mask_t<T> iterate_and_refine(const SolverSettings& settings, Co
   const T zero = constant<T>(0), tolerance = constant<T>(settings.tolerance);
   const T allowed = select(search.active, min(search.batch, search.iterations_left), zero);
   T budget = allowed;
-  solver.iterations += iterate_contacts(solver.problem, solver.factors, tolerance, budget, solver.iterate, change);
+  solver.iterations +=
+      iterate_contacts<ExactLaw>(solver.problem, solver.factors, tolerance, budget, solver.iterate, change);
   mask_t<T> converged = change <= tolerance;  // NOLINT(misc-const-correctness): Newton's method converges in double
   if constexpr (SolverTraits<real_t<T>>::kRefines) {
     if (!converged)
@@ -76,33 +79,75 @@ MANYHANDS_INLINE void find_joint_impulses(const ContactProblem<T>& problem, cons
   }
 }
 
+/// Contacts and equality constraints, inside the search for the joints' states.
+template <Number T>
+MANYHANDS_INLINE void solve_exactly(const SolverSettings& settings, ContactSolver<T>& solver) {
+  const ContactProblem<T>& problem = solver.problem;
+  ActiveSetSearch<T>& search = solver.search;
+  begin_search(settings, solver.iterate, search);
+  if constexpr (SolverTraits<real_t<T>>::kRefines) solver.newton.begin();
+  for (;;) {
+    if (any(search.changed)) factor(solver);
+    T change;
+    const auto converged = iterate_and_refine(settings, solver, change);
+    follow_contacts(problem, solver.factors, solver.iterate);
+    find_joint_impulses(problem, solver.factors, solver.iterate);
+    const auto wrong = check_joints(problem, solver.iterate, search.next_state) > constant<T>(0);
+    search.changed = search.active & wrong & (search.looks < constant<T>(contact_settings::kMaxLooks));
+    search.active = search.changed | (search.active & (!converged) & (search.iterations_left > constant<T>(0)));
+    if (none(search.active)) return;
+    if (none(search.changed)) continue;
+    change_active_set(problem, change, search, solver.iterate);
+    solve_changed(problem, solver.factors, search, solver.iterate);
+  }
+}
+
+/// The worlds that the exact solution throws about: see soft_solver.h. Theirs is then the solution under the joints'
+/// laws alone.
+template <Number T>
+MANYHANDS_INLINE mask_t<T> take_back_runaways(ContactSolver<T>& solver) {
+  const ContactProblem<T>& problem = solver.problem;
+  const T may = harmless_energy(problem, solver.factors), times = constant<T>(contact_settings::kRunaway);
+  const T has = energy_after(problem, solver.iterate.dv, solver.soft);
+  mask_t<T> runs = !(has <= times * may);
+  when(runs, [&] {
+    solver.soft.kept = solver.iterate;
+    solve_alone(problem, solver.factors, solver.search.next_state, solver.iterate);
+    const T alone = energy_after(problem, solver.iterate.dv, solver.soft);
+    runs = runs & !(has <= times * (may + alone));
+    keep_others(runs, solver.soft.kept, solver.iterate);
+  });
+  return runs;
+}
+
+/// The softened solution in the worlds of the mask, where the iterate is that under the joints' laws alone.
+template <Number T>
+MANYHANDS_INLINE void solve_softly(mask_t<T> asked, ContactSolver<T>& solver) {
+  Iterate<T>& iterate = solver.iterate;
+  solver.soft.kept = iterate;
+  solver.search.changed = asked;
+  solve_active_set(solver.problem, solver.factors, iterate);
+  factor(solver);
+  T change, budget = select(asked, constant<T>(contact_settings::kSoftIterations), constant<T>(0));
+  solver.iterations +=
+      iterate_contacts<SoftLaw>(solver.problem, solver.factors, constant<T>(0), budget, iterate, change);
+  follow_contacts(solver.problem, solver.factors, iterate);
+  find_joint_impulses(solver.problem, solver.factors, iterate);
+  keep_others(asked, solver.soft.kept, iterate);
+}
+
 }  // namespace internal
 
 /// Solves the problem from the iterate that `warm_start` made: dv of all dofs, and all impulses.
 template <Number T>
 MANYHANDS_INLINE void solve(const SolverSettings& settings, ContactSolver<T>& solver) {
-  const ContactProblem<T>& problem = solver.problem;
-  ActiveSetSearch<T>& search = solver.search;
   solver.iterations = 0;
   solver.iterate.iterations = constant<T>(0);
-  solve_joints(problem, solver.factors, solver.iterate, search.next_state);
-  if (problem.only_joints()) return;
-  internal::begin_search(settings, solver.iterate, search);
-  if constexpr (SolverTraits<real_t<T>>::kRefines) solver.newton.begin();
-  for (;;) {
-    if (any(search.changed)) internal::factor(solver);
-    T change;
-    const auto converged = internal::iterate_and_refine(settings, solver, change);
-    internal::follow_contacts(problem, solver.factors, solver.iterate);
-    internal::find_joint_impulses(problem, solver.factors, solver.iterate);
-    const auto wrong = internal::check_joints(problem, solver.iterate, search.next_state) > constant<T>(0);
-    search.changed = search.active & wrong & (search.looks < constant<T>(contact_settings::kMaxLooks));
-    search.active = search.changed | (search.active & (!converged) & (search.iterations_left > constant<T>(0)));
-    if (none(search.active)) return;
-    if (none(search.changed)) continue;
-    internal::change_active_set(problem, change, search, solver.iterate);
-    internal::solve_changed(problem, solver.factors, search, solver.iterate);
-  }
+  solve_joints(solver.problem, solver.factors, solver.iterate, solver.search.next_state);
+  if (solver.problem.only_joints()) return;
+  internal::solve_exactly(settings, solver);
+  const auto runs_away = internal::take_back_runaways(solver);
+  when(runs_away, [&] { internal::solve_softly(runs_away, solver); });
 }
 
 }  // namespace manyhands

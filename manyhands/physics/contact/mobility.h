@@ -1,7 +1,8 @@
 // What counts as no mobility: rows that no joint moves, of which rounding leaves a little.
 //
 // A row is never judged against itself, but against the scale of mobility: what the joints do at that point in any
-// direction. Its dofs add |S|^2 / D each, with 1 / D of the factors, the inertia that a dof meets while those before it
+// direction, there and as far from it as the body reaches: at the centre of a ball joint nothing moves. Its dofs add
+// (|S|^2 + gyration |w|^2) / D each, with 1 / D of the factors, the inertia that a dof meets while those before it
 // stand still and those after it are free. Held joints count little on both sides.
 #pragma once
 
@@ -18,10 +19,12 @@ MANYHANDS_INLINE T immovable_at(const ContactProblem<T>& problem, const Factors<
   const T off = constant<T>(contact_settings::kImmovable), rounded(SolverTraits<real_t<T>>::kRounding);
   T least = constant<T>(0);
   visit_J(*problem.tree, rows, [&](std::size_t, std::size_t i, real_t<T> sign) {
+    const real_t<T> gyration = problem.tree->bodies[sign < 0 ? rows.body_a : rows.body_b].gyration;
     const Motion<T>& S = dynamics.S[i];
     const Vec3<T> r = p - dynamics.p_WO[sign < 0 ? rows.body_a : rows.body_b];
-    const T terms = fma(squared_norm(r), squared_norm(S.w), squared_norm(S.v));
-    const T part = fma(off, squared_norm(S.v + cross(S.w, r)), rounded * terms);
+    const T turning = squared_norm(S.w), terms = fma(squared_norm(r), turning, squared_norm(S.v));
+    const T moving = fma(T(gyration), turning, squared_norm(S.v + cross(S.w, r)));
+    const T part = fma(off, moving, rounded * terms);
     least = fma(factors.sqrt_D_inverse[i] * factors.sqrt_D_inverse[i], part, least);
   });
   return least;

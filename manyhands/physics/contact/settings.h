@@ -64,10 +64,10 @@ namespace contact_settings {
 /// How much of a joint limit's violation a step removes, as PyBullet does.
 inline constexpr double kLimitRecovery = 0.2;
 /// The violation beyond which the way back is no faster [rad or m]: a joint far outside returns, it is not shot back.
-inline constexpr double kMaxLimitRecovery = 0.04;
+inline constexpr double kMaxLimitRecovery = 0.01;
 /// How much of a penetration a step removes, and the fastest that it pushes surfaces apart [m/s].
 inline constexpr double kPenetrationRecovery = 0.2;
-inline constexpr double kMaxPenetrationRecovery = 0.5;
+inline constexpr double kMaxPenetrationRecovery = 0.1;
 /// Surfaces this near count as touching [m], all alike. Without it the corners of a resting or gripped box, whose
 /// distances differ by microns, would take turns in carrying it: on one corner a thing turns.
 inline constexpr double kTouching = 3e-5;
@@ -76,6 +76,11 @@ inline constexpr double kTouching = 3e-5;
 inline constexpr double kMaxArc = 0.1;
 /// An equality constraint that stands open closes no faster [m/s or rad/s].
 inline constexpr double kMaxClosing = 1;
+/// Where joints move so much less than they do in other directions, as at a singular arm, errors close more slowly: by
+/// what joints can do without racing.
+inline constexpr double kClosingDamping = 0.03;
+/// How often what that leaves open is looked at again: where joints move well, 3 % to this power stay open.
+inline constexpr int kClosingPasses = 4;
 
 /// The mobility of a row that no joint moves, as a part of what joints move in other directions there: the square of
 /// 1e-5, to which files give their axes.
@@ -104,6 +109,17 @@ inline constexpr int kMaxLooks = 12;
 inline constexpr int kEarlyLooks = 3, kIterationsPerLateLook = 8;
 /// A search whose merit becomes so many times what it was has diverged.
 inline constexpr double kDivergence = 1000;
+
+// ---- where contacts contradict each other -------------------------------------------------------------------------
+
+/// A step that leaves so many times the energy it may is no solution. Friction, motors and masses that change with the
+/// pose leave far less.
+inline constexpr double kRunaway = 2;
+/// Energy that is never too much: of all that moves, at this speed [m/s].
+inline constexpr double kHarmlessSpeed = 0.1;
+/// By how much of its own mobility a row is softened then, and the iterations that this takes.
+inline constexpr double kSoftening = 0.1;
+inline constexpr int kSoftIterations = 50;
 
 // ---- sliding ------------------------------------------------------------------------------------------------------
 
