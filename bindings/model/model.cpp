@@ -163,7 +163,7 @@ void bind_mjcf(nb::module_& m) {
       "Links, joints, geoms and actuators follow in MuJoCo's order: q is MuJoCo's qpos with quaternions turned from "
       "wxyz "
       "to xyzw, `Model.initial_configuration` its qpos0, `Model.time_step` and `Model.keyframes` the file's. "
-      "allow_outside_package: whether meshes and included files may lie outside the file's folder. load_meshes: False "
+      "allow_outside_package: whether meshes and included files may lie outside the file's package. load_meshes: False "
       "leaves out shapes that need a mesh. Raises FileNotFoundError, and MjcfError (a ValueError) for malformed "
       "files.");
   m.def(

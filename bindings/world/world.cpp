@@ -166,7 +166,7 @@ void bind_making(nb::class_<World>& world) {
                                   kIntegrator + ") -> None";
   static const std::string from_file =
       std::string("def from_file(path: str | os.PathLike, time_step: float | None = None, ") + kIntegrator +
-      ") -> World";
+      ", *, allow_outside_package: bool = False) -> World";
   world
       .def(
           "__init__",
@@ -186,15 +186,20 @@ void bind_making(nb::class_<World>& world) {
           "method of fourth order with Munthe-Kaas' correction for rotations; no motors, limits or contacts.")
       .def_static(
           "from_file",
-          [](const std::filesystem::path& path, std::optional<double> time_step, const std::string& integrator) {
-            auto loaded = std::make_unique<World>(World::from_file(path, time_step, integrator_named(integrator)));
+          [](const std::filesystem::path& path, std::optional<double> time_step, const std::string& integrator,
+             bool allow_outside_package) {
+            auto loaded = std::make_unique<World>(
+                World::from_file(path, time_step, integrator_named(integrator), allow_outside_package));
             bindings::warn_of(loaded->report().notes, "the world's `report`");
             return loaded;
           },
-          "path"_a, "time_step"_a = nb::none(), "integrator"_a = "semi_implicit", nb::sig(from_file.c_str()),
+          "path"_a, "time_step"_a = nb::none(), "integrator"_a = "semi_implicit", nb::kw_only(),
+          "allow_outside_package"_a = false, nb::sig(from_file.c_str()),
           "A world of a URDF file, its base fixed, or of an MJCF file; what the loader changed is in `report`, and it "
           "warns of parts that it had to leave out. "
-          "time_step [s]: None for the file's own, or 0.002. Raises FileNotFoundError, UrdfError, MjcfError.")
+          "time_step [s]: None for the file's own, or 0.002. allow_outside_package: whether the files that it names "
+          "may "
+          "lie outside its package. Raises FileNotFoundError, UrdfError, MjcfError.")
       .def(
           "copy", [](const World& self) { return std::make_unique<World>(self); }, "Another world in the same state.")
       .def("__copy__", [](const World& self) { return std::make_unique<World>(self); })

@@ -157,7 +157,7 @@ void bind_editing(nb::class_<World>& world) {
       .def(
           "add",
           [](World& self, const What& what, const Numbers3& position, const Numbers4& quaternion,
-             const std::string& name) {
+             const std::string& name, bool allow_outside_package) {
             const Transform<double> X_WM = transform("the model's place", position, quaternion);
             if (const auto* model = std::get_if<const PythonModel*>(&what)) {
               self.add(*(*model)->model, X_WM, name);
@@ -165,18 +165,21 @@ void bind_editing(nb::class_<World>& world) {
               self.add((*builder)->build(), X_WM, name);
             } else {
               const std::size_t before = self.report().notes.size();
-              self.add_file(std::get<std::filesystem::path>(what), X_WM, name);
+              self.add_file(std::get<std::filesystem::path>(what), X_WM, name, allow_outside_package);
               bindings::warn_of(std::span(self.report().notes).subspan(before), "the world's `report`");
             }
           },
-          "model"_a, "position"_a = Numbers3{}, "quaternion"_a = Numbers4{0, 0, 0, 1}, "name"_a = "",
+          "model"_a, "position"_a = Numbers3{}, "quaternion"_a = Numbers4{0, 0, 0, 1}, "name"_a = "", nb::kw_only(),
+          "allow_outside_package"_a = false,
           nb::sig("def add(self, model: Model | ModelBuilder | str | os.PathLike, "
                   "position: numpy.typing.ArrayLike = (0, 0, 0), quaternion: numpy.typing.ArrayLike = (0, 0, 0, 1), "
-                  "name: str = '') -> None"),
+                  "name: str = '', *, allow_outside_package: bool = False) -> None"),
           "Adds a model, or a URDF or MJCF file, whose world frame comes to lie at position (3) [m] and quaternion "
           "xyzw "
-          "(4). With a name, its parts are called 'name/part'. What is there keeps its motion. Raises ValueError if a "
-          "name is taken.")
+          "(4). With a name, its parts are called 'name/part'. What is there keeps its motion. "
+          "allow_outside_package: whether the files that a file names may lie outside its package. Raises ValueError "
+          "if "
+          "a name is taken.")
       .def("remove", &World::remove, "name"_a,
            "Removes what was added by that name, or the link and all that hangs on it. Raises KeyError, which lists "
            "the names there are.")

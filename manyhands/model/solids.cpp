@@ -1,5 +1,6 @@
 #include "manyhands/model/solids.h"
 
+#include <cmath>
 #include <numbers>
 
 namespace manyhands {
@@ -7,6 +8,7 @@ namespace manyhands {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+constexpr double kLeastVolume = 1e-30;  // [m^3]: below it a mesh is flat
 
 Inertial principal(double mass, double xx, double yy, double zz) {
   return {mass, Vec3<double>::zero(), {xx, yy, zz, 0, 0, 0}};
@@ -95,6 +97,46 @@ Inertial solid_of(const Shape& shape) {
   }
 }
 
+Inertial skin_of(const Shape& shape) {
+  const Vec3<double>& s = shape.size;
+  const double r = s.x, half = s.y, tube = 4 * kPi * r * half;
+  switch (shape.type) {
+    case ShapeType::kSphere: {
+      const double m = 4 * kPi * r * r, about = 2.0 / 3 * m * r * r;
+      return principal(m, about, about, about);
+    }
+    case ShapeType::kCapsule: {
+      const double ball = 4 * kPi * r * r;  // of its two halves each has its middle r / 2 beyond the tube's end
+      const double across = tube * (r * r / 2 + half * half / 3) + ball * (2.0 / 3 * r * r + half * r + half * half);
+      return principal(tube + ball, across, across, tube * r * r + ball * 2.0 / 3 * r * r);
+    }
+    case ShapeType::kCylinder: {
+      const double ends = 2 * kPi * r * r;
+      const double across = tube * (r * r / 2 + half * half / 3) + ends * (r * r / 4 + half * half);
+      return principal(tube + ends, across, across, tube * r * r + ends * r * r / 2);
+    }
+    case ShapeType::kBox: {
+      const Vec3<double> faces{8 * s.y * s.z, 8 * s.x * s.z, 8 * s.x * s.y};
+      const double m = faces.x + faces.y + faces.z;
+      const auto second_moment = [&](double extent, double ends) { return extent * extent * (m + 2 * ends) / 3; };
+      const double xx = second_moment(s.x, faces.x), yy = second_moment(s.y, faces.y), zz = second_moment(s.z, faces.z);
+      return principal(m, yy + zz, xx + zz, xx + yy);
+    }
+    default:
+      return {};
+  }
+}
+
+Inertial skin_of_ellipsoid(const Vec3<double>& s) {
+  constexpr double kThomsen = 1.6075, kLayer = 1e-6;
+  const auto product = [](double a, double b) { return std::pow(a * b, kThomsen); };
+  const double mean = (product(s.x, s.y) + product(s.y, s.z) + product(s.z, s.x)) / 3;
+  const double area = 4 * kPi * std::pow(mean, 1 / kThomsen);
+  const Inertial inside = solid_ellipsoid(s), whole = solid_ellipsoid(s + Vec3<double>{kLayer, kLayer, kLayer});
+  const double factor = area / (whole.mass - inside.mass);
+  return {area, Vec3<double>::zero(), times(factor, whole.inertia + times(-1, inside.inertia))};
+}
+
 Inertial solid_ellipsoid(const Vec3<double>& s) {
   const double m = 4.0 / 3 * kPi * s.x * s.y * s.z;
   return principal(m, m * (s.y * s.y + s.z * s.z) / 5, m * (s.x * s.x + s.z * s.z) / 5,
@@ -102,24 +144,26 @@ Inertial solid_ellipsoid(const Vec3<double>& s) {
 }
 
 Inertial solid_of(const Mesh& mesh, bool legacy) {
-  Vec3<double> origin = middle_of_faces(mesh);
-  double volume = 0;
-  Vec3<double> first = Vec3<double>::zero();
   const auto pyramid = [&](const Triangle& t) {
     const double v = dot(t.a, cross(t.b, t.c)) / 6;
     return legacy ? abs(v) : v;
   };
-  for_each_triangle(mesh, origin, [&](const Triangle& t) {
-    volume += pyramid(t);
-    first = first + (0.75 * pyramid(t)) * t.centre();
+  const Vec3<double> tip = middle_of_faces(mesh);
+  double first_volume = 0;
+  Vec3<double> moment = Vec3<double>::zero();
+  for_each_triangle(mesh, tip, [&](const Triangle& t) {
+    first_volume += pyramid(t);
+    moment = moment + (0.75 * pyramid(t)) * t.centre();
   });
-  if (!(volume > 1e-30)) return {};
-  origin = origin + (1 / volume) * first;
+  if (!(first_volume > kLeastVolume)) return {};
+  const Vec3<double> com = tip + (1 / first_volume) * moment;
+  double volume = 0;  // another one in legacy mode, where pyramids overlap
   SymMat3<double> P = SymMat3<double>::zero();
-  for_each_triangle(mesh, origin, [&](const Triangle& t) {
+  for_each_triangle(mesh, com, [&](const Triangle& t) {
+    volume += pyramid(t);
     P = P + times(pyramid(t) / 20, outer(t.a) + outer(t.b) + outer(t.c) + outer(t.a + t.b + t.c));
   });
-  return {volume, origin, inertia_of_moments(P)};
+  return {volume, com, inertia_of_moments(P)};
 }
 
 Inertial skin_of(const Mesh& mesh) {

@@ -9,8 +9,14 @@ namespace manyhands {
 [[nodiscard]] Inertial solid_of(const Shape& shape);
 /// Of the ellipsoid with these half axes.
 [[nodiscard]] Inertial solid_ellipsoid(const Vec3<double>& half_axes);
-/// Of the solid inside a mesh (Eberly, Polyhedral Mass Properties, 2002, by pyramids on each face); `legacy` counts
-/// every pyramid from the middle of the faces as positive, as MuJoCo does unless told otherwise.
+/// The same of their skins, at 1 kg/m^2.
+[[nodiscard]] Inertial skin_of(const Shape& shape);
+/// Of the skin of an ellipsoid, as MuJoCo approximates it: the area by Thomsen's formula (to 1.1 %), the inertia that
+/// of the layer between it and the ellipsoid with slightly longer axes.
+[[nodiscard]] Inertial skin_of_ellipsoid(const Vec3<double>& half_axes);
+/// Of the solid inside a mesh (Eberly, Polyhedral Mass Properties, 2002, by pyramids on each face). `legacy` counts
+/// every pyramid as positive, as MuJoCo does unless told otherwise: from the middle of the faces for the centre of
+/// mass, from there for mass and inertia.
 [[nodiscard]] Inertial solid_of(const Mesh& mesh, bool legacy);
 /// Of the skin of a mesh, at 1 kg/m^2.
 [[nodiscard]] Inertial skin_of(const Mesh& mesh);

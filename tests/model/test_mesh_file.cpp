@@ -1,4 +1,6 @@
 // Meshes written here, read back: formats, scales, units, axes, and what is no mesh.
+#include <array>
+#include <cstdint>
 #include <cstring>
 
 #include "manyhands/math/vec3.h"
@@ -61,6 +63,17 @@ std::string dae(const std::string& asset, const std::string& node) {
          node + "</visual_scene></library_visual_scenes><scene><instance_visual_scene url=\"#s\"/></scene></COLLADA>";
 }
 
+/// The corner with normals and texture coordinates, which are passed over.
+std::string msh() {
+  const std::array<std::int32_t, 4> counts{4, 4, 4, 4};
+  const std::array<float, 12 + 12 + 8> numbers{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+  const std::array<std::int32_t, 12> faces{0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
+  std::string bytes;
+  bytes.append(reinterpret_cast<const char*>(&counts), sizeof counts);
+  bytes.append(reinterpret_cast<const char*>(&numbers), sizeof numbers);
+  return bytes.append(reinterpret_cast<const char*>(&faces), sizeof faces);
+}
+
 constexpr const char* kPlainNode = "<node><instance_geometry url=\"#g\"/></node>";
 
 TEST(MeshFile, EveryFormatGivesTheSameCorner) {
@@ -68,7 +81,8 @@ TEST(MeshFile, EveryFormatGivesTheSameCorner) {
   const std::pair<const char*, std::string> files[] = {{"a.stl", ascii_stl()},
                                                        {"b.STL", binary_stl()},
                                                        {"c.obj", std::string(kTetrahedronObj)},
-                                                       {"d.dae", dae("<up_axis>Z_UP</up_axis>", kPlainNode)}};
+                                                       {"d.dae", dae("<up_axis>Z_UP</up_axis>", kPlainNode)},
+                                                       {"e.msh", msh()}};
   for (const auto& [name, bytes] : files) {
     const Mesh mesh = load_mesh(folder.write(name, bytes));
     EXPECT_EQ(mesh.triangles.size(), 4u) << name;
@@ -139,7 +153,12 @@ TEST(MeshFile, SaysWhatIsNoMesh) {
       {"c.dae", dae("<up_axis>UP</up_axis>", kPlainNode)},
       {"d.dae", dae("<unit meter=\"0\"/>", kPlainNode)},
       {"e.dae", dae("", "<node><instance_geometry url=\"#none\"/></node>")},
-      {"a.ply", "ply"}};
+      {"a.ply", "ply"},
+      {"empty.msh", ""},
+      {"cut.msh", msh().substr(0, 100)},
+      {"longer.msh", msh() + "x"},
+      {"negative.msh", "\xff\xff\xff\xff" + msh().substr(4)},
+      {"corner.msh", msh().replace(msh().size() - 4, 1, "\x07")}};
   for (const auto& [name, bytes] : files) {
     try {
       (void)load_mesh(folder.write(name, bytes));

@@ -143,6 +143,16 @@ TEST(MjcfRules, PairsKeepTheirOwnSurfaceAndMakeGhostsSolid) {
   EXPECT_EQ(count_notes(report, LoadAction::kRepaired, "pair ''", "frictions differ by direction"), 1);
 }
 
+TEST(MjcfRules, OfPairsOfTheSameGeomsTheLargerFrictionActs) {
+  const auto [model, report] =
+      load_scene(mujoco(world(free_ball("a", "") + free_ball("b", "friction=\"9\"")) +
+                        "<contact><pair geom1=\"a\" geom2=\"b\"/><pair geom1=\"b\" geom2=\"a\" condim=\"1\"/>"
+                        "<pair geom1=\"a\" geom2=\"b\" friction=\"0.5 0.5\"/></contact>"));
+  ASSERT_EQ(model.contact_pairs().size(), 1u);
+  EXPECT_EQ(model.contact_pairs()[0].surface->lateral_friction, 1);
+  EXPECT_EQ(count_notes(report, LoadAction::kRepaired, "pair ''", "a pair of these geoms already"), 2);
+}
+
 TEST(MjcfRules, ParentsAndChildrenDoNotTouchAcrossSeveralJoints) {
   const std::string geom = "<geom size=\"0.1\"/>";
   const Model model =
@@ -219,8 +229,11 @@ TEST(MjcfRules, HeightFieldsAreReadFromBinaryFiles) {
   EXPECT_EQ(field.dy, 4);
   EXPECT_EQ(field.height, (std::vector<double>{0, 0.5, 1, 1.5, 2, 5}));
   EXPECT_THROW((void)load_mjcf(scene("short.bin")), MjcfError);
-  EXPECT_EQ(count_notes(load_mjcf(scene("none.png")).report, LoadAction::kIgnored, "hfield 'h'", "PNG files are not"),
+  folder.write("broken.png", "x");
+  EXPECT_EQ(count_notes(load_mjcf(scene("none.png")).report, LoadAction::kIgnored, "hfield 'h'", "there is no file"),
             1);
+  EXPECT_EQ(
+      count_notes(load_mjcf(scene("broken.png")).report, LoadAction::kIgnored, "hfield 'h'", "not begin as a PNG"), 1);
 }
 
 TEST(MjcfRules, InertiasThatNoBodyHasAreRepaired) {

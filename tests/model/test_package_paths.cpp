@@ -85,6 +85,34 @@ TEST_F(PackagePathsTest, ThePackageOfTheFileMayBeReached) {
   EXPECT_EQ(PackagePaths(at("arm/urdf"), {}, false).resolve("../meshes/m.stl"), at("arm/meshes/m.stl"));
 }
 
+TEST_F(PackagePathsTest, PythonPackagesAndProjectsMayBeReached) {
+  scratch_.write("secret.stl", "x");
+  scratch_.write("project/lib/arms/__init__.py", "");
+  scratch_.write("project/lib/arms/robots/__init__.py", "");
+  scratch_.write("project/lib/arms/meshes/m.stl", "x");
+  scratch_.write("project/lib/m.stl", "x");
+  const fs::path folder = at("project/lib/arms/robots/assets");  // without a mark of its own
+  scratch_.write("project/lib/arms/robots/assets/here.txt", "x");
+  EXPECT_EQ(PackagePaths(folder, {}, false).resolve("../../meshes/m.stl"), at("project/lib/arms/meshes/m.stl"));
+  EXPECT_THROW((void)PackagePaths(folder, {}, false).resolve("../../../m.stl"), PathEscape);
+  scratch_.write("project/lib/pyproject.toml", "");  // the package is at its project's top
+  EXPECT_EQ(PackagePaths(folder, {}, false).resolve("../../../m.stl"), at("project/lib/m.stl"));
+  EXPECT_THROW((void)PackagePaths(folder, {}, false).resolve("../../../../../secret.stl"), PathEscape);
+}
+
+TEST_F(PackagePathsTest, NeitherAHomeNorASharedFolderIsAPackage) {
+  scratch_.write("home/secret.stl", "x");
+  scratch_.write("home/pyproject.toml", "");
+  scratch_.write("home/robot/here.txt", "x");
+  EXPECT_EQ(PackagePaths(at("home/robot"), {}, false).resolve("../secret.stl"), at("home/secret.stl"));
+  {
+    const Variable home("HOME", at("home").string());
+    EXPECT_THROW((void)PackagePaths(at("home/robot"), {}, false).resolve("../secret.stl"), PathEscape);
+  }
+  fs::permissions(at("home"), fs::perms::sticky_bit, fs::perm_options::add);
+  EXPECT_THROW((void)PackagePaths(at("home/robot"), {}, false).resolve("../secret.stl"), PathEscape);
+}
+
 TEST_F(PackagePathsTest, NothingOutsideMayBeReached) {
   scratch_.write("secret.stl", "x");
   scratch_.write("robot-secrets/m.stl", "x");

@@ -102,7 +102,6 @@ INSTANTIATE_TEST_SUITE_P(
                   "the normal of <plane> is 0"},
         Malformed{"ShortColour", robot(link("a") + "<material name=\"m\"><color rgba=\"1 1 1\"/></material>"),
                   "material 'm': attribute 'rgba' of <color> holds '1 1 1'; expected 4"},
-        Malformed{"UnknownDriver", mimics("", "<mimic joint=\"z\"/>"), "joint 'k': it mimics 'z', which is no joint"},
         Malformed{"MimicsItself", mimics("<mimic joint=\"j\"/>", ""),
                   "joint 'j': it mimics, directly or through others, itself"},
         Malformed{"MimicCircle", mimics("<mimic joint=\"k\"/>", "<mimic joint=\"j\"/>"),

@@ -54,6 +54,14 @@ std::string binary_stl() {
   return bytes;
 }
 
+std::string msh() {
+  std::string bytes(16 + 3 * 12 + 12, '\0');
+  bytes[0] = 3;
+  bytes[12] = 1;
+  for (std::size_t i = 0; i < 3; ++i) bytes[16 + 36 + 4 * i] = static_cast<char>(i);
+  return bytes;
+}
+
 void expect_whole(const Model& model) {
   for (const Link& link : model.links()) {
     ASSERT_TRUE(std::isfinite(link.inertial.mass) && link.inertial.mass >= 0);
@@ -84,9 +92,12 @@ TEST(UrdfFuzz, RobotsLoadOrGiveTheOneError) {
 }
 
 TEST(UrdfFuzz, MeshesLoadOrGiveTheOneError) {
-  const std::string binary = binary_stl();
-  const std::pair<std::string_view, Mesh (*)(std::string_view)> formats[] = {
-      {kDae, io::read_dae}, {kStl, io::read_stl}, {binary, io::read_stl}, {kTetrahedronObj, io::read_obj}};
+  const std::string binary = binary_stl(), packed = msh();
+  const std::pair<std::string_view, Mesh (*)(std::string_view)> formats[] = {{kDae, io::read_dae},
+                                                                             {kStl, io::read_stl},
+                                                                             {binary, io::read_stl},
+                                                                             {kTetrahedronObj, io::read_obj},
+                                                                             {packed, io::read_msh}};
   for (const auto& [bytes, read] : formats) {
     int loaded = 0, refused = 0;
     for (unsigned seed = 0; seed < rounds(3000); ++seed) {

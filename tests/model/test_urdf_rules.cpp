@@ -86,6 +86,17 @@ TEST(UrdfRules, MimicKeepsItsNumbers) {
   EXPECT_EQ(joint.mimic->offset, 0.5);
 }
 
+TEST(UrdfRules, AMimicOfAJointThatIsGoneIsDropped) {
+  const std::string text =
+      robot(link("a") + link("b") + joint("j", "revolute", "a", "b", std::string(kHinge) + "<mimic joint=\"z\"/>"));
+  const auto [model, report] = load(text);
+  EXPECT_FALSE(model.joints()[0].mimic.has_value());
+  EXPECT_TRUE(model.equalities().empty());
+  ASSERT_EQ(report.notes.size(), 1u);
+  EXPECT_TRUE(report.notes[0].serious);
+  EXPECT_PRED2(contains, report.to_string(), "joint 'j': it mimics 'z', which is no joint of the robot");
+}
+
 TEST(UrdfRules, ReadsEveryShape) {
   const std::string geoms =
       "<collision><geometry><box size=\"2 4 6\"/></geometry></collision>"

@@ -118,6 +118,36 @@ SCENES = {
     <body name="c" pos="0 0 3"><freejoint/><geom type="mesh" mesh="shell" mass="2"/></body>
     <body name="d" pos="0 0 4"><freejoint/><geom type="mesh" mesh="hull"/></body>
   </worldbody></mujoco>""",
+    "skins": """
+<mujoco><worldbody>
+    <body name="a" pos="0 0 1"><freejoint/><geom size="0.1" shellinertia="true" pos="0.1 0 0"/></body>
+    <body name="b" pos="0 0 2"><freejoint/><geom type="capsule" size="0.1 0.2" shellinertia="true" density="9"/></body>
+    <body name="c" pos="0 0 3"><freejoint/><geom type="cylinder" size="0.1 0.2" shellinertia="true" mass="2"/></body>
+    <body name="d" pos="0 0 4"><freejoint/><geom type="box" size="0.1 0.2 0.3" shellinertia="true"/></body>
+    <body name="e" pos="0 0 5"><freejoint/><geom type="ellipsoid" size="0.1 0.2 0.3" shellinertia="true"/></body>
+  </worldbody></mujoco>""",
+    "frames around inertials": """
+<mujoco><worldbody>
+    <body name="a" pos="0 0 1"><freejoint/><frame pos="0.1 0 0" euler="0 0 90"><frame euler="30 0 0">
+      <inertial pos="0.1 0.2 0" mass="1" diaginertia="1 1.1 1.2" quat="0.9 0.1 0.2 0.3"/></frame></frame></body>
+  </worldbody></mujoco>""",
+    "legacy mesh": """
+<mujoco><asset>
+    <mesh name="step" vertex="0 0 0  2 0 0  2 1 0  1 1 0  1 2 0  0 2 0  0 0 1  2 0 1  2 1 1  1 1 1  1 2 1  0 2 1"
+          scale="0.1 0.2 0.3" face="0 2 1 0 3 2 0 4 3 0 5 4 6 7 8 6 8 9 6 9 10 6 10 11
+          0 1 7 0 7 6 1 2 8 1 8 7 2 3 9 2 9 8 3 4 10 3 10 9 4 5 11 4 11 10 5 0 6 5 6 11"/>
+    <mesh name="open" vertex="0 0 0  1 0 0  0 1 0  0 0 1  3 1 2  1 4 1" face="0 2 1 0 1 3 1 2 3 2 4 5 3 5 4"/>
+  </asset><worldbody>
+    <body name="a" pos="0 0 1"><freejoint/><geom type="mesh" mesh="step" pos="1 2 3" euler="10 20 30"/></body>
+    <body name="b" pos="0 0 2"><freejoint/><geom type="mesh" mesh="open" density="300"/></body>
+  </worldbody></mujoco>""",
+    "repeated pairs": """
+<mujoco><worldbody>
+    <body name="a" pos="0 0 1"><freejoint/><geom name="g0" size="0.1" friction="0.4" condim="6"/></body>
+    <body name="b" pos="0 0 2"><freejoint/><geom name="g1" size="0.1" priority="2"/></body>
+    <body name="c" pos="0 0 3"><freejoint/><geom name="g2" size="0.1"/></body>
+  </worldbody><contact><pair geom1="g0" geom2="g1"/><pair geom1="g1" geom2="g0"/>
+    <pair geom1="g0" geom2="g2" condim="1"/><pair geom1="g0" geom2="g2" condim="1"/></contact></mujoco>""",
     "contacts": """
 <mujoco><worldbody>
     <geom name="floor" type="plane" size="1 1 1" contype="1" conaffinity="6"/>

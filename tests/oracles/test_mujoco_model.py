@@ -11,6 +11,7 @@ mujoco = pytest.importorskip("mujoco")
 
 from mujoco_map import XYZW, Array, Scene, rotation  # noqa: E402
 from mujoco_scenes import SCENES  # noqa: E402
+from PIL import Image  # noqa: E402
 from scipy.spatial.transform import Rotation  # noqa: E402
 
 import manyhands as mh  # noqa: E402
@@ -291,6 +292,23 @@ def test_height_fields() -> None:
     theirs = scene.mujoco.hfield_data.reshape(3, 2) * 0.5
     assert_close(field.heights, theirs, "heights", 1e-7)
     assert (field.dx, field.dy) == (2.0, 2.0)
+
+
+@pytest.mark.parametrize("mode", ["L", "RGB", "RGBA", "LA", "P", "1", "I;16"])
+def test_png_height_fields(mode: str, tmp_path: Path) -> None:
+    rng = np.random.default_rng(3)
+    if mode == "I;16":
+        picture = Image.fromarray(rng.integers(0, 65536, (17, 23), dtype=np.uint16))
+    else:
+        picture = Image.fromarray(rng.integers(0, 256, (17, 23, 3), dtype=np.uint8)).convert(mode)
+    picture.save(tmp_path / "ground.png")
+    scene = tmp_path / "scene.xml"
+    scene.write_text("""<mujoco><asset><hfield name="h" file="ground.png" size="2 3 0.5 0.1"/></asset>
+      <worldbody><geom type="hfield" hfield="h"/></worldbody></mujoco>""")
+    loaded = Scene.of_file(scene)
+    (field,) = loaded.ours.height_fields
+    assert_close(field.heights, loaded.mujoco.hfield_data.reshape(17, 23) * 0.5, "heights", 1e-7)
+    assert (field.dx, field.dy) == (4 / 22, 6 / 16)
 
 
 def test_quaternion_order() -> None:

@@ -30,15 +30,42 @@ bool is_folder(const fs::path& path) {
   return fs::is_directory(path, error);
 }
 
-bool has_manifest(const fs::path& folder) {
+bool has_file(const fs::path& folder, const char* name) {
   std::error_code error;
-  return fs::is_regular_file(folder / "package.xml", error);
+  return fs::is_regular_file(folder / name, error);
+}
+
+/// Whether a person has said that what lies in the folder belongs together: a ROS package, a Python project or package.
+bool is_marked(const fs::path& folder) {
+  return has_file(folder, "package.xml") || has_file(folder, "pyproject.toml") || has_file(folder, "__init__.py");
+}
+
+/// Whether a mark in the folder counts: not in one that many share, such as /tmp, nor in a home, which holds more than
+/// one package.
+bool may_be_root(const fs::path& folder) {
+  std::error_code error;
+  const bool is_shared = (fs::status(folder, error).permissions() & fs::perms::sticky_bit) != fs::perms::none;
+  const char* const home = std::getenv("HOME");
+  return !error && !is_shared && (home == nullptr || !fs::equivalent(folder, home, error));
+}
+
+/// The package that the folder lies in: the nearest folder above with a mark, or those above it while they have one,
+/// too; the folder itself without any.
+fs::path root_around(const fs::path& folder) {
+  const auto is_root = [](const fs::path& above) {
+    return above.has_relative_path() && is_marked(above) && may_be_root(above);
+  };
+  fs::path root = folder;
+  while (root.has_relative_path() && !is_root(root)) root = root.parent_path();
+  if (!is_root(root)) return folder;
+  while (is_root(root.parent_path())) root = root.parent_path();
+  return root;
 }
 
 /// Whether `folder` is the package: by its package.xml, or by its own name.
 bool is_package(const fs::path& folder, const std::string& package) {
   if (folder.filename() == package) return is_folder(folder);
-  if (!has_manifest(folder)) return false;
+  if (!has_file(folder, "package.xml")) return false;
   pugi::xml_document manifest;
   if (!manifest.load_file((folder / "package.xml").c_str())) return false;
   return split_blanks(manifest.child("package").child_value("name")) == std::vector<std::string_view>{package};
@@ -92,14 +119,7 @@ fs::path resolved(const fs::path& path) {
 
 PackagePaths::PackagePaths(const fs::path& folder, std::vector<fs::path> package_paths, bool allow_outside)
     : folder_(resolved(fs::absolute(folder))), package_paths_(std::move(package_paths)), allow_outside_(allow_outside) {
-  fs::path root = folder_;
-  for (fs::path above = folder_; above.has_relative_path(); above = above.parent_path()) {
-    if (has_manifest(above)) {
-      root = above;
-      break;
-    }
-  }
-  own_roots_.push_back(root);
+  own_roots_.push_back(root_around(folder_));
   for (const fs::path& path : package_paths_) own_roots_.push_back(resolved(path));
 }
 

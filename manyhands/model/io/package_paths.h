@@ -27,8 +27,9 @@ class PackagePaths {
   /// of AMENT_PREFIX_PATH and in the folders above the description: a folder of its name, or one whose package.xml
   /// bears it. The result is a regular file, symbolic links resolved.
   ///
-  /// Throws PathEscape if it lies outside its package, or, without a package, outside the package (or else the folder)
-  /// of the description; std::runtime_error if there is no such file.
+  /// Throws PathEscape if it lies outside its package, or, without a package, outside that of the description: the
+  /// nearest folder above with a package.xml, pyproject.toml or __init__.py, and those above it while they have one,
+  /// too; else its folder. std::runtime_error if there is no such file.
   [[nodiscard]] std::filesystem::path resolve(std::string_view name) const;
 
  private:

@@ -70,9 +70,10 @@ class World {
   World& operator=(World other) noexcept;
   ~World();
   /// Loads a URDF file, base fixed, or an MJCF file, told by its root element, and keeps its report. Without time_step:
-  /// the file's, or 0.002 s. Throws what the loaders throw.
+  /// the file's, or 0.002 s. `allow_outside_package` is the loaders'. Throws what the loaders throw.
   [[nodiscard]] static World from_file(const std::filesystem::path& path, std::optional<double> time_step = {},
-                                       Integrator integrator = Integrator::kSemiImplicit);
+                                       Integrator integrator = Integrator::kSemiImplicit,
+                                       bool allow_outside_package = false);
 
   /// Advances by n steps. Throws SimulationError if a step leads to numbers that are not finite. With kRungeKutta4
   /// throws std::runtime_error if a motor is on, something touches, or a joint with limits lies outside them: this
@@ -170,7 +171,7 @@ class World {
            const std::string& name = {});
   /// The same from a URDF or MJCF file.
   void add_file(const std::filesystem::path& path, const Transform<double>& X_WM = Transform<double>::identity(),
-                const std::string& name = {});
+                const std::string& name = {}, bool allow_outside_package = false);
   /// Adds one body. Throws ModelError or std::invalid_argument on a taken name, a mass or size that is not above 0.
   void add_body(const NewBody& body);
   /// Removes what was added by that name, or the link and all that hangs on it. Throws std::out_of_range.

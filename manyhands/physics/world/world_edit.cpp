@@ -16,7 +16,7 @@ namespace manyhands {
 namespace {
 
 /// By the root element, or what stands for it near the file's beginning.
-LoadedModel load_any(const std::filesystem::path& path) {
+LoadedModel load_any(const std::filesystem::path& path, bool allow_outside_package) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw FileNotFound(path);
   std::string head(1 << 16, '\0');
@@ -24,7 +24,8 @@ LoadedModel load_any(const std::filesystem::path& path) {
   head.resize(static_cast<std::size_t>(file.gcount()));
   const std::size_t mjcf = head.find("<mujoco"), robot = head.find("<robot");
   const bool is_urdf = path.extension() == ".urdf" || robot < mjcf;
-  return is_urdf ? load_urdf(path) : load_mjcf(path);
+  if (is_urdf) return load_urdf(path, {.allow_outside_package = allow_outside_package});
+  return load_mjcf(path, {.allow_outside_package = allow_outside_package});
 }
 
 /// The convex hull as a closed mesh.
@@ -97,8 +98,9 @@ void take_settings(const Model& model, ModelBuilder& builder) {
 
 }  // namespace
 
-World World::from_file(const std::filesystem::path& path, std::optional<double> time_step, Integrator integrator) {
-  LoadedModel loaded = load_any(path);
+World World::from_file(const std::filesystem::path& path, std::optional<double> time_step, Integrator integrator,
+                       bool allow_outside_package) {
+  LoadedModel loaded = load_any(path, allow_outside_package);
   const double h = time_step.value_or(loaded.model.time_step().value_or(0.002));
   World world(std::make_shared<const Model>(std::move(loaded.model)), h, integrator);
   world.report_ = std::move(loaded.report);
@@ -142,8 +144,9 @@ void World::add(const Model& model, const Transform<double>& X_WM, const std::st
   }
 }
 
-void World::add_file(const std::filesystem::path& path, const Transform<double>& X_WM, const std::string& name) {
-  LoadedModel loaded = load_any(path);
+void World::add_file(const std::filesystem::path& path, const Transform<double>& X_WM, const std::string& name,
+                     bool allow_outside_package) {
+  LoadedModel loaded = load_any(path, allow_outside_package);
   add(loaded.model, X_WM, name);
   report_.notes.insert(report_.notes.end(), loaded.report.notes.begin(), loaded.report.notes.end());
 }

@@ -36,7 +36,8 @@ Mesh read(const fs::path& path) {
   if (extension == ".stl") return io::read_stl(read_bytes(path));
   if (extension == ".obj") return io::read_obj(read_bytes(path));
   if (extension == ".dae") return io::read_dae(read_bytes(path));
-  throw MeshError("the format " + io::in_quotes(extension) + " is not known; expected .stl, .obj or .dae");
+  if (extension == ".msh") return io::read_msh(read_bytes(path));
+  throw MeshError("the format " + io::in_quotes(extension) + " is not known; expected .stl, .obj, .dae or .msh");
 }
 
 void apply_scale(Mesh& mesh, const Vec3<double>& scale) {

@@ -1,4 +1,4 @@
-// Triangle meshes from STL, OBJ and COLLADA (DAE) files.
+// Triangle meshes from STL, OBJ, COLLADA (DAE) and MuJoCo's MSH files.
 #pragma once
 
 #include <filesystem>
@@ -15,9 +15,9 @@ class MeshError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Loads the triangles of an STL (ASCII or binary), OBJ or DAE file, told by its extension. Coordinates are those of
-/// the file times `scale`; DAE files also by their unit, and turned so that their up axis is z. Polygons become fans of
-/// triangles, equal vertices of an STL become one, triangles with a repeated vertex are left out. A mirroring scale
+/// Loads the triangles of an STL (ASCII or binary), OBJ, DAE or MSH file, told by its extension. Coordinates are those
+/// of the file times `scale`; DAE files also by their unit, and turned so that their up axis is z. Polygons become fans
+/// of triangles, equal vertices of an STL become one, triangles with a repeated vertex are left out. A mirroring scale
 /// turns the triangles round, so that they still face outwards. Files of more than 128 MiB are refused.
 [[nodiscard]] Mesh load_mesh(const std::filesystem::path& path, const Vec3<double>& scale = {1, 1, 1});
 
@@ -27,6 +27,7 @@ namespace io {
 [[nodiscard]] Mesh read_stl(std::string_view bytes);
 [[nodiscard]] Mesh read_obj(std::string_view bytes);
 [[nodiscard]] Mesh read_dae(std::string_view bytes);
+[[nodiscard]] Mesh read_msh(std::string_view bytes);
 
 }  // namespace io
 }  // namespace manyhands

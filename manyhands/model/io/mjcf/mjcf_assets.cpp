@@ -219,17 +219,18 @@ std::optional<HeightFieldId> MjcfAssets::height_field(const std::string& name, c
   const MjcfElement& source = entry.source;
   try {
     const std::string file = source.text_or("file", "");
-    if (file.ends_with(".png")) throw std::runtime_error("PNG files are not read");
     const std::string bytes =
         file.empty() ? ""
                      : read_text_file(source.source().paths().resolve(path_in(settings_.mesh_folder, file, settings_)));
-    entry.id = builder.add_height_field(read_height_field(source, bytes));
+    HeightField field = read_height_field(source, bytes, heights_left_);
+    heights_left_ -= static_cast<int>(field.height.size());
+    entry.id = builder.add_height_field(std::move(field));
   } catch (const PathEscape& error) {
     source.fail(error.what());
   } catch (const MjcfError&) {
     throw;
   } catch (const std::runtime_error& error) {
-    source.note_serious(LoadAction::kIgnored, std::string(error.what()) + "; its geoms are left out");
+    source.note_serious(LoadAction::kIgnored, "its file: " + std::string(error.what()) + "; its geoms are left out");
   }
   return entry.id;
 }

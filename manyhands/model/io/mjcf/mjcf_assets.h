@@ -66,6 +66,7 @@ class MjcfAssets {
 
   const MjcfSettings& settings_;
   bool load_meshes_;
+  int heights_left_ = 32'000'000;  ///< of all height fields together, for a small picture may hold very many
   std::map<std::string, MeshEntry> meshes_;
   std::map<std::string, HeightFieldEntry> height_fields_;
   std::map<std::string, MjcfTexture> textures_;
@@ -85,7 +86,8 @@ class MjcfAssets {
 /// The surface of the convex hull of a mesh's vertices. Throws ModelError if they have no extent.
 [[nodiscard]] Mesh hull_of(const Mesh& mesh);
 
-/// The heights of an <hfield>, from `elevation` or the bytes of its file. Fails on what is malformed.
-[[nodiscard]] HeightField read_height_field(const MjcfElement& source, const std::string& bytes);
+/// The heights of an <hfield>, from `elevation` or the bytes of its file. Fails on what is malformed and on more than
+/// `most` heights; throws ImageError for a broken picture.
+[[nodiscard]] HeightField read_height_field(const MjcfElement& source, const std::string& bytes, int most);
 
 }  // namespace manyhands::io

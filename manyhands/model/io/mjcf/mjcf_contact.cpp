@@ -64,6 +64,28 @@ void set_roles(MjcfScene& scene) {
   }
 }
 
+/// The surface of a <pair>, which owes nothing to those of its geoms.
+SurfaceMaterial read_surface(const MjcfElement& e) {
+  std::array<double, 5> friction{1, 1, 0.005, 0.0001, 0.0001};  // sliding twice, spinning, rolling twice
+  if (e.has("friction")) std::ranges::copy(e.numbers("friction", 1, 5), friction.begin());
+  if (*std::ranges::min_element(friction) < 0) e.fail("a coefficient of friction is negative; expected 0 or more");
+  if (friction[0] != friction[1] || friction[3] != friction[4]) {
+    e.note(LoadAction::kRepaired, "frictions differ by direction; the first of each counts");
+  }
+  return surface_of({friction[0], friction[2], friction[3]}, read_condim(e, 3));
+}
+
+/// Of several pairs of the same geoms, each is a contact in MuJoCo, and that of the larger friction carries the force.
+void add_surface(const MjcfElement& e, SurfaceMaterial& largest, const SurfaceMaterial& surface) {
+  if (surface.fields() != largest.fields()) {
+    e.note(LoadAction::kRepaired, "there is a pair of these geoms already, of other friction; the larger acts");
+  }
+  const auto take = [](double& most, double value) { most = std::max(most, value); };
+  take(largest.lateral_friction, surface.lateral_friction);
+  take(largest.spinning_friction, surface.spinning_friction);
+  take(largest.rolling_friction, surface.rolling_friction);
+}
+
 void read_pair(MjcfScene& scene, const MjcfElement& element) {
   const std::string name = element.text_or("name", "");
   const MjcfElement e = element.named("pair '" + name + "'").with_defaults(scene.classes, "pair");
@@ -77,28 +99,9 @@ void read_pair(MjcfScene& scene, const MjcfElement& element) {
     return;
   }
   a.is_in_pair = b.is_in_pair = true;
-  ContactPair pair{.a = *a.id, .b = *b.id};
-  if (e.has("condim") || e.has("friction")) {
-    const SurfaceMaterial &sa = scene.builder.geom(*a.id).surface, &sb = scene.builder.geom(*b.id).surface;
-    std::array<double, 3> friction{std::max(sa.lateral_friction, sb.lateral_friction),
-                                   std::max(sa.spinning_friction, sb.spinning_friction),
-                                   std::max(sa.rolling_friction, sb.rolling_friction)};
-    const std::vector<double> given = e.has("friction") ? e.numbers("friction", 1, 5) : std::vector<double>{};
-    constexpr std::array<std::size_t, 5> kMeaning{0, 0, 1, 2, 2};  // sliding twice, spinning, rolling twice
-    for (std::size_t i = 0; i < given.size(); ++i) {
-      if (given[i] < 0) e.fail("a coefficient of friction is negative; expected 0 or more");
-      const bool is_second = i == 1 || i == 4;
-      if (is_second && given[i] != given[i - 1]) {
-        e.note(LoadAction::kRepaired, "frictions differ by direction; the first of each counts");
-      }
-      if (!is_second) friction[kMeaning[i]] = given[i];
-    }
-    pair.surface = surface_of(friction, read_condim(e, std::max(a.condim, b.condim)));
-  }
-  if (!scene.pairs.insert({std::min(*a.id, *b.id), std::max(*a.id, *b.id)}).second) {
-    e.fail("there is a pair of these geoms already; expected it once");
-  }
-  scene.builder.add_contact_pair(pair);
+  const SurfaceMaterial surface = read_surface(e);
+  const auto [entry, is_new] = scene.pairs.emplace(std::minmax(*a.id, *b.id), surface);
+  if (!is_new) add_surface(e, entry->second, surface);
 }
 
 void read_exclude(MjcfScene& scene, const MjcfElement& element) {
@@ -187,6 +190,9 @@ void read_contacts(MjcfScene& scene) {
       if (element.tag() == "pair") read_pair(scene, element);
       if (element.tag() == "exclude") read_exclude(scene, element);
     }
+  }
+  for (const auto& [geoms, surface] : scene.pairs) {
+    scene.builder.add_contact_pair({.a = geoms.first, .b = geoms.second, .surface = surface});
   }
   set_filters(scene);
   set_roles(scene);

@@ -54,7 +54,7 @@ struct Part {
   const MjcfElement& element;
   std::string type;
   Geom geom{};
-  Inertial volume{};  ///< mass properties at density 1 in the geom's frame
+  Inertial volume{};  ///< mass properties at density 1 in the geom's frame, of its skin if that alone has mass
 };
 
 /// The first `count` sizes, of which those that `fromto` tells are left out.
@@ -88,9 +88,10 @@ void read_primitive(MjcfScene& scene, Part& part, const MjcfPlaced& placed) {
     size = is_round ? Vec3<double>{given[0], half, 0} : Vec3<double>{given[0], given[0], half};
   }
   Shape& shape = part.geom.shape;
+  const bool is_skin = e.boolean_or("shellinertia", false);
   if (part.type == "ellipsoid") {
     shape = {.type = ShapeType::kConvex, .mesh = ellipsoid_hull(scene, size)};
-    part.volume = solid_ellipsoid(size);
+    part.volume = is_skin ? skin_of_ellipsoid(size) : solid_ellipsoid(size);
     e.note_once("ellipsoid", LoadAction::kRepaired, "the ellipsoid became the hull of 162 points on it");
     return;
   }
@@ -99,7 +100,7 @@ void read_primitive(MjcfScene& scene, Part& part, const MjcfPlaced& placed) {
                : part.type == "box"     ? ShapeType::kBox
                                         : ShapeType::kCylinder;
   shape.size = size;
-  part.volume = solid_of(shape);
+  part.volume = is_skin ? skin_of(shape) : solid_of(shape);
 }
 
 /// Planes and height fields belong to what never moves.
@@ -173,7 +174,7 @@ MjcfGeomMass add_geom(MjcfScene& scene, int body_index, const MjcfPlaced& placed
        "conaffinity", "rgba",  "material", "margin",     "group",     "gap",         "solref",   "solimp", "solmix",
        "priority",    "user",  "fitscale", "fluidshape", "fluidcoef", "shellinertia"},
       {});
-  e.ignore({"solref", "solimp", "solmix", "gap", "user", "fluidshape", "fluidcoef", "shellinertia"});
+  e.ignore({"solref", "solimp", "solmix", "gap", "user", "fluidshape", "fluidcoef"});
   MjcfGeom entry{.name = name, .id = {}, .source = e, .body = body_index};
   entry.contype = e.integer_or("contype", 1);
   entry.conaffinity = e.integer_or("conaffinity", 1);

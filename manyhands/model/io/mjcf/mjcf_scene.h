@@ -66,10 +66,10 @@ struct MjcfScene {
   std::set<std::string, std::less<>> reserved;         ///< every name in the file: what is named here must differ
   std::set<std::string, std::less<>> declared_bodies;  ///< the names of bodies among them
   std::size_t num_sites = 0, num_equalities = 0;
-  std::map<std::array<double, 3>, MeshId> ellipsoids;  ///< hulls by half axes
-  std::set<std::pair<LinkId, LinkId>> exclusions;      ///< of <contact>, the lesser id first
-  std::set<std::pair<GeomId, GeomId>> pairs;           ///< the same
-  std::vector<int> actuators;                          ///< by their place in the file, the index here or -1
+  std::map<std::array<double, 3>, MeshId> ellipsoids;          ///< hulls by half axes
+  std::set<std::pair<LinkId, LinkId>> exclusions;              ///< of <contact>, the lesser id first
+  std::map<std::pair<GeomId, GeomId>, SurfaceMaterial> pairs;  ///< of <contact>, the lesser id first
+  std::vector<int> actuators;                                  ///< by their place in the file, the index here or -1
 
   /// The part that an attribute names; fails if there is none.
   [[nodiscard]] const MjcfBody& body(const MjcfElement& user, const char* attribute) const;

@@ -26,8 +26,7 @@ namespace {
 
 /// What lies in a body, by kind; the contents of <frame> elements belong to the body around them.
 struct Contents {
-  std::vector<MjcfPlaced> joints, geoms, sites, bodies;
-  std::vector<MjcfElement> inertials;
+  std::vector<MjcfPlaced> joints, geoms, sites, bodies, inertials;
 };
 
 class WorldReader {
@@ -48,8 +47,9 @@ class WorldReader {
   }
 
  private:
-  static constexpr std::array<std::string_view, 8> kContents{"body",  "geom",      "site",     "frame",
-                                                             "joint", "freejoint", "inertial", "replicate"};
+  static constexpr std::array<std::string_view, 11> kContents{"body",   "geom",      "site",     "frame",
+                                                              "joint",  "freejoint", "inertial", "replicate",
+                                                              "attach", "flexcomp",  "composite"};
   static constexpr int kMostReplicas = 100'000;
 
   void collect(const MjcfElement& around, const Transform<double>& X_BF, Contents& contents) {
@@ -70,7 +70,10 @@ class WorldReader {
       } else if (tag == "body") {
         contents.bodies.push_back({element, X_BF});
       } else if (tag == "inertial") {
-        contents.inertials.push_back(element);
+        contents.inertials.push_back({element, X_BF});
+      } else if (tag == "attach" || tag == "flexcomp" || tag == "composite") {
+        element.named(std::string(tag) + " in " + around.what())
+            .note_serious(LoadAction::kIgnored, "the bodies that it makes are left out");
       }
     }
   }
@@ -131,7 +134,8 @@ class WorldReader {
       from_geoms = sum(from_geoms, mass.inertial);
     }
     for (const MjcfPlaced& site : contents.sites) add_site(index, site);
-    if (index == 0 && !contents.inertials.empty()) contents.inertials[0].fail("the world cannot have an <inertial>");
+    if (index == 0 && !contents.inertials.empty())
+      contents.inertials[0].element.fail("the world cannot have an <inertial>");
     if (index > 0) give_mass(index, contents, from_geoms);
     for (const MjcfPlaced& body : contents.bodies) read_body(static_cast<int>(index), body);
   }
@@ -142,13 +146,16 @@ class WorldReader {
     const MjcfSettings& settings = scene_.settings;
     const bool is_given = !contents.inertials.empty() && settings.inertia_from_geoms != kAlways;
     Inertial inertial = settings.inertia_from_geoms == kNever ? Inertial{} : from_geoms;
-    if (is_given) inertial = read_inertial(contents.inertials[0].named(body.source->what()));
+    if (is_given) {
+      const auto& [element, X_BF] = contents.inertials[0];
+      inertial = manyhands::placed(X_BF, read_inertial(element.named(body.source->what())));
+    }
     for (std::size_t i = 1; i < contents.inertials.size(); ++i) {
-      contents.inertials[i].fail("a second <inertial>; expected one");
+      contents.inertials[i].element.fail("a second <inertial>; expected one");
     }
     inertial.mass = std::max(inertial.mass, settings.bound_mass);
     bound_principal_moments(inertial.inertia, settings.bound_inertia);
-    const MjcfElement& source = is_given ? contents.inertials[0] : *body.source;
+    const MjcfElement& source = is_given ? contents.inertials[0].element : *body.source;
     if (settings.balance_inertia && !repairs_to_itself(inertial)) {
       const double mean = (inertial.inertia.xx + inertial.inertia.yy + inertial.inertia.zz) / 3;
       inertial.inertia = {mean, mean, mean, 0, 0, 0};

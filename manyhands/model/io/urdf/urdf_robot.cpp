@@ -42,6 +42,17 @@ void note_unused(const UrdfElement& element) {
   element.note(LoadAction::kIgnored, text + " is not used");
 }
 
+/// Robots cut from larger ones keep the mimics of joints that are gone.
+void drop_mimics_of_nothing(UrdfRobot& robot, const std::map<std::string, int>& joint_lines) {
+  for (UrdfJoint& joint : robot.joints) {
+    std::optional<Mimic>& mimic = joint.joint.mimic;
+    if (!mimic || joint_lines.contains(mimic->joint)) continue;
+    joint.source.note_serious(LoadAction::kIgnored, "it mimics " + in_quotes(mimic->joint) +
+                                                        ", which is no joint of the robot; it moves freely");
+    mimic.reset();
+  }
+}
+
 }  // namespace
 
 UrdfRobot read_robot(const UrdfElement& robot) {
@@ -71,6 +82,7 @@ UrdfRobot read_robot(const UrdfElement& robot) {
     }
   }
   if (result.links.empty()) robot.fail("<robot> has no <link>; expected at least one");
+  drop_mimics_of_nothing(result, joint_lines);
   return result;
 }
 

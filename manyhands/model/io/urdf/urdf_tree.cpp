@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 
+#include "manyhands/base/assert.h"
 #include "manyhands/model/io/text_numbers.h"
 
 namespace manyhands::io {
@@ -67,10 +68,7 @@ void check_mimics(const UrdfRobot& robot) {
     const UrdfJoint& joint = robot.joints[j];
     if (!joint.joint.mimic) continue;
     const auto found = joints.find(joint.joint.mimic->joint);
-    if (found == joints.end()) {
-      joint.source.fail("it mimics " + in_quotes(joint.joint.mimic->joint) +
-                        ", which is no joint; expected the name of a <joint>");
-    }
+    MANYHANDS_ASSERT(found != joints.end());  // `read_robot` drops the others
     if (velocity_size(robot.joints[found->second].joint.type) != 1) {
       joint.source.fail("it mimics " + in_quotes(found->first) + ", which is " +
                         to_string(robot.joints[found->second].joint.type) + "; expected a joint with one coordinate");
