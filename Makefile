@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
-.PHONY: help train test asan tsan bench accuracy lint format build clean
+.PHONY: help train test asan tsan bench accuracy realfiles lint format build clean
 
 TASK ?= PandaReach
 SEED ?= 0
@@ -41,6 +41,9 @@ bench: $(VENV)/.test $(VENV)/.installed  ## Benchmarks: a table, and build/bench
 
 accuracy: $(VENV)/.test $(VENV)/.installed  ## How right the physics is: a table, curves, and build/accuracy.json
 	python -m benchmarks.accuracy
+
+realfiles: $(VENV)/.test $(VENV)/.installed  ## Real robots' files beside MuJoCo: build/realfiles.json (SAMPLE=60 for a part)
+	python -m benchmarks.realfiles --jobs $(JOBS) $(if $(SAMPLE),--sample $(SAMPLE),--composed) $(REALFILES)
 
 lint: $(VENV)/.test $(VENV)/.installed  ## All checks that run no program, with clang-tidy (slow)
 	tools/lint.sh --tidy

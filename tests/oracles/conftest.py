@@ -1,6 +1,7 @@
-"""The helpers of these tests lie beside them."""
+"""The helpers of these tests lie beside them, or with the benchmarks."""
 
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parent))
+HERE = Path(__file__).parent
+sys.path[:0] = [str(HERE), str(HERE.parents[1])]

@@ -5,9 +5,8 @@ import pytest
 
 mujoco = pytest.importorskip("mujoco")
 
-from mujoco_map import Array, Scene  # noqa: E402
-
 import manyhands as mh  # noqa: E402
+from benchmarks.mujoco_map import Array, Scene  # noqa: E402
 
 TREES = 1000
 STEP = 1e-3  # [s]

@@ -9,12 +9,12 @@ import pytest
 
 mujoco = pytest.importorskip("mujoco")
 
-from mujoco_map import XYZW, Array, Scene, rotation  # noqa: E402
 from mujoco_scenes import SCENES  # noqa: E402
 from PIL import Image  # noqa: E402
 from scipy.spatial.transform import Rotation  # noqa: E402
 
 import manyhands as mh  # noqa: E402
+from benchmarks.mujoco_map import XYZW, Array, Scene, rotation  # noqa: E402
 
 # Files as they are in the wild: some ask for parts that cannot be.
 pytestmark = pytest.mark.filterwarnings("ignore:.*; print the report:UserWarning")

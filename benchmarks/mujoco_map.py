@@ -7,9 +7,10 @@ Hence v = G v_m, tau_m = G^T tau.
 
 from dataclasses import dataclass
 from functools import cached_property
+from importlib import import_module
 from pathlib import Path
+from typing import Any
 
-import mujoco
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
@@ -17,6 +18,9 @@ from scipy.spatial.transform import Rotation
 import manyhands as mh
 
 Array = NDArray[np.float64]
+mujoco: Any = import_module("mujoco")  # most of it has no stubs
+MjModel = Any
+MjData = Any
 
 FREE, BALL = int(mujoco.mjtJoint.mjJNT_FREE), int(mujoco.mjtJoint.mjJNT_BALL)
 XYZW = [1, 2, 3, 0]
@@ -30,7 +34,7 @@ def rotation(wxyz: Array) -> Array:
 class Scene:
     """One file, loaded by both."""
 
-    mujoco: mujoco.MjModel
+    mujoco: MjModel
     ours: mh.Model
     report: mh.LoadReport
 
@@ -44,7 +48,7 @@ class Scene:
         return cls(theirs, *mh.load_mjcf(path, allow_outside_package=True))
 
     @cached_property
-    def data(self) -> mujoco.MjData:
+    def data(self) -> MjData:
         return mujoco.MjData(self.mujoco)
 
     def names(self, kind: str, count: int) -> list[str]:

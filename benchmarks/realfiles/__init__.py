@@ -1,0 +1,1 @@
+"""Real robots' files, from wheels of the Python package index, through this engine and through MuJoCo."""
