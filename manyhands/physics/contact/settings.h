@@ -63,8 +63,6 @@ namespace contact_settings {
 
 /// How much of a joint limit's violation a step removes, as PyBullet does.
 inline constexpr double kLimitRecovery = 0.2;
-/// The violation beyond which the way back is no faster [rad or m]: a joint far outside returns, it is not shot back.
-inline constexpr double kMaxLimitRecovery = 0.01;
 /// How much of a penetration a step removes, and the fastest that it pushes surfaces apart [m/s].
 inline constexpr double kPenetrationRecovery = 0.2;
 inline constexpr double kMaxPenetrationRecovery = 0.1;
@@ -74,7 +72,8 @@ inline constexpr double kTouching = 3e-5;
 /// The most that the curvature of a path counts for in a step [m/s]: where it were more, the step is too long to
 /// follow.
 inline constexpr double kMaxArc = 0.1;
-/// An equality constraint that stands open closes no faster [m/s or rad/s].
+/// An equality constraint that stands open closes no faster [m/s or rad/s], and a joint far outside its limits returns
+/// no faster: it is not shot back.
 inline constexpr double kMaxClosing = 1;
 /// Where joints move so much less than they do in other directions, as at a singular arm, errors close more slowly: by
 /// what joints can do without racing.
