@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.rows import NOISY, Row
+from manyhands.files import write_text
 
 HEADINGS = ("benchmark", "engine", "number type", "threads", "value", "unit", "±", "ratio", "target", "")
 STAGE = "Reach step: "
@@ -135,6 +136,4 @@ def contact_stages(rows: Sequence[Row]) -> str:
 def write_json(path: Path, rows: Sequence[Row], about: dict[str, Any]) -> None:
     """Writes the file whole or not at all."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_suffix(".partial")
-    partial.write_text(json.dumps({**about, "rows": [asdict(row) for row in rows]}, indent=1, allow_nan=False) + "\n")
-    partial.replace(path)
+    write_text(path, json.dumps({**about, "rows": [asdict(row) for row in rows]}, indent=1, allow_nan=False) + "\n")

@@ -13,6 +13,7 @@ set(MANYHANDS_ISA native CACHE STRING "Instruction set the library is built for"
 set_property(CACHE MANYHANDS_ISA PROPERTY STRINGS native x86-64-v3 x86-64-v4 armv8)
 option(MANYHANDS_UNITY "Compile the files of a folder together: half the work of a first build, more of a second" OFF)
 set(MANYHANDS_TEST_FILES "" CACHE STRING "Regular expression: only the C++ tests in these files")
+set(MANYHANDS_TEST_FILES_LEFT_OUT "" CACHE STRING "Regular expression: not the C++ tests in these files")
 set(MANYHANDS_SANITIZE "" CACHE STRING "Sanitizers for every target, for example address,undefined")
 
 if(PROJECT_IS_TOP_LEVEL)

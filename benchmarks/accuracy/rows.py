@@ -11,6 +11,7 @@ from typing import Any
 
 from benchmarks.accuracy.case import LANES, Case, Measurement
 from benchmarks.accuracy.engines.base import Settings, version
+from manyhands.files import write_text
 
 INCOMPLETE = "stopped"  # notes of runs that ran out of time begin so
 
@@ -120,9 +121,7 @@ def read(path: Path) -> list[Row]:
 def write(path: Path, rows: Sequence[Row], about: dict[str, Any]) -> None:
     """Writes the file whole or not at all."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_suffix(".partial")
-    partial.write_text(json.dumps({**about, "rows": [asdict(row) for row in rows]}, indent=1, allow_nan=False) + "\n")
-    partial.replace(path)
+    write_text(path, json.dumps({**about, "rows": [asdict(row) for row in rows]}, indent=1, allow_nan=False) + "\n")
 
 
 def kept(rows: Iterable[Row], case: Case, settings: Settings) -> list[Row]:

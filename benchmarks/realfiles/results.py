@@ -10,6 +10,7 @@ from typing import Any
 from benchmarks.children import Ended
 from benchmarks.realfiles.accelerations import TOLERANCE
 from benchmarks.realfiles.examine import Task
+from manyhands.files import write_text
 
 Result = dict[str, Any]
 MEASURING = ("examine", "loading", "statics", "accelerations", "motion", "../mujoco_map")
@@ -115,6 +116,4 @@ def append(path: Path, result: Result) -> None:
 
 def write(path: Path, results: Iterable[Result]) -> None:
     """The file anew, whole or not at all."""
-    partial = path.with_suffix(".partial")
-    partial.write_text("".join(json.dumps(result) + "\n" for result in results))
-    partial.replace(path)
+    write_text(path, "".join(json.dumps(result) + "\n" for result in results))

@@ -53,7 +53,7 @@ def fetch(wheel: Wheel, folder: Path) -> Path:
     command += ["--only-binary=:all:", "--dest", str(downloads), wheel.requirement]
     subprocess.run(command, check=True)
     (archive,) = downloads.glob(f"{wheel.package}-{wheel.version}-*.whl")
-    partial = unpacked.with_suffix(".partial")
+    partial = unpacked.with_name(f"{unpacked.name}.partial")
     with zipfile.ZipFile(archive) as contents:
         contents.extractall(partial)
     partial.replace(unpacked)

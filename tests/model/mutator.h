@@ -1,6 +1,8 @@
 // Damaged copies of a text.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <cstdlib>
 #include <random>
 #include <string>
@@ -79,6 +81,23 @@ class Mutator {
 inline unsigned rounds(unsigned usual) {
   const char* const asked = std::getenv("MANYHANDS_FUZZ_ROUNDS");
   return asked == nullptr ? usual : static_cast<unsigned>(std::strtoul(asked, nullptr, 10));
+}
+
+/// Damaged copies of what is sound are either read, by `read(copy)`, or give the one Error; some of each.
+template <class Error, class Read>
+void expect_read_or_refused(std::string_view sound, unsigned count, Read&& read) {
+  int loaded = 0, refused = 0;
+  for (unsigned seed = 0; seed < count; ++seed) {
+    try {
+      read(Mutator(seed).mutated(sound));
+      if (::testing::Test::HasFatalFailure()) return;
+      ++loaded;
+    } catch (const Error&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(loaded, 0);
+  EXPECT_GT(refused, 0);
 }
 
 }  // namespace manyhands::testing
