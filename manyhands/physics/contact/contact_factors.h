@@ -34,20 +34,14 @@ MANYHANDS_INLINE void factor_patch(const ContactProblem<T>& problem, const Conta
         multiply_YYT(patch.linear, factors.Y.data(), patch.angular, factors.Y_by_dof.data());
     response.G_wf = {G_vn[0], G_vn[1], G_vn[2]};
   }
-  const T tiny = constant<T>(SolverTraits<real_t<T>>::kSmallest);
   const T cancelled(SolverTraits<real_t<T>>::kCancellation);
-  const T immovable = immovable_at(problem, factors, patch.linear, patch.origin), one = constant<T>(1);
-  // As with equality constraints: where joints hardly move, surfaces part more slowly.
-  const T damping_inverse =
-      constant<T>(contact_settings::kImmovable / contact_settings::kClosingDamping) / max(immovable, tiny);
+  const T immovable = immovable_at(problem, factors, patch.linear, patch.origin);
   for (std::size_t i = patch.first; i < patch.first + patch.count; ++i) {
     const ContactPoint<T>& point = problem.points[i];
     const Vec3<T>& r = point.lever;
     const T terms = fma(r.z * r.z, angular.y, fma(r.y * r.y, angular.z, linear.x));
     factors.points[i] =
         diagonalise(point_response(patch, response, r), point.softness, fma(cancelled, terms, immovable));
-    factors.offsets[i] = point.offset;
-    factors.offsets[i].x -= min(one, factors.points[i].normal * damping_inverse) * point.recovery;
   }
 }
 
@@ -59,7 +53,6 @@ MANYHANDS_INLINE void factor_contacts(const ContactProblem<T>& problem, Factors<
   const T tiny = constant<T>(SolverTraits<real_t<T>>::kSmallest);
   factors.patches.resize(problem.patches.size());
   factors.points.resize(problem.points.size());
-  factors.offsets.resize(problem.points.size());
   factors.torsions.resize(problem.torsions.size());
   factors.spin_inverse.resize(problem.torsions.size());
   factors.Z.resize(2 * problem.num_equality_rows * problem.patches.size());

@@ -25,8 +25,8 @@ struct ContactPoint {
   T phi;                         ///< [m]
   T bounces;                     ///< 1 where restitution asks for the velocity
   T softness;                    ///< what a soft surface adds to G_nn [1/kg]
-  Vec3<T> offset;                ///< J v less what the point allows: its velocity is offset - recovery + J dv [m/s]
-  T recovery;                    ///< the speed at which it wants to part [m/s], 0 unless the surfaces overlap or bounce
+  Vec3<T> offset;                ///< J v, and what keeps points that stick together along their arcs [m/s]
+  T target;                      ///< the least normal velocity: how fast a gap may close (< 0), or shall open [m/s]
 };
 
 /// What resists spinning about the normal and rolling across it at one contact point: rows about (normal, t_1, t_2).

@@ -44,31 +44,40 @@ MANYHANDS_INLINE void solve_K(const T* K, const T* pivot_inverse, std::size_t n,
     for (std::size_t j = i + 1; j < n; ++j) x[i] = fma(-K[j * n + i], x[j], x[i]);
 }
 
-/// As much of the closing velocities c as joints can do: c - (R (K + R)^-1)^passes c, with R a part of the mobility in
-/// any direction (iterated Tikhonov regularisation: Engl, Hanke and Neubauer 1996, section 5.1). To hold a velocity
-/// never costs energy, however singular the joints are; to close an error may ask for any. Before K is factored.
+/// Takes from the closing velocities c what joints cannot do: c - (R (K + R)^-1)^passes c, with R a part of the
+/// mobility in any direction (iterated Tikhonov regularisation: Engl, Hanke and Neubauer 1996, section 5.1), in the
+/// worlds of the mask. To hold a velocity never costs energy, however singular the joints are; to close an error may
+/// ask for any. Before K is factored.
 template <Number T>
-MANYHANDS_INLINE void damp_closing(const ContactProblem<T>& problem, std::vector<T>& scratch, Factors<T>& factors) {
+MANYHANDS_INLINE void damp_closing(const ContactProblem<T>& problem, mask_t<T> asked, std::vector<T>& scratch,
+                                   Factors<T>& factors) {
   const std::size_t n = problem.num_equality_rows;
-  const T of_row = constant<T>(contact_settings::kClosingDamping);
-  const T of_point = constant<T>(contact_settings::kClosingDamping / contact_settings::kImmovable);
-  for (const EqualityRows<T>& block : problem.equalities) {
-    const std::array<T, 3> closing{block.closing.x, block.closing.y, block.closing.z};
-    std::copy_n(closing.begin(), block.count(), &factors.closing[block.first]);
-  }
+  for (const EqualityRows<T>& block : problem.equalities)
+    std::fill_n(&factors.damping[block.first], block.count(), yielding_of(problem, block));
   std::copy_n(factors.K.begin(), n * n, factors.K_damped.begin());
-  for (std::size_t i = 0; i < n; ++i) {
-    T& diagonal = factors.K_damped[i * n + i];
-    factors.damping[i] = fma(of_point, factors.K_immovable[i], of_row * diagonal);
-    diagonal += factors.damping[i];
-  }
+  for (std::size_t i = 0; i < n; ++i) factors.K_damped[i * n + i] += factors.damping[i];
   factor_K(n, factors.K_immovable.data(), factors.K_damped.data(), factors.K_damped_pivot_inverse.data());
   scratch.assign(factors.closing.begin(), factors.closing.begin() + static_cast<std::ptrdiff_t>(n));
   for (int pass = 0; pass < contact_settings::kClosingPasses; ++pass) {
     solve_K(factors.K_damped.data(), factors.K_damped_pivot_inverse.data(), n, scratch.data());
     for (std::size_t i = 0; i < n; ++i) scratch[i] = factors.damping[i] * scratch[i];
   }
-  for (std::size_t i = 0; i < n; ++i) factors.closing[i] -= scratch[i];
+  for (std::size_t i = 0; i < n; ++i) factors.closing[i] -= select(asked, scratch[i], constant<T>(0));
+}
+
+/// How fast the equality constraints shall close: as fast as they want where that is slow, else as joints can.
+template <Number T>
+MANYHANDS_INLINE void find_closing(const ContactProblem<T>& problem, std::vector<T>& scratch, Factors<T>& factors) {
+  T fastest = constant<T>(0);
+  for (const EqualityRows<T>& block : problem.equalities) {
+    const std::array<T, 3> closing{block.closing.x, block.closing.y, block.closing.z};
+    for (std::size_t r = 0; r < block.count(); ++r) {
+      factors.closing[block.first + r] = closing[r];
+      fastest = max(fastest, abs(closing[r]));
+    }
+  }
+  const auto asked = fastest > constant<T>(contact_settings::kSlowCorrection);
+  when(asked, [&] { damp_closing(problem, asked, scratch, factors); });
 }
 
 /// Y of every equality constraint, and the factors of K = Y Y^T over all their rows.
@@ -91,7 +100,7 @@ MANYHANDS_INLINE void factor_equalities(const ContactProblem<T>& problem, std::v
       }
     }
   }
-  damp_closing(problem, scratch, factors);
+  find_closing(problem, scratch, factors);
   factor_K(n, factors.K_immovable.data(), factors.K.data(), factors.K_pivot_inverse.data());
 }
 

@@ -6,22 +6,14 @@
 
 namespace manyhands::internal {
 
-/// Signorini's law and Coulomb's cone as they are.
-struct ExactLaw {
-  template <Number T>
-  static MANYHANDS_INLINE Vec3<T> solve(const DelassusBlock<T>& G, const Vec3<T>& u, const Vec3<T>& impulse, T& x) {
-    return solve_coulomb(G, u, impulse, x);
-  }
-};
-
 /// Solves one point, which has the velocity u without softness, given all others: the change of its impulse. `largest`
 /// is at least how much that changed its velocity.
-template <class Law, Number T>
+template <Number T>
 MANYHANDS_INLINE Vec3<T> relax_point(mask_t<T> active, const DelassusBlock<T>& G, T softness, Vec3<T> u,
                                      PointImpulse<T>& point, T& largest) {
   u.x = fma(softness, point.impulse.x, u.x);
   T x = point.slide_x;
-  const Vec3<T> before = G.turned(point.impulse), after = Law::solve(G, G.turned(u), before, x);
+  const Vec3<T> before = G.turned(point.impulse), after = solve_coulomb(G, G.turned(u), before, x);
   point.slide_x = select(active, x, point.slide_x);
   const Vec3<T> next = select(active, G.turned_back(after), point.impulse), change = next - point.impulse;
   point.impulse = next;
@@ -52,7 +44,7 @@ MANYHANDS_INLINE Vec3<T> relax_torsion(mask_t<T> active, const DelassusBlock<T>&
 }
 
 /// Solves the points of one patch in turn. The patch's own motion follows each of them, y after the last.
-template <class Law, Number T>
+template <Number T>
 MANYHANDS_INLINE void relax_patch(const ContactProblem<T>& problem, const Factors<T>& factors, std::size_t k,
                                   mask_t<T> active, Iterate<T>& iterate, T& largest) {
   const ContactPatch<T>& patch = problem.patches[k];
@@ -67,7 +59,7 @@ MANYHANDS_INLINE void relax_patch(const ContactProblem<T>& problem, const Factor
     const ContactPoint<T>& point = problem.points[i];
     PointImpulse<T>& impulse = iterate.points[i];
     const Vec3<T> u = factors.offsets[i] + velocity_at(patch, point.lever, motion);
-    act(force_at(patch, point.lever, relax_point<Law>(active, factors.points[i], point.softness, u, impulse, largest)));
+    act(force_at(patch, point.lever, relax_point(active, factors.points[i], point.softness, u, impulse, largest)));
     if (point.torsion < 0) continue;
     const std::size_t j = index(point.torsion);
     const Vec3<T> w = problem.torsions[j].offset + motion.w;
@@ -82,7 +74,7 @@ MANYHANDS_INLINE void relax_patch(const ContactProblem<T>& problem, const Factor
 /// docs/contact_solver.md), until every world has converged to the tolerance [m/s] or used up its `budget` of
 /// iterations, which counts down. How many there were; `change` is by how much a world's last one changed a contact's
 /// velocity [m/s].
-template <class Law, Number T>
+template <Number T>
 MANYHANDS_INLINE int iterate_contacts(const ContactProblem<T>& problem, const Factors<T>& factors, T tolerance,
                                       T& budget, Iterate<T>& iterate, T& change) {
   const T zero = constant<T>(0), one = constant<T>(1);
@@ -92,8 +84,7 @@ MANYHANDS_INLINE int iterate_contacts(const ContactProblem<T>& problem, const Fa
     iterate.patches[k].start = patch_motion(*problem.tree, problem.patches[k], problem.rows, iterate.dv.data());
   for (auto active = budget > zero; any(active); active = (change > tolerance) & (budget > zero)) {
     T largest = zero;
-    for (std::size_t k = 0; k < problem.patches.size(); ++k)
-      relax_patch<Law>(problem, factors, k, active, iterate, largest);
+    for (std::size_t k = 0; k < problem.patches.size(); ++k) relax_patch(problem, factors, k, active, iterate, largest);
     change = select(active, largest, change);
     budget = select(active, budget - one, budget);
     ++iterations;

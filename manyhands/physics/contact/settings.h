@@ -75,11 +75,11 @@ inline constexpr double kMaxArc = 0.1;
 /// An equality constraint that stands open closes no faster [m/s or rad/s], and a joint far outside its limits returns
 /// no faster: it is not shot back.
 inline constexpr double kMaxClosing = 1;
-/// Where joints move so much less than they do in other directions, as at a singular arm, errors close more slowly: by
-/// what joints can do without racing.
-inline constexpr double kClosingDamping = 0.03;
-/// How often what that leaves open is looked at again: where joints move well, 3 % to this power stay open.
-inline constexpr int kClosingPasses = 4;
+/// Where joints move so much less than they do in other directions, as at a singular arm, or while something holds
+/// them, errors close more slowly: by what joints can do without racing.
+inline constexpr double kYielding = 0.1;
+/// How often what that leaves open is looked at again: where joints move well, a tenth to this power stays open.
+inline constexpr int kClosingPasses = 6;
 
 /// The mobility of a row that no joint moves, as a part of what joints move in other directions there: the square of
 /// 1e-5, to which files give their axes.
@@ -109,16 +109,21 @@ inline constexpr int kEarlyLooks = 3, kIterationsPerLateLook = 8;
 /// A search whose merit becomes so many times what it was has diverged.
 inline constexpr double kDivergence = 1000;
 
-// ---- where contacts contradict each other -------------------------------------------------------------------------
+// ---- what overlaps ------------------------------------------------------------------------------------------------
 
-/// A step that leaves so many times the energy it may is no solution. Friction, motors and masses that change with the
-/// pose leave far less.
-inline constexpr double kRunaway = 2;
-/// Energy that is never too much: of all that moves, at this speed [m/s].
-inline constexpr double kHarmlessSpeed = 0.1;
-/// By how much of its own mobility a row is softened then, and the iterations that this takes.
-inline constexpr double kSoftening = 0.1;
-inline constexpr int kSoftIterations = 50;
+/// Corrections no faster than this [m/s or rad/s] may contradict each other: what it takes is little. Surfaces that
+/// part no faster are not asked whether they can.
+inline constexpr double kSlowCorrection = 0.02;
+/// Visits of each contact, and the velocity [m/s] that is near enough.
+inline constexpr int kOpeningPasses = 50;
+inline constexpr double kOpeningTolerance = 1e-3;
+
+// ---- what runs away -----------------------------------------------------------------------------------------------
+
+/// Energy beyond what there can be that is still rounding, and not a solution that runs away; and the speed [m/s] at
+/// which all may move at any time.
+inline constexpr double kExcess = 1.05;
+inline constexpr double kHarmlessSpeed = 0.01;
 
 // ---- sliding ------------------------------------------------------------------------------------------------------
 

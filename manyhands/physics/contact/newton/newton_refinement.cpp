@@ -14,7 +14,7 @@ using internal::NewtonSystem;
 void run_iterations(const NewtonContext& context, int count, int& iterations) {
   double budget = count;
   double change = 0;
-  internal::iterate_contacts<internal::ExactLaw>(context.problem, context.factors, 0.0, budget, context.iterate, change);
+  internal::iterate_contacts(context.problem, context.factors, 0.0, budget, context.iterate, change);
   iterations += count;
 }
 
