@@ -17,6 +17,7 @@ MANYHANDS_INLINE void assemble(const Tree<real_t<T>>& tree, const Colliders<real
   ContactProblem<T>& problem = solver.problem;
   problem.tree = &tree;
   problem.dynamics = &dynamics;
+  problem.v = state.v();
   problem.patches.clear();
   problem.points.clear();
   problem.torsions.clear();

@@ -122,11 +122,11 @@ MANYHANDS_INLINE void add_point(const Workspace<T>& ws, T inverse_h, const Combi
        [&] { free_change = point_velocity(problem, point, problem.free_dv.data()).x; });
   const T half_h = constant<T>(0.5) / inverse_h;
   const T curvature = gap_acceleration(ws, patch, surface, point.p, dot(patch.normal, gamma));
-  const T target = target_velocity(surface, inverse_h, u_n, free_change, bounded_arc(half_h * curvature), point);
+  point.target = target_velocity(surface, inverse_h, u_n, free_change, bounded_arc(half_h * curvature), point);
   // Points that stick shall stay together along the arcs on which the step carries them: u + h / 2 gamma = 0.
   const Vec3<T> slip =
       u + Vec3<T>{bounded_arc(half_h * gamma.x), bounded_arc(half_h * gamma.y), bounded_arc(half_h * gamma.z)};
-  point.offset = {u_n - target, dot(slip, patch.e_1), dot(slip, patch.e_2)};
+  point.offset = {u_n, dot(slip, patch.e_1), dot(slip, patch.e_2)};
 }
 
 }  // namespace internal

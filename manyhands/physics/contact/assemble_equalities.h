@@ -8,13 +8,12 @@ namespace manyhands {
 
 namespace internal {
 
-/// The offset of a row whose error is e and whose rate is u: by the step's end the error shall be 0 to third order,
-/// e + h u+ + h^2 / 2 gamma = 0.
+/// What closes rows whose error is e: by the step's end it shall be 0 to third order, e + h u+ + h^2 / 2 gamma = 0.
 template <Number T>
-MANYHANDS_INLINE Vec3<T> closing_offset(const Vec3<T>& u, const Vec3<T>& e, const Vec3<T>& gamma, real_t<T> h) {
+MANYHANDS_INLINE Vec3<T> closing_velocity(const Vec3<T>& e, const Vec3<T>& gamma, real_t<T> h) {
   const T most = constant<T>(contact_settings::kMaxClosing), inverse_h(real_t<T>(1) / h);
   const auto closing = [&](T error) { return clamp(error * inverse_h, -most, most); };
-  return u + fma(T(real_t<T>(0.5) * h), gamma, Vec3<T>{closing(e.x), closing(e.y), closing(e.z)});
+  return fma(T(real_t<T>(0.5) * h), gamma, Vec3<T>{closing(e.x), closing(e.y), closing(e.z)});
 }
 
 template <Number T>
@@ -59,9 +58,9 @@ MANYHANDS_INLINE void add_frame_equality(const Workspace<T>& ws, real_t<T> h, st
     fill_point_rows(tree, ws, block.rows, X_B.p, axes(linear), problem.rows);
     const auto [u, acceleration] = relative_motion(ws, a, b, X_B.p);
     const Vec3<T> gamma = acceleration - constant<T>(2) * cross(ws.V[a].w, u);
-    block.offset = masked(closing_offset(transpose_times(X_A.R, u), transpose_times(X_A.R, X_B.p - X_A.p),
-                                         transpose_times(X_A.R, gamma), h),
-                          linear);
+    block.offset = masked(transpose_times(X_A.R, u), linear);
+    block.closing =
+        masked(closing_velocity(transpose_times(X_A.R, X_B.p - X_A.p), transpose_times(X_A.R, gamma), h), linear);
   }
   if (!equality.turns) return;
   EqualityRows<T>& block = add_equality_rows(index, equality.row + 3, bodies, h, problem);
@@ -70,7 +69,8 @@ MANYHANDS_INLINE void add_frame_equality(const Workspace<T>& ws, real_t<T> h, st
   const Vec3<T> gamma = ws.A[b].w - ws.A[a].w - cross(ws.V[a].w, w);
   const Vec3<T> turn = turns_about_z ? transpose_times(X_A.R, cross(X_A.R.z, X_B.R.z))
                                      : rotation_vector(to_quat(transpose(X_A.R) * X_B.R));
-  block.offset = masked(closing_offset(transpose_times(X_A.R, w), turn, transpose_times(X_A.R, gamma), h), angular);
+  block.offset = masked(transpose_times(X_A.R, w), angular);
+  block.closing = masked(closing_velocity(turn, transpose_times(X_A.R, gamma), h), angular);
 }
 
 /// The row of an equality between two joints: q_b - ratio q_a - offset, or its rate alone. None if motors hold both
@@ -88,8 +88,8 @@ MANYHANDS_INLINE void add_joint_equality(const State<T>& state, real_t<T> h, std
   if (equality.type == EqualityType::kJoint)
     error = state.q()[equality.q_b] - fma(ratio, state.q()[equality.q_a], T(equality.offset));
   const T most = constant<T>(contact_settings::kMaxClosing);
-  const T offset = u + clamp(T(real_t<T>(1) / h) * error, -most, most);
-  const T held_apart = fma(ratio, -laws.target[dof_a], laws.target[dof_b]) + offset;
+  const T closing = clamp(T(real_t<T>(1) / h) * error, -most, most);
+  const T held_apart = fma(ratio, -laws.target[dof_a], laws.target[dof_b]) + (u + closing);
   const auto held = (laws.first_state[dof_a] == zero) & (laws.first_state[dof_b] == zero);
   const auto agrees = held & (abs(held_apart) < constant<T>(contact_settings::kAgreement));
   const auto acts = (!agrees) | (laws.constrained[dof_a] > zero) | (laws.constrained[dof_b] > zero);
@@ -102,7 +102,8 @@ MANYHANDS_INLINE void add_joint_equality(const State<T>& state, real_t<T> h, std
     problem.rows.J[entry] = {select(acts, weight, zero), zero, zero};
   });
   block.acts = acts;
-  block.offset = {select(acts, offset, zero), zero, zero};
+  block.offset = {select(acts, u, zero), zero, zero};
+  block.closing = {select(acts, closing, zero), zero, zero};
 }
 
 }  // namespace internal

@@ -25,7 +25,8 @@ struct ContactPoint {
   T phi;                         ///< [m]
   T bounces;                     ///< 1 where restitution asks for the velocity
   T softness;                    ///< what a soft surface adds to G_nn [1/kg]
-  Vec3<T> offset;                ///< J v less what the point asks for: its velocity is offset + J dv [m/s]
+  Vec3<T> offset;                ///< J v, and what keeps points that stick together along their arcs [m/s]
+  T target;                      ///< the least normal velocity: how fast a gap may close (< 0), or shall open [m/s]
 };
 
 /// What resists spinning about the normal and rolling across it at one contact point: rows about (normal, t_1, t_2).
@@ -39,12 +40,13 @@ struct ContactTorsion {
 template <Number T>
 struct EqualityRows {
   RowBlock rows{};
-  std::size_t equality{};            ///< index in Tree::equalities
-  std::size_t cache{};               ///< the first of its three impulses in the state
-  std::size_t first{};               ///< the first of its rows among those of all equalities that are not zero
-  mask_t<T> acts{true};              ///< the worlds in which it does
-  Vec3<T> offset = Vec3<T>::zero();  ///< J v less the velocity that closes it by the step's end: offset + J dv = 0
-  T max_impulse = constant<T>(0);    ///< of each component [N s or N m s]
+  std::size_t equality{};             ///< index in Tree::equalities
+  std::size_t cache{};                ///< the first of its three impulses in the state
+  std::size_t first{};                ///< the first of its rows among those of all equalities that are not zero
+  mask_t<T> acts{true};               ///< the worlds in which it does
+  Vec3<T> offset = Vec3<T>::zero();   ///< J v: its velocity is offset + J dv [m/s or rad/s]
+  Vec3<T> closing = Vec3<T>::zero();  ///< the velocity -closing would close it by the step's end
+  T max_impulse = constant<T>(0);     ///< of each component [N s or N m s]
 
   [[nodiscard]] std::size_t count() const { return rows.single ? 1 : 3; }
 };
@@ -63,6 +65,7 @@ struct ContactProblem {
 
   const Tree<real_t<T>>* tree = nullptr;   ///< set when a step is assembled, as the next
   const Workspace<T>* dynamics = nullptr;  ///< h damping added to M's diagonal
+  const T* v = nullptr;                    ///< (nv) at the step's beginning
   JointLaws<T> joints;
   std::vector<ContactPatch<T>> patches;
   std::vector<ContactPoint<T>> points;  ///< by patches

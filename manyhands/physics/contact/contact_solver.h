@@ -5,8 +5,11 @@
 #include <variant>
 
 #include "manyhands/physics/contact/active_set_search.h"
+#include "manyhands/physics/contact/energy_bound.h"
 #include "manyhands/physics/contact/gauss_seidel.h"
 #include "manyhands/physics/contact/newton/newton_refinement.h"
+#include "manyhands/physics/contact/recovery.h"
+#include "manyhands/physics/contact/runaway.h"
 
 namespace manyhands {
 
@@ -16,7 +19,14 @@ struct ContactSolver {
   using R = real_t<T>;
 
   ContactSolver(const Tree<R>& tree, const Colliders<R>& colliders)
-      : problem(tree, colliders), iterate(tree.nv), factors(tree), search(tree.nv) {}
+      : problem(tree, colliders),
+        iterate(tree.nv),
+        factors(tree),
+        search(tree.nv),
+        recovery(tree.nv),
+        energy(tree.nv),
+        kept(tree.nv),
+        free_dv(index(tree.nv)) {}
 
   ContactProblem<T> problem;
   Iterate<T> iterate;
@@ -24,7 +34,11 @@ struct ContactSolver {
   ActiveSetSearch<T> search;
   std::vector<T> equality_scratch;  ///< (equality rows)
   std::conditional_t<SolverTraits<R>::kRefines, NewtonRefinement, std::monostate> newton;
-  int iterations = 0;  ///< of Gauss-Seidel, over all worlds of the block
+  Recovery<T> recovery;
+  EnergyBound<T> energy;
+  Iterate<T> kept;         ///< scratch: a solution of which some worlds are kept
+  std::vector<T> free_dv;  ///< (nv) scratch: what the velocities gain without constraints
+  int iterations = 0;      ///< of Gauss-Seidel, over all worlds of the block
 };
 
 namespace internal {
@@ -35,8 +49,9 @@ MANYHANDS_INLINE void factor(ContactSolver<T>& solver) {
   const ContactProblem<T>& problem = solver.problem;
   if (solver.factors.Y.size() < problem.rows.used_Y) solver.factors.Y.resize(2 * problem.rows.used_Y);
   compute_sqrt_D_inverse(*problem.tree, solver.factors);
-  factor_equalities(problem, solver.factors);
+  factor_equalities(problem, solver.equality_scratch, solver.factors);
   factor_contacts(problem, solver.factors);
+  when(solver.recovery.asked, [&] { limit_opening(problem, solver.recovery, solver.factors); });
   for (std::size_t k = 0; k < problem.patches.size(); ++k)
     solver.iterate.patches[k].at_closing = patch_force(problem, solver.iterate, problem.patches[k]);
   close_equalities(problem, solver.factors, solver.search.changed, solver.equality_scratch, solver.iterate);
@@ -76,32 +91,79 @@ MANYHANDS_INLINE void find_joint_impulses(const ContactProblem<T>& problem, cons
   }
 }
 
+/// Contacts and equality constraints, inside the search for the joints' states: the worlds that are near a solution.
+template <Number T>
+MANYHANDS_INLINE mask_t<T> solve_exactly(const SolverSettings& settings, ContactSolver<T>& solver) {
+  const ContactProblem<T>& problem = solver.problem;
+  ActiveSetSearch<T>& search = solver.search;
+  begin_search(settings, solver.iterate, search);
+  if constexpr (SolverTraits<real_t<T>>::kRefines) solver.newton.begin();
+  begin_offsets(problem, solver.recovery, solver.factors);
+  factor(solver);
+  mask_t<T> near(false);
+  for (;;) {
+    T change;
+    const auto converged = iterate_and_refine(settings, solver, change);
+    follow_contacts(problem, solver.factors, solver.iterate);
+    find_joint_impulses(problem, solver.factors, solver.iterate);
+    const auto wrong = check_joints(problem, solver.iterate, search.next_state) > constant<T>(0);
+    search.changed = search.active & wrong & (search.looks < constant<T>(contact_settings::kMaxLooks));
+    const auto slow = converged | (change <= constant<T>(contact_settings::kSlowCorrection));
+    near = (search.active & slow & (!wrong)) | ((!search.active) & near);
+    search.active = search.changed | (search.active & (!converged) & (search.iterations_left > constant<T>(0)));
+    if (none(search.active)) return near;
+    if (none(search.changed)) continue;
+    change_active_set(problem, change, search, solver.iterate);
+    solve_changed(problem, solver.factors, search, solver.iterate);
+    factor(solver);
+  }
+}
+
+/// Those of the worlds asked for whose iterate has more energy than there can be.
+template <Number T>
+MANYHANDS_INLINE mask_t<T> find_runaways(mask_t<T> asked, ContactSolver<T>& solver) {
+  if (none(asked)) return asked;
+  const auto free_change = [&]() -> const std::vector<T>& {
+    unconstrained_change(solver.problem, solver.factors, solver.free_dv);
+    return solver.free_dv;
+  };
+  return asked & exceeds_energy(solver.problem, solver.factors, solver.iterate.dv, free_change, solver.energy);
+}
+
+/// Begins anew in the worlds of the mask, which have run away: see runaway.h.
+template <Number T>
+MANYHANDS_INLINE void begin_calmly(mask_t<T> asked, ContactSolver<T>& solver) {
+  solver.kept = solver.iterate;
+  demand_nothing(asked, solver.problem);
+  solve_alone(solver.problem, solver.factors, solver.search.next_state, solver.iterate);
+}
+
+/// Brings the worlds of the mask to rest.
+template <Number T>
+MANYHANDS_INLINE void give_up(mask_t<T> asked, ContactSolver<T>& solver) {
+  solver.kept = solver.iterate;
+  stand_still(solver.problem, solver.iterate);
+  keep_others(asked, solver.kept, solver.iterate);
+}
+
 }  // namespace internal
 
 /// Solves the problem from the iterate that `warm_start` made: dv of all dofs, and all impulses.
 template <Number T>
 MANYHANDS_INLINE void solve(const SolverSettings& settings, ContactSolver<T>& solver) {
-  const ContactProblem<T>& problem = solver.problem;
-  ActiveSetSearch<T>& search = solver.search;
   solver.iterations = 0;
   solver.iterate.iterations = constant<T>(0);
-  solve_joints(problem, solver.factors, solver.iterate, search.next_state);
-  if (problem.only_joints()) return;
-  internal::begin_search(settings, solver.iterate, search);
-  if constexpr (SolverTraits<real_t<T>>::kRefines) solver.newton.begin();
-  for (;;) {
-    if (any(search.changed)) internal::factor(solver);
-    T change;
-    const auto converged = internal::iterate_and_refine(settings, solver, change);
-    internal::follow_contacts(problem, solver.factors, solver.iterate);
-    internal::find_joint_impulses(problem, solver.factors, solver.iterate);
-    const auto wrong = internal::check_joints(problem, solver.iterate, search.next_state) > constant<T>(0);
-    search.changed = search.active & wrong & (search.looks < constant<T>(contact_settings::kMaxLooks));
-    search.active = search.changed | (search.active & (!converged) & (search.iterations_left > constant<T>(0)));
-    if (none(search.active)) return;
-    if (none(search.changed)) continue;
-    internal::change_active_set(problem, change, search, solver.iterate);
-    internal::solve_changed(problem, solver.factors, search, solver.iterate);
+  solve_joints(solver.problem, solver.factors, solver.iterate, solver.search.next_state);
+  if (solver.problem.only_joints()) return;
+  mask_t<T> runs_away(true);
+  for (bool calm = false;; calm = true) {
+    const auto near = internal::solve_exactly(settings, solver);
+    if (calm) internal::keep_others(runs_away, solver.kept, solver.iterate);
+    if (!calm) runs_away = (!near) | internal::demands_much(solver.problem, solver.recovery, solver.factors);
+    runs_away = internal::find_runaways(runs_away, solver);
+    if (none(runs_away)) return;
+    if (calm) return internal::give_up(runs_away, solver);
+    internal::begin_calmly(runs_away, solver);
   }
 }
 

@@ -11,43 +11,79 @@ namespace manyhands::internal {
 /// K = L D L^T of n rows, in place. A row that no joint moves, or that depends on rows before it, gets no impulse: its
 /// 1 / D is 0.
 template <Number T>
-MANYHANDS_INLINE void factor_K(std::size_t n, Factors<T>& factors) {
+MANYHANDS_INLINE void factor_K(std::size_t n, const T* immovable, T* K, T* pivot_inverse) {
   using R = real_t<T>;
   const T zero = constant<T>(0), one = constant<T>(1), tiny = constant<T>(SolverTraits<R>::kSmallest);
   for (std::size_t i = 0; i < n; ++i) {
-    T* row = &factors.K[i * n];
+    T* row = K + i * n;
     const T whole = row[i];
     T pivot = whole;
     for (std::size_t j = 0; j < i; ++j) {
-      const T* other = &factors.K[j * n];
+      const T* other = K + j * n;
       T sum = row[j];
       for (std::size_t k = 0; k < j; ++k) sum = fma(-row[k], other[k], sum);
       row[j] = sum;  // L_ij D_j for now
     }
     for (std::size_t j = 0; j < i; ++j) {
-      const T scaled = row[j] * factors.K_pivot_inverse[j];
+      const T scaled = row[j] * pivot_inverse[j];
       pivot = fma(-scaled, row[j], pivot);
       row[j] = scaled;
     }
-    const auto counts = pivot > max(T(SolverTraits<R>::kRedundancy) * whole, max(factors.K_immovable[i], tiny));
-    factors.K_pivot_inverse[i] = select(counts, one / select(counts, pivot, one), zero);
+    const auto counts = pivot > max(T(SolverTraits<R>::kRedundancy) * whole, max(immovable[i], tiny));
+    pivot_inverse[i] = select(counts, one / select(counts, pivot, one), zero);
   }
 }
 
 /// x (n) := K^-1 x. X is T, or Vec3<T> for three right-hand sides at once.
 template <Number T, class X>
-MANYHANDS_INLINE void solve_K(const Factors<T>& factors, std::size_t n, X* x) {
-  const T* K = factors.K.data();
+MANYHANDS_INLINE void solve_K(const T* K, const T* pivot_inverse, std::size_t n, X* x) {
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = 0; j < i; ++j) x[i] = fma(-K[i * n + j], x[j], x[i]);
-  for (std::size_t i = 0; i < n; ++i) x[i] = x[i] * factors.K_pivot_inverse[i];
+  for (std::size_t i = 0; i < n; ++i) x[i] = x[i] * pivot_inverse[i];
   for (std::size_t i = n; i-- > 0;)
     for (std::size_t j = i + 1; j < n; ++j) x[i] = fma(-K[j * n + i], x[j], x[i]);
 }
 
+/// Takes from the closing velocities c what joints cannot do: c - (R (K + R)^-1)^passes c, with R a part of the
+/// mobility in any direction (iterated Tikhonov regularisation: Engl, Hanke and Neubauer 1996, section 5.1), in the
+/// worlds of the mask. To hold a velocity never costs energy, however singular the joints are; to close an error may
+/// ask for any. Before K is factored.
+template <Number T>
+MANYHANDS_INLINE void damp_closing(const ContactProblem<T>& problem, mask_t<T> asked, std::vector<T>& scratch,
+                                   Factors<T>& factors) {
+  const std::size_t n = problem.num_equality_rows;
+  for (const EqualityRows<T>& block : problem.equalities)
+    std::fill_n(&factors.damping[block.first], block.count(), yielding_of(problem, block));
+  std::copy_n(factors.K.begin(), n * n, factors.K_damped.begin());
+  for (std::size_t i = 0; i < n; ++i) factors.K_damped[i * n + i] += factors.damping[i];
+  factor_K(n, factors.K_immovable.data(), factors.K_damped.data(), factors.K_damped_pivot_inverse.data());
+  scratch.assign(factors.closing.begin(), factors.closing.begin() + static_cast<std::ptrdiff_t>(n));
+  for (int pass = 0; pass < contact_settings::kClosingPasses; ++pass) {
+    solve_K(factors.K_damped.data(), factors.K_damped_pivot_inverse.data(), n, scratch.data());
+    for (std::size_t i = 0; i < n; ++i) scratch[i] = factors.damping[i] * scratch[i];
+  }
+  for (std::size_t i = 0; i < n; ++i) factors.closing[i] -= select(asked, scratch[i], constant<T>(0));
+}
+
+/// How fast the equality constraints shall close: as fast as they want where that is slow, else as joints can.
+template <Number T>
+MANYHANDS_INLINE void find_closing(const ContactProblem<T>& problem, std::vector<T>& scratch, Factors<T>& factors) {
+  T fastest = constant<T>(0);
+  for (const EqualityRows<T>& block : problem.equalities) {
+    const std::array<T, 3> closing{block.closing.x, block.closing.y, block.closing.z};
+    for (std::size_t r = 0; r < block.count(); ++r) {
+      factors.closing[block.first + r] = closing[r];
+      fastest = max(fastest, abs(closing[r]));
+    }
+  }
+  const auto asked = fastest > constant<T>(contact_settings::kSlowCorrection);
+  when(asked, [&] { damp_closing(problem, asked, scratch, factors); });
+}
+
 /// Y of every equality constraint, and the factors of K = Y Y^T over all their rows.
 template <Number T>
-MANYHANDS_INLINE void factor_equalities(const ContactProblem<T>& problem, Factors<T>& factors) {
+MANYHANDS_INLINE void factor_equalities(const ContactProblem<T>& problem, std::vector<T>& scratch,
+                                        Factors<T>& factors) {
   const std::size_t n = problem.num_equality_rows;
   for (std::size_t j = 0; j < problem.equalities.size(); ++j) {
     const EqualityRows<T>& block = problem.equalities[j];
@@ -64,7 +100,8 @@ MANYHANDS_INLINE void factor_equalities(const ContactProblem<T>& problem, Factor
       }
     }
   }
-  factor_K(n, factors);
+  find_closing(problem, scratch, factors);
+  factor_K(n, factors.K_immovable.data(), factors.K.data(), factors.K_pivot_inverse.data());
 }
 
 /// Satisfies the equality constraints at the present dv, in the worlds of the mask: their impulses change, and dv with
@@ -77,13 +114,11 @@ MANYHANDS_INLINE void close_equalities(const ContactProblem<T>& problem, const F
   scratch.resize(problem.num_equality_rows);
   for (const EqualityRows<T>& block : problem.equalities) {
     const Vec3<T> u = block.offset + multiply_J(*problem.tree, block.rows, problem.rows, iterate.dv.data());
-    T* x = &scratch[block.first];
-    x[0] = -u.x;
-    if (block.rows.single) continue;
-    x[1] = -u.y;
-    x[2] = -u.z;
+    const std::array<T, 3> rate{u.x, u.y, u.z};
+    for (std::size_t r = 0; r < block.count(); ++r)
+      scratch[block.first + r] = -(rate[r] + factors.closing[block.first + r]);
   }
-  solve_K(factors, problem.num_equality_rows, scratch.data());
+  solve_K(factors.K.data(), factors.K_pivot_inverse.data(), problem.num_equality_rows, scratch.data());
   for (std::size_t k = 0; k < problem.equalities.size(); ++k) {
     const EqualityRows<T>& block = problem.equalities[k];
     const T *x = &scratch[block.first], most = block.max_impulse;
@@ -107,7 +142,7 @@ MANYHANDS_INLINE void eliminate_equalities(const ContactProblem<T>& problem, con
     const std::array<Vec3<T>, 3> H = multiply_YYT(block.rows, Y, rows, factors.Y_by_dof.data());
     std::copy_n(H.begin(), block.count(), Z + block.first);
   }
-  solve_K(factors, problem.num_equality_rows, Z);
+  solve_K(factors.K.data(), factors.K_pivot_inverse.data(), problem.num_equality_rows, Z);
   for (const EqualityRows<T>& block : problem.equalities) {
     const Vec3<T>* own = Z + block.first;
     visit_Y(block.rows, [&](std::size_t entry, std::size_t dof) {

@@ -25,7 +25,11 @@ struct Factors {
         Y_by_dof(sqrt_D_inverse.size()),
         K(tree.equality_rows * tree.equality_rows),
         K_pivot_inverse(tree.equality_rows),
-        K_immovable(tree.equality_rows) {
+        K_immovable(tree.equality_rows),
+        K_damped(K.size()),
+        K_damped_pivot_inverse(tree.equality_rows),
+        damping(tree.equality_rows),
+        closing(tree.equality_rows) {
     free_dofs.reserve(sqrt_D_inverse.size());
   }
 
@@ -45,6 +49,7 @@ struct Factors {
   std::vector<Vec3<T>> Y_by_dof;           ///< (nv) scratch: Y of one block
   std::vector<PatchResponse<T>> patches;   ///< (patches)
   std::vector<DelassusBlock<T>> points;    ///< (points)
+  std::vector<Vec3<T>> offsets;            ///< (points) J v less what their laws ask for: a velocity is offset + J dv [m/s]
   std::vector<DelassusBlock<T>> torsions;  ///< (torsions) of rolling alone: spinning is solved apart
   std::vector<T> spin_inverse;             ///< (torsions) [kg m^2]
 
@@ -52,7 +57,10 @@ struct Factors {
   std::vector<T> K;                ///< (rows, rows) lower triangle of J_e A J_e^T: its factor L, K = L D L^T
   std::vector<T> K_pivot_inverse;  ///< (rows) 1 / D; 0 where a row says what others have said, or no joint moves it
   std::vector<T> K_immovable;      ///< (rows) mobility that counts as none
-  std::vector<Vec3<T>> Z;          ///< (rows of patches, rows) impulses of equality constraints per impulse of a patch
+  std::vector<T> K_damped, K_damped_pivot_inverse;  ///< the same of K + R
+  std::vector<T> damping;                           ///< (rows) R
+  std::vector<T> closing;  ///< (rows) as much of the closing velocities as joints can do [m/s or rad/s]
+  std::vector<Vec3<T>> Z;  ///< (rows of patches, rows) impulses of equality constraints per impulse of a patch
 };
 
 namespace internal {

@@ -58,7 +58,7 @@ MANYHANDS_INLINE void relax_patch(const ContactProblem<T>& problem, const Factor
   for (std::size_t i = patch.first; i < patch.first + patch.count; ++i) {
     const ContactPoint<T>& point = problem.points[i];
     PointImpulse<T>& impulse = iterate.points[i];
-    const Vec3<T> u = point.offset + velocity_at(patch, point.lever, motion);
+    const Vec3<T> u = factors.offsets[i] + velocity_at(patch, point.lever, motion);
     act(force_at(patch, point.lever, relax_point(active, factors.points[i], point.softness, u, impulse, largest)));
     if (point.torsion < 0) continue;
     const std::size_t j = index(point.torsion);

@@ -56,9 +56,9 @@ namespace internal {
 /// dv that brings the dof from `gap` outside (> 0) or inside (< 0) its limit to the limit, or part of the way.
 template <Number T>
 MANYHANDS_INLINE T limit_velocity(T gap, T inverse_h) {
-  const T farthest = constant<T>(contact_settings::kMaxLimitRecovery);
-  const T back = constant<T>(contact_settings::kLimitRecovery) * min(gap, farthest);
-  return select(gap > constant<T>(0), back, gap) * inverse_h;
+  const T fastest = constant<T>(contact_settings::kMaxClosing);
+  const T back = min(constant<T>(contact_settings::kLimitRecovery) * (gap * inverse_h), fastest);
+  return select(gap > constant<T>(0), back, gap * inverse_h);
 }
 
 /// The actuators: a force joins the smooth impulse; a drive, implicit in the velocity v+ at the step's end, gives

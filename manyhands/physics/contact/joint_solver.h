@@ -43,7 +43,7 @@ MANYHANDS_INLINE mask_t<T> prescribe_dofs(const ContactProblem<T>& problem, cons
     const T penalty = drive ? select(state == zero, laws.slope[i], yields) : yields;
     factors.penalty[i] = select(saturated, zero, penalty);
     factors.multiplier[i] = drive ? select(state == zero, zero, laws.last_impulse[i]) : laws.last_impulse[i];
-    const auto free = saturated | (factors.penalty[i] > zero);
+    const auto free = saturated | (factors.penalty[i] != zero);  // a lane whose M is not a number is factored, too
     any_free = any_free | free;
     factors.free[i] = select(free, one, zero);
     factors.held_dv[i] = select(free, zero, held_change(state, i, laws));

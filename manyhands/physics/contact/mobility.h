@@ -1,28 +1,40 @@
 // What counts as no mobility: rows that no joint moves, of which rounding leaves a little.
 //
 // A row is never judged against itself, but against the scale of mobility: what the joints do at that point in any
-// direction. Its dofs add |S|^2 / D each, with 1 / D of the factors, the inertia that a dof meets while those before it
-// stand still and those after it are free. Held joints count little on both sides.
+// direction, there and as far from it as the body reaches: at the centre of a ball joint nothing moves. Its dofs add
+// (|S|^2 + gyration |w|^2) / D each, with 1 / D of the factors, the inertia that a dof meets while those before it
+// stand still and those after it are free. Held joints count little on both sides. What is asked of joints is judged
+// against the mobility that they have while nothing holds them, each with the others at rest: 1 / M_ii.
 #pragma once
 
 #include "manyhands/physics/contact/factors.h"
 
 namespace manyhands::internal {
 
+/// Calls body(i, moving, terms) for the dofs of rows at p (world): what dof i moves there, squared, per inertia that it
+/// meets, and of how large terms that is the sum.
+template <Number T, class Body>
+MANYHANDS_INLINE void visit_mobility_at(const ContactProblem<T>& problem, const RowBlock& rows, const Vec3<T>& p,
+                                        Body&& body) {
+  const Workspace<T>& dynamics = *problem.dynamics;
+  visit_J(*problem.tree, rows, [&](std::size_t, std::size_t i, real_t<T> sign) {
+    const real_t<T> gyration = problem.tree->bodies[sign < 0 ? rows.body_a : rows.body_b].gyration;
+    const Motion<T>& S = dynamics.S[i];
+    const Vec3<T> r = p - dynamics.p_WO[sign < 0 ? rows.body_a : rows.body_b];
+    const T turning = squared_norm(S.w), terms = fma(squared_norm(r), turning, squared_norm(S.v));
+    body(i, fma(T(gyration), turning, squared_norm(S.v + cross(S.w, r))), terms);
+  });
+}
+
 /// The mobility [1/kg] at which a row at p (world) along any direction counts as immovable: a direction is off by so
 /// little that no file gives its axes more exactly, or it is what rounding leaves of terms that cancel.
 template <Number T>
 MANYHANDS_INLINE T immovable_at(const ContactProblem<T>& problem, const Factors<T>& factors, const RowBlock& rows,
                                 const Vec3<T>& p) {
-  const Workspace<T>& dynamics = *problem.dynamics;
   const T off = constant<T>(contact_settings::kImmovable), rounded(SolverTraits<real_t<T>>::kRounding);
   T least = constant<T>(0);
-  visit_J(*problem.tree, rows, [&](std::size_t, std::size_t i, real_t<T> sign) {
-    const Motion<T>& S = dynamics.S[i];
-    const Vec3<T> r = p - dynamics.p_WO[sign < 0 ? rows.body_a : rows.body_b];
-    const T terms = fma(squared_norm(r), squared_norm(S.w), squared_norm(S.v));
-    const T part = fma(off, squared_norm(S.v + cross(S.w, r)), rounded * terms);
-    least = fma(factors.sqrt_D_inverse[i] * factors.sqrt_D_inverse[i], part, least);
+  visit_mobility_at(problem, rows, p, [&](std::size_t i, T moving, T terms) {
+    least = fma(factors.sqrt_D_inverse[i] * factors.sqrt_D_inverse[i], fma(off, moving, rounded * terms), least);
   });
   return least;
 }
@@ -38,6 +50,13 @@ MANYHANDS_INLINE T immovable_rotation(const ContactProblem<T>& problem, const Fa
   return constant<T>(contact_settings::kImmovable) * sum;
 }
 
+/// Where an equality constraint holds points together (world).
+template <Number T>
+MANYHANDS_INLINE Vec3<T> held_point(const Workspace<T>& dynamics, const TreeEquality<real_t<T>>& equality) {
+  const std::size_t b = equality.body_b;
+  return dynamics.R_WB[b] * broadcast<T>(equality.X_BB.p) + dynamics.p_OB[b] + dynamics.p_WO[b];
+}
+
 /// Of the rows of an equality constraint. A coupling of joints has an exact J, and is judged by nothing.
 template <Number T>
 MANYHANDS_INLINE T immovable_equality(const ContactProblem<T>& problem, const Factors<T>& factors,
@@ -45,10 +64,32 @@ MANYHANDS_INLINE T immovable_equality(const ContactProblem<T>& problem, const Fa
   const TreeEquality<real_t<T>>& equality = problem.tree->equalities[block.equality];
   if (block.rows.single) return constant<T>(0);
   if (block.cache != equality.row) return immovable_rotation(problem, factors, block.rows);
-  const Workspace<T>& dynamics = *problem.dynamics;
-  const std::size_t b = equality.body_b;
-  const Vec3<T> p = dynamics.R_WB[b] * broadcast<T>(equality.X_BB.p) + dynamics.p_OB[b] + dynamics.p_WO[b];
-  return immovable_at(problem, factors, block.rows, p);
+  return immovable_at(problem, factors, block.rows, held_point(*problem.dynamics, equality));
+}
+
+/// By what rows at p yield that ask joints to correct an error: a part of what the joints would do there along any
+/// direction [1/kg] while nothing holds them.
+template <Number T>
+MANYHANDS_INLINE T yielding_at(const ContactProblem<T>& problem, const RowBlock& rows, const Vec3<T>& p) {
+  T sum = constant<T>(0);
+  visit_mobility_at(problem, rows, p,
+                    [&](std::size_t i, T moving, T) { sum += moving / tree_row(*problem.tree, problem.M(), i)[i]; });
+  return constant<T>(contact_settings::kYielding) * sum;
+}
+
+/// The same of the rows of an equality constraint.
+template <Number T>
+MANYHANDS_INLINE T yielding_of(const ContactProblem<T>& problem, const EqualityRows<T>& block) {
+  const TreeEquality<real_t<T>>& equality = problem.tree->equalities[block.equality];
+  if (!block.rows.single && block.cache == equality.row)
+    return yielding_at(problem, block.rows, held_point(*problem.dynamics, equality));
+  T sum = constant<T>(0);
+  visit_J(*problem.tree, block.rows, [&](std::size_t entry, std::size_t i, real_t<T>) {
+    const T moving =
+        block.rows.single ? problem.rows.J[entry].x * problem.rows.J[entry].x : squared_norm(problem.dynamics->S[i].w);
+    sum += moving / tree_row(*problem.tree, problem.M(), i)[i];
+  });
+  return constant<T>(contact_settings::kYielding) * sum;
 }
 
 /// The diagonal of Y Y^T, for the Y in Y_by_dof.

@@ -63,19 +63,23 @@ namespace contact_settings {
 
 /// How much of a joint limit's violation a step removes, as PyBullet does.
 inline constexpr double kLimitRecovery = 0.2;
-/// The violation beyond which the way back is no faster [rad or m]: a joint far outside returns, it is not shot back.
-inline constexpr double kMaxLimitRecovery = 0.04;
 /// How much of a penetration a step removes, and the fastest that it pushes surfaces apart [m/s].
 inline constexpr double kPenetrationRecovery = 0.2;
-inline constexpr double kMaxPenetrationRecovery = 0.5;
+inline constexpr double kMaxPenetrationRecovery = 0.1;
 /// Surfaces this near count as touching [m], all alike. Without it the corners of a resting or gripped box, whose
 /// distances differ by microns, would take turns in carrying it: on one corner a thing turns.
 inline constexpr double kTouching = 3e-5;
 /// The most that the curvature of a path counts for in a step [m/s]: where it were more, the step is too long to
 /// follow.
 inline constexpr double kMaxArc = 0.1;
-/// An equality constraint that stands open closes no faster [m/s or rad/s].
+/// An equality constraint that stands open closes no faster [m/s or rad/s], and a joint far outside its limits returns
+/// no faster: it is not shot back.
 inline constexpr double kMaxClosing = 1;
+/// Where joints move so much less than they do in other directions, as at a singular arm, or while something holds
+/// them, errors close more slowly: by what joints can do without racing.
+inline constexpr double kYielding = 0.1;
+/// How often what that leaves open is looked at again: where joints move well, a tenth to this power stays open.
+inline constexpr int kClosingPasses = 6;
 
 /// The mobility of a row that no joint moves, as a part of what joints move in other directions there: the square of
 /// 1e-5, to which files give their axes.
@@ -104,6 +108,22 @@ inline constexpr int kMaxLooks = 12;
 inline constexpr int kEarlyLooks = 3, kIterationsPerLateLook = 8;
 /// A search whose merit becomes so many times what it was has diverged.
 inline constexpr double kDivergence = 1000;
+
+// ---- what overlaps ------------------------------------------------------------------------------------------------
+
+/// Corrections no faster than this [m/s or rad/s] may contradict each other: what it takes is little. Surfaces that
+/// part no faster are not asked whether they can.
+inline constexpr double kSlowCorrection = 0.02;
+/// Visits of each contact, and the velocity [m/s] that is near enough.
+inline constexpr int kOpeningPasses = 50;
+inline constexpr double kOpeningTolerance = 1e-3;
+
+// ---- what runs away -----------------------------------------------------------------------------------------------
+
+/// Energy beyond what there can be that is still rounding, and not a solution that runs away; and the speed [m/s] at
+/// which all may move at any time.
+inline constexpr double kExcess = 1.05;
+inline constexpr double kHarmlessSpeed = 0.01;
 
 // ---- sliding ------------------------------------------------------------------------------------------------------
 

@@ -60,6 +60,13 @@ TreeEquality<R> tree_equality(const Model& model, const EqualityConstraint& equa
   return result;
 }
 
+/// The square of the radius of gyration about the centre of mass [m^2].
+double gyration(const RigidInertia<double>& body) {
+  if (!(body.m > 0)) return 0;
+  const double about_origin = (body.I.xx + body.I.yy + body.I.zz) / 2;
+  return std::max(0.0, about_origin - squared_norm(body.h) / body.m) / body.m;
+}
+
 /// The row of a coupling runs over the dofs between two bodies. Where one joint is the other's ancestor, that is from
 /// the body which it moves against, so that both joints are between.
 template <Real R>
@@ -99,7 +106,8 @@ Tree<R>::Tree(const Model& model)
                       .iv = body.iv,
                       .nv = body.nv,
                       .shifted = norm(body.X_PF.p) > 0,
-                      .X_PF = broadcast<R>(body.X_PF)});
+                      .X_PF = broadcast<R>(body.X_PF),
+                      .gyration = static_cast<R>(gyration(body.inertia))});
     set_turn(body.X_PF.R, bodies.back());
   }
   for (int k = nv - 1; k >= 0; --k) dofs_from_leaves.push_back(k);

@@ -96,8 +96,8 @@ struct JointLaw {
             p.tree.dof_limited[i] ? std::clamp<double>(p.state.target_q()[i], low, high) : p.state.target_q()[i];
         wanted += p.params.motor_kp[i] * (goal - at) / h;
         if (p.tree.dof_limited[i]) {  // reaches the limit by the step's end; from outside, a fifth of the way
-          lower[i] = (at < low ? 0.2 * std::min(low - at, 0.04) : low - at) / h - v[i];
-          upper[i] = (at > high ? -0.2 * std::min(at - high, 0.04) : high - at) / h - v[i];
+          lower[i] = (at < low ? std::min(0.2 * (low - at) / h, 1.0) : (low - at) / h) - v[i];
+          upper[i] = (at > high ? -std::min(0.2 * (at - high) / h, 1.0) : (high - at) / h) - v[i];
         }
       }
       target[i] = wanted - v[i];

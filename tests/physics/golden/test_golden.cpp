@@ -28,35 +28,35 @@ struct Golden {
 };
 
 constexpr std::array<Golden, 20> kScenes{{
-    {"boxes", 0xf99f12f8e456e87e, 0x27d38737da72a34f},
-    {"pinch", 0xa4b4879a67d3dcbd, 0xd4d49ea2667d5f07},
+    {"boxes", 0x1c017a99e492c9b5, 0x2a1bc1c1eb70cb68},
+    {"pinch", 0xa4b4879a67d3dcbd, 0xca60e385f5d7844},
     {"arm among boxes", 0x8ccbbe0db678cc7f, 0xffaac2e9074010bc},
-    {"surfaces", 0xa41fa5fbecd14ec2, 0x10d4c111c7792100},
-    {"four-bar", 0x272aebafa6ba28ea, 0xdace8f320d1f956d},
-    {"stack", 0xfd1882b52e616872, 0x620223fc10bd2f8},
-    {"panda and cube", 0xaba627640b7ca2b9, 0xbb2ca536b2da6bf7},
-    {"panda falls", 0xcb38dd910eae000d, 0x69470d5f9d544407},
-    {"arm6", 0x8398cf4a4939bcc2, 0x20c1381b8114a825},
+    {"surfaces", 0xeb2a15fd7aa4c769, 0x55a51cd9d652e08},
+    {"four-bar", 0x957f1c15dc183317, 0x5f4e31164d4587f7},
+    {"stack", 0xf5f2640d34c74f99, 0xcd7aff06ad43a56},
+    {"panda and cube", 0xb7621af0d61526d1, 0xd92d0bc98ca10d25},
+    {"panda falls", 0x90aa9f603c94bea9, 0x20ce238aaa333a41},
+    {"arm6", 0xb21dfc02e6b0d52b, 0x67e015f584415b96},
     {"joints", 0xab5c43a2eb62a3e9, 0x4b5703890c4ca26e},
     {"actuators", 0xb829489bdf3c6073, 0xd297b834a37dba44},
-    {"equalities", 0x8f23f5cb9ca7c390, 0x524301900f9ee3e0},
+    {"equalities", 0x6999998c174258bd, 0xde0c220182165a37},
     {"hulls", 0x5a17a2b4b5bd4c41, 0x891459bfb298c4d1},
-    {"heap", 0xaa6a4271e5c6b136, 0x6a1808b0851b8d80},
+    {"heap", 0xfd4759e19af6e6e0, 0x8151d9ad46e10d9b},
     {"ground", 0x3bc3c40e20be607f, 0xa2e632aa5111d914},
     {"bouncing", 0x1d184d430dad65a2, 0x91efe7b14639da5c},
-    {"heavy", 0xf98d9f638049c4f7, 0x7b76ffd1fa45ac2c},
-    {"wall", 0xd5631c16aa5f48a8, 0xf8d32959ca2726ba},
+    {"heavy", 0x43ac2945069ec2da, 0xb06797f0b3505fee},
+    {"wall", 0xe13c9e3b5763f7dc, 0xf8d32959ca2726ba},
     {"gripper", 0xe1af042f7f76e493, 0x5f657361e1c29831},
     {"crowd", 0xe049052bf784fb4c, 0x66ff059b21aebafa},
 }};
 
 constexpr std::array<std::pair<const char*, std::uint64_t>, 6> kTasks{{
-    {"PandaReach-v3", 0xce6f608d3d7cbe65},
-    {"PandaPush-v3", 0xad62b6428df2dd05},
-    {"PandaSlide-v3", 0xdef7f9c4148777f},
-    {"PandaPickAndPlace-v3", 0x77ebb05ffb208e8},
-    {"PandaStack-v3", 0x2946704d7ff51912},
-    {"PandaFlip-v3", 0x25d2c54ac1e4c593},
+    {"PandaReach-v3", 0x148138d049a56908},
+    {"PandaPush-v3", 0x652030a453a4611},
+    {"PandaSlide-v3", 0x6d566d5d93274e88},
+    {"PandaPickAndPlace-v3", 0xd2ac5040a0c021be},
+    {"PandaStack-v3", 0x502741b49cd57570},
+    {"PandaFlip-v3", 0xc4d7425a476779a3},
 }};
 
 bool prints() { return std::getenv("MANYHANDS_PRINT_GOLDEN") != nullptr; }

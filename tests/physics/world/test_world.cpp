@@ -90,11 +90,11 @@ TEST(World, AJointFarOutsideItsLimitsReturnsAtAModestSpeed) {
   World world(hinge(-1, 1, 0));
   world.set_q(std::vector{10.0});
   double fastest = 0;
-  for (int i = 0; i < 2000; ++i) {
+  for (int i = 0; i < 5000; ++i) {
     world.step(1);
     fastest = std::max(fastest, std::abs(world.v()[0]));
   }
-  EXPECT_LE(fastest, 0.2 * 0.04 / world.time_step() + 1e-9);
+  EXPECT_LE(fastest, 1 + 1e-9);
   EXPECT_LE(world.q()[0], 1 + 1e-3);
 }
 

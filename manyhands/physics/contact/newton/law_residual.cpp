@@ -44,7 +44,7 @@ double point_residual(const NewtonContext& context, std::size_t i) {
   const DelassusBlock<double>& G = context.factors.points[i];
   if (!(G.normal_inverse > 0)) return 0;
   const Vec& y = context.iterate.points[i].impulse;
-  Vec u = point.offset + point_velocity(context.problem, point, context.iterate.dv.data());
+  Vec u = context.factors.offsets[i] + point_velocity(context.problem, point, context.iterate.dv.data());
   u.x += point.softness * y.x;
   const double signorini = std::abs(std::min(G.normal * y.x, u.x));
   double worst = std::max(signorini, disc_residual(tangent_size(G), y.y, y.z, u.y, u.z, y.x));

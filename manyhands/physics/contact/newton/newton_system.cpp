@@ -224,7 +224,8 @@ void NewtonSystem::evaluate(const NewtonContext& context, const std::vector<doub
     const Yield& give = point_yield_[k];
     if (!(give.normal > 0)) continue;
     const double* dv = context.iterate.dv.data();
-    const Vec u = point.offset + point_velocity(problem, point, dv) + point_velocity(problem, point, x.data());
+    const Vec u = context.factors.offsets[points_[k]] + point_velocity(problem, point, dv) +
+                  point_velocity(problem, point, x.data());
     const Vec& y = context.iterate.points[points_[k]].impulse;
     const double n = y.x - give.normal * (u.x + point.softness * y.x);
     if (!(n > 0)) continue;

@@ -1,0 +1,104 @@
+// Constraints that contradict each other: what comes out is bounded and comes to rest, whatever they ask for. Each
+// scene ran away in its first steps when laws were exact at any price.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "manyhands/model/io/mjcf/mjcf.h"
+#include "manyhands/physics/world/batch.h"
+#include "manyhands/physics/world/world.h"
+
+namespace manyhands {
+namespace {
+
+using ModelPointer = std::shared_ptr<const Model>;
+
+ModelPointer scene(const std::string& world, const std::string& beside = "") {
+  return std::make_shared<const Model>(
+      load_mjcf_string("<mujoco><worldbody>" + world + "</worldbody>" + beside + "</mujoco>").model);
+}
+
+double fastest(std::span<const double> v) {
+  double most = 0;
+  for (const double x : v) most = std::max(most, std::abs(x));
+  return most;
+}
+
+struct Motion {
+  double fastest = 0, at_last = 0;  ///< of any joint [rad/s or m/s]
+};
+
+Motion run(const ModelPointer& model, double seconds) {
+  World world(model, 0.002);
+  Motion motion;
+  for (int i = 0; i < static_cast<int>(std::lround(seconds / 0.002)); ++i) {
+    world.step();
+    motion.at_last = fastest(world.v());
+    motion.fastest = std::max(motion.fastest, motion.at_last);
+  }
+  return motion;
+}
+
+/// Two rods on ball joints that pass through what they hang on: at the centre of a ball joint nothing moves.
+ModelPointer chain_of_balls() {
+  return scene(
+      "<geom type='capsule' size='0.01' fromto='0 0 0 0 0 0.1'/><body pos='0 0 0.1'><geom type='capsule' size='0.01' "
+      "fromto='0 0 0 0 0.1 0.1'/><joint type='ball' damping='0.005'/><body pos='0 0.1 0.1'><geom type='capsule' "
+      "size='0.01' fromto='0 0 0 0 0.1 0'/><joint type='ball' damping='0.005'/></body></body>");
+}
+
+/// A finger on one hinge between two walls, inside both: each pushes it into the other, and friction wedges.
+ModelPointer wedged_finger() {
+  return scene(
+      "<geom type='box' size='0.02 0.1 0.1' pos='0.032 0 0' euler='0 25 0'/><geom type='box' size='0.02 0.1 0.1' "
+      "pos='-0.032 0 0' euler='0 -25 0'/><body><joint axis='0 1 0' pos='0 0 0.06'/><geom type='box' size='0.015 0.01 "
+      "0.05' mass='0.02' friction='1.5'/></body>");
+}
+
+/// An arm of two rods whose hand is welded to a point that it cannot reach, where it is stretched and singular.
+ModelPointer stretched_arm() {
+  const std::string rod =
+      "<geom type='capsule' size='0.02' fromto='0 0 0 0.4 0 0' mass='1' contype='0' conaffinity='0'/>";
+  return scene("<body name='goal' pos='0.9 0 0.3'/><body pos='0 0 0'><joint axis='0 1 0' damping='0.1'/>" + rod +
+                   "<body pos='0.4 0 0'><joint axis='0 1 0' damping='0.1'/>" + rod +
+                   "<body name='hand' pos='0.4 0 0'/></body></body>",
+               "<equality><weld body1='goal' body2='hand' relpose='0 0 0 1 0 0 0'/></equality>");
+}
+
+TEST(Contradictions, AroundTheCentreOfABallJointNothingIsPushed) {
+  const Motion motion = run(chain_of_balls(), 8);
+  EXPECT_LT(motion.fastest, 20);
+  EXPECT_LT(motion.at_last, 1e-3);
+}
+
+TEST(Contradictions, AFingerWedgedBetweenWallsStays) {
+  const Motion motion = run(wedged_finger(), 4);
+  EXPECT_LT(motion.fastest, 20);
+  EXPECT_LT(motion.at_last, 0.1);
+}
+
+/// It comes as near as it can.
+TEST(Contradictions, AnArmPulledBeyondItsReachStretches) {
+  const ModelPointer model = stretched_arm();
+  const Motion motion = run(model, 10);
+  EXPECT_LT(motion.fastest, 10);
+  EXPECT_LT(motion.at_last, 0.05);
+  World world(model, 0.002);
+  for (int i = 0; i < 5000; ++i) world.step();
+  const Vec3<double> hand = world.body_pose("hand").p;
+  EXPECT_GT(norm(hand), 0.78);
+  EXPECT_GT(dot(hand, Vec3<double>{0.9, 0, 0.3}) / (norm(hand) * std::sqrt(0.9)), 0.99);
+}
+
+/// In batches, too: no world is put back.
+TEST(Contradictions, AreBoundedInLanes) {
+  for (const ModelPointer& model : {chain_of_balls(), wedged_finger(), stretched_arm()}) {
+    Batch batch(model, 3, 0.002, {.num_threads = 1});
+    batch.step(1000);
+    for (const std::uint8_t flag : batch.flags()) EXPECT_EQ(flag & BatchFlag::kNotFinite, 0);
+    for (const float speed : batch.v()) EXPECT_LT(std::abs(speed), 20);
+  }
+}
+
+}  // namespace
+}  // namespace manyhands
