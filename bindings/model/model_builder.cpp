@@ -105,7 +105,8 @@ nb::class_<ModelBuilder> bind_tree(nb::module_& m) {
           [](ModelBuilder& self, const std::string& name, const std::string& type, const std::string& parent,
              const std::string& child, const Numbers3& position, const Numbers4& orientation, const Numbers3& axis,
              double lower, double upper, double effort, double velocity, double damping, double friction,
-             double armature, const std::vector<double>& initial) {
+             double armature, const std::vector<double>& initial, double stiffness,
+             const std::vector<double>& spring_reference) {
             self.add_joint({.name = name,
                             .type = named("joint type", type, kJointTypes),
                             .parent = link_of(self, parent),
@@ -116,19 +117,23 @@ nb::class_<ModelBuilder> bind_tree(nb::module_& m) {
                             .damping = damping,
                             .friction = friction,
                             .armature = armature,
-                            .initial = initial});
+                            .stiffness = stiffness,
+                            .initial = initial,
+                            .spring_reference = spring_reference});
           },
           "name"_a, "type"_a, "parent"_a, "child"_a, nb::kw_only(), "position"_a = Numbers3{},
           "quaternion"_a = Numbers4{0, 0, 0, 1}, "axis"_a = Numbers3{0, 0, 1}, "lower"_a = -kInfinity,
           "upper"_a = kInfinity, "effort"_a = kInfinity, "velocity"_a = kInfinity, "damping"_a = 0.0,
-          "friction"_a = 0.0, "armature"_a = 0.0, "initial"_a = std::vector<double>{},
+          "friction"_a = 0.0, "armature"_a = 0.0, "initial"_a = std::vector<double>{}, "stiffness"_a = 0.0,
+          "spring_reference"_a = std::vector<double>{},
           nb::sig("def add_joint(self, name: str, type: str, parent: str, child: str, *, "
                   "position: numpy.typing.ArrayLike = (0, 0, 0), quaternion: numpy.typing.ArrayLike = (0, 0, 0, 1), "
                   "axis: numpy.typing.ArrayLike = (0, 0, 1), lower: float = ..., upper: float = ..., "
                   "effort: float = ..., velocity: float = ..., damping: float = 0.0, friction: float = 0.0, "
-                  "armature: float = 0.0, initial: numpy.typing.ArrayLike = ()) -> None"),
+                  "armature: float = 0.0, initial: numpy.typing.ArrayLike = (), stiffness: float = 0.0, "
+                  "spring_reference: numpy.typing.ArrayLike = ()) -> None"),
           "Joins two links. type: as `Joint.type`; position (3) [m] and quaternion xyzw (4): the joint frame F in the "
-          "parent; axis in F (3); initial: where it starts, in q.");
+          "parent; axis in F (3); initial: where it starts, in q; spring_reference: where its spring is at rest.");
 }
 
 void bind_shapes(nb::class_<ModelBuilder>& builder) {

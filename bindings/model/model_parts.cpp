@@ -79,6 +79,7 @@ void bind_links(nb::module_& m) {
           "velocity", [](const Joint& joint) { return joint.limits.velocity; }, "[rad/s or m/s]; inf without a limit.")
       .def_ro("damping", &Joint::damping, "[N m s/rad or N s/m]")
       .def_ro("friction", &Joint::friction, "Dry friction [N m or N].")
+      .def_ro("stiffness", &Joint::stiffness, "Of its spring [N m/rad or N/m]; 0 without one.")
       .def_ro("armature", &Joint::armature, "Rotor inertia seen at the joint [kg m^2 or kg].")
       .def_prop_ro(
           "nq", [](const Joint& joint) { return configuration_size(joint.type); }, "Coordinates in q.")
@@ -87,6 +88,10 @@ void bind_links(nb::module_& m) {
       .def_prop_ro(
           "initial", [](const Joint& joint) { return numbers(joint.initial); },
           nb::sig(returns_array("initial").c_str()), "Where it starts, in q; empty: at 0, or unturned.")
+      .def_prop_ro(
+          "spring_reference", [](const Joint& joint) { return numbers(joint.spring_reference); },
+          nb::sig(returns_array("spring_reference").c_str()),
+          "Where its spring is at rest, in q; empty: at 0, or unturned.")
       .def_ro("iq", &Joint::iq, "Where they start in q; -1 for fixed joints.")
       .def_ro("iv", &Joint::iv, "Where they start in v; -1 for fixed joints.");
 

@@ -271,6 +271,7 @@ void bind_parameters(nb::class_<Batch>& batch) {
   bind_parameter(batch, "set_rolling_friction", "name", &Batch::set_rolling_friction, "The same [m].");
   bind_parameter(batch, "set_restitution", "name", &Batch::set_restitution, "The same.");
   bind_parameter(batch, "set_damping", "joint", &Batch::set_damping, "Of a joint [N m s/rad or N s/m].");
+  bind_parameter(batch, "set_stiffness", "joint", &Batch::set_stiffness, "Of a joint's spring [N m/rad or N/m].");
   bind_parameter(batch, "set_joint_friction", "joint", &Batch::set_joint_friction, "Dry friction [N m or N].");
   bind_parameter(batch, "set_armature", "joint", &Batch::set_armature, "Rotor inertia [kg m^2 or kg].");
   batch

@@ -74,8 +74,10 @@ struct Joint {
   double damping = 0;   ///< [N m s/rad or N s/m]
   double friction = 0;  ///< dry friction [N m or N]
   double armature = 0;  ///< rotor inertia seen at the joint [kg m^2 or kg]
+  double stiffness = 0;  ///< of a spring at each dof [N m/rad or N/m]
   std::optional<Mimic> mimic{};
-  std::vector<double> initial{};  ///< where it starts, in q; empty: at 0, or unturned
+  std::vector<double> initial{};           ///< where it starts, in q; empty: at 0, or unturned
+  std::vector<double> spring_reference{};  ///< where the spring is at rest, in q; empty: at 0, or unturned
   int iq = -1;                    ///< first index in q; -1 for fixed joints (set by build)
   int iv = -1;                    ///< first index in v; -1 for fixed joints (set by build)
 };

@@ -48,7 +48,8 @@ class Fingerprint {
   }
   void add(const Joint& joint) {
     add(joint.name, joint.type, joint.parent.value(), joint.child.value(), joint.X_PF, joint.axis, joint.iq, joint.iv);
-    add(joint.limits.lower, joint.limits.upper, joint.damping, joint.friction, joint.armature);
+    add(joint.limits.lower, joint.limits.upper, joint.damping, joint.friction, joint.armature,
+        joint.stiffness);
   }
   void add(const Geom& geom) {
     add(geom.name, geom.link.value(), geom.X_LG, geom.shape.type, geom.shape.size, geom.shape.mesh.value());
@@ -105,6 +106,7 @@ std::uint64_t fingerprint(const Model& model) {
   sum.add(rules.friction, rules.restitution, rules.self_collision);
   sum.add(model.gravity());
   for (const double q : model.initial_configuration()) sum.add(q);
+  for (const double q : model.spring_reference()) sum.add(q);
   return sum.value();
 }
 

@@ -144,6 +144,12 @@ std::vector<double> Model::neutral_configuration() const {
   return q;
 }
 
+std::vector<double> Model::spring_reference() const {
+  std::vector<double> q = neutral_configuration();
+  for (const Joint& joint : joints_) std::ranges::copy(joint.spring_reference, q.begin() + std::max(joint.iq, 0));
+  return q;
+}
+
 std::vector<double> Model::initial_configuration() const {
   std::vector<double> q = neutral_configuration();
   for (const Joint& joint : joints_) std::ranges::copy(joint.initial, q.begin() + std::max(joint.iq, 0));

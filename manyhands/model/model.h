@@ -100,12 +100,14 @@ class Model {
   [[nodiscard]] std::span<const double> dof_damping() const { return dof_damping_; }
   [[nodiscard]] std::span<const double> dof_armature() const { return dof_armature_; }
   [[nodiscard]] std::span<const double> dof_friction() const { return dof_friction_; }
+  [[nodiscard]] std::span<const double> dof_stiffness() const { return dof_stiffness_; }
   /// The index in q that a velocity index integrates, for dofs with a single coordinate; else -1.
   [[nodiscard]] std::span<const int> dof_q() const { return dof_q_; }
 
   [[nodiscard]] Vec3<double> gravity() const { return gravity_; }   ///< [m/s^2], in the world frame
   [[nodiscard]] std::vector<double> neutral_configuration() const;  ///< q with joints at 0, quaternions at identity
   [[nodiscard]] std::vector<double> initial_configuration() const;  ///< the same but for joints that start elsewhere
+  [[nodiscard]] std::vector<double> spring_reference() const;       ///< q at which the joints' springs are at rest
   [[nodiscard]] std::span<const Keyframe> keyframes() const { return keyframes_; }
   [[nodiscard]] std::optional<double> time_step() const {
     return time_step_;
@@ -136,7 +138,7 @@ class Model {
   ContactRules contact_rules_;
   std::vector<int> dof_parent_, dof_joint_, dof_q_;
   std::vector<JointLimits> dof_limits_;
-  std::vector<double> dof_damping_, dof_armature_, dof_friction_;
+  std::vector<double> dof_damping_, dof_armature_, dof_friction_, dof_stiffness_;
   std::vector<Keyframe> keyframes_;
   std::optional<double> time_step_;
   Vec3<double> gravity_{0, 0, -9.81};

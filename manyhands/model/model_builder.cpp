@@ -22,6 +22,13 @@ Mat3<double> rotation_from_z_to(const Vec3<double>& axis) {
   return {{1.0 - k * axis.x * axis.x, xy, -axis.x}, {xy, 1.0 - k * axis.y * axis.y, -axis.y}, axis};
 }
 
+/// Throws unless the coordinates are none, or those of a joint of this type.
+void require_coordinates(const std::string& what, JointType type, const std::vector<double>& q) {
+  if (q.empty() || std::ssize(q) == configuration_size(type)) return;
+  throw ModelError(what + " has " + std::to_string(q.size()) + " numbers; expected " +
+                   std::to_string(configuration_size(type)));
+}
+
 }  // namespace
 
 ModelBuilder::ModelBuilder(std::string name) : name_(std::move(name)) {
@@ -62,10 +69,12 @@ JointId ModelBuilder::add_joint(Joint joint) {
   if (!(joint.damping >= 0) || !(joint.friction >= 0) || !(joint.armature >= 0)) {
     throw ModelError(what + ": damping, friction and armature must be 0 or more");
   }
-  if (!joint.initial.empty() && std::ssize(joint.initial) != configuration_size(joint.type)) {
-    throw ModelError(what + ": its initial configuration has " + std::to_string(joint.initial.size()) +
-                     " numbers; expected " + std::to_string(configuration_size(joint.type)));
+  if (!finite(joint.stiffness) || joint.stiffness < 0) {
+    throw ModelError(what + ": its stiffness is " + std::to_string(joint.stiffness) +
+                     "; expected a finite number of 0 or more");
   }
+  require_coordinates(what + ": its initial configuration", joint.type, joint.initial);
+  require_coordinates(what + ": its spring reference", joint.type, joint.spring_reference);
   const JointId id(joints_.size());
   if (!joint_names_.emplace(joint.name, id.value()).second) throw ModelError("there is a " + what + " already");
   child.parent = joint.parent;
@@ -269,6 +278,7 @@ void ModelBuilder::compile_dofs(Model& model) {
       model.dof_damping_.push_back(joint.damping);
       model.dof_armature_.push_back(joint.armature);
       model.dof_friction_.push_back(joint.friction);
+      model.dof_stiffness_.push_back(joint.stiffness);
       previous = body.iv + k;
     }
     last_dof[b] = previous;

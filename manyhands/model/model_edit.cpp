@@ -203,6 +203,7 @@ void ModelEdit::insert_couplings(const Model& part, const Insertion& at) {
   at.v.apply(model_.dof_damping_, part.dof_damping_);
   at.v.apply(model_.dof_armature_, part.dof_armature_);
   at.v.apply(model_.dof_friction_, part.dof_friction_);
+  at.v.apply(model_.dof_stiffness_, part.dof_stiffness_);
   for (Actuator actuator : part.actuators_) {
     actuator.joint = JointId(at.joints + actuator.joint.value());
     model_.actuators_.push_back(std::move(actuator));

@@ -3,10 +3,11 @@
 
 #include "manyhands/physics/dynamics/measures.h"
 #include "manyhands/physics/dynamics/rnea.h"
+#include "manyhands/physics/dynamics/springs.h"
 
 namespace manyhands {
 
-/// Total energy in the state q (nq), v (nv).
+/// Total energy in the state q (nq), v (nv); springs included.
 template <Number T, Number P>
 Energy<T> energy(const Tree<real_t<T>>& tree, const Params<P>& params, const T* q, const T* v, Workspace<T>& ws) {
   const T half(real_t<T>(0.5));
@@ -22,6 +23,9 @@ Energy<T> energy(const Tree<real_t<T>>& tree, const Params<P>& params, const T* 
   for (std::size_t i = 0; i < static_cast<std::size_t>(tree.nv); ++i) {
     sum.kinetic = fma(half * broadcast<T>(params.armature[i]), v[i] * v[i], sum.kinetic);
   }
+  visit_springs<T>(tree, params, q, [&](std::size_t, T stiffness, T stretch) {
+    sum.potential = fma(half * stiffness, stretch * stretch, sum.potential);
+  });
   return sum;
 }
 

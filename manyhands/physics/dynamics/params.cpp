@@ -44,6 +44,8 @@ void Params<T>::take(const Model& model) {
   std::ranges::transform(model.dof_damping(), damping.begin(), number);
   std::ranges::transform(model.dof_armature(), armature.begin(), number);
   std::ranges::transform(model.dof_friction(), friction.begin(), number);
+  std::ranges::transform(model.dof_stiffness(), stiffness.begin(), number);
+  std::ranges::transform(model.spring_reference(), spring_reference.begin(), number);
   for (std::size_t i = 0; i < lower.size(); ++i) {
     lower[i] = number(model.dof_limits()[i].lower);
     upper[i] = number(model.dof_limits()[i].upper);

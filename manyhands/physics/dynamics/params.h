@@ -18,6 +18,8 @@ namespace manyhands {
   field(damping,          T,               kDof,      kNotNegative) /* [N m s/rad or N s/m] */                        \
   field(armature,         T,               kDof,      kNotNegative) /* [kg m^2 or kg] */                              \
   field(friction,         T,               kDof,      kForceLimit)  /* dry friction of the joint [N m or N] */        \
+  field(stiffness,        T,               kDof,      kNotNegative) /* of the joint's spring [N m/rad or N/m] */      \
+  field(spring_reference, T,               kCoordinate, kFinite)    /* q at which it is at rest */                    \
   field(lower,            T,               kDof,      kLimit)       /* [rad or m]; infinite where there is none */    \
   field(upper,            T,               kDof,      kLimit)       /* likewise */                                    \
   field(motor_kp,         T,               kDof,      kNotNegative) /* per step, dimensionless: World::set_motors */  \

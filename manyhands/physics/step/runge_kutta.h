@@ -4,6 +4,7 @@
 #include <array>
 
 #include "manyhands/physics/dynamics/aba.h"
+#include "manyhands/physics/dynamics/springs.h"
 #include "manyhands/physics/step/step.h"
 
 namespace manyhands {
@@ -27,7 +28,7 @@ struct RungeKutta {
   std::vector<T> phi;             ///< the way from the step's first q to the stage's
   std::vector<T> d_phi, d_v;      ///< rates at a stage
   std::vector<T> sum_phi, sum_v;  ///< weighted rates so far
-  std::vector<T> tau;             ///< applied less damping
+  std::vector<T> tau;             ///< applied, of dampers and of springs
 };
 
 namespace internal {
@@ -47,7 +48,7 @@ MANYHANDS_INLINE void rotation_vector_rate(const T* phi, const T* omega, T* rate
 
 }  // namespace internal
 
-/// Advances the state by h [s] under its tau and the joints' damping. Joint motors and limits do not act.
+/// Advances the state by h [s] under its tau and the joints' damping and springs. Joint motors and limits do not act.
 template <Number T, Number P>
 void runge_kutta_step(const Tree<real_t<T>>& tree, const Params<P>& params, real_t<T> h, State<T>& state,
                       RungeKutta<T>& rk) {
@@ -63,6 +64,9 @@ void runge_kutta_step(const Tree<real_t<T>>& tree, const Params<P>& params, real
       rk.tau[i] = fma(T(-params.damping[i]), rk.v[i], state.tau()[i]);
     }
     integrate_configuration(tree, rk.phi.data(), T(R(1)), rk.q.data());
+    visit_springs<T>(tree, params, rk.q.data(), [&](std::size_t i, T stiffness, T stretch) {
+      rk.tau[i] = fma(-stiffness, stretch, rk.tau[i]);
+    });
     aba(tree, params, rk.q.data(), rk.v.data(), rk.tau.data(), rk.d_v.data(), rk.dynamics);
     rk.d_phi = rk.v;
     for (const TreeBody<R>& body : tree.bodies) {

@@ -108,6 +108,7 @@ class Batch {
   void set_rolling_friction(std::string_view name, std::span<const float> value);
   void set_restitution(std::string_view name, std::span<const float> value);
   void set_damping(std::string_view joint, std::span<const float> value);
+  void set_stiffness(std::string_view joint, std::span<const float> value);
   void set_joint_friction(std::string_view joint, std::span<const float> value);
   void set_armature(std::string_view joint, std::span<const float> value);
   void set_geom_size(std::string_view geom, std::span<const float> size);  ///< (n, 3), see Shape [m]

@@ -125,6 +125,10 @@ void Batch::set_damping(std::string_view joint, std::span<const float> value) {
   impl_->parameters().set_damping(joint, value);
 }
 
+void Batch::set_stiffness(std::string_view joint, std::span<const float> value) {
+  impl_->parameters().set_stiffness(joint, value);
+}
+
 void Batch::set_joint_friction(std::string_view joint, std::span<const float> value) {
   impl_->parameters().set_joint_friction(joint, value);
 }

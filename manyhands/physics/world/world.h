@@ -196,6 +196,8 @@ class World {
   void set_restitution(std::string_view name, double restitution);
   [[nodiscard]] double damping(std::string_view joint) const;  ///< [N m s/rad or N s/m]
   void set_damping(std::string_view joint, double damping);
+  [[nodiscard]] double stiffness(std::string_view joint) const;  ///< of its spring [N m/rad or N/m]
+  void set_stiffness(std::string_view joint, double stiffness);
   void set_joint_friction(std::string_view joint, double friction);   ///< dry [N m or N]
   void set_armature(std::string_view joint, double armature);         ///< [kg m^2 or kg]
   [[nodiscard]] Vec3<double> geom_size(std::string_view geom) const;  ///< see Shape [m]

@@ -25,6 +25,7 @@ void carry_joint(const WorldCore& from, const Joint& a, const Joint& b, WorldCor
   if (nv == 0) return;
   copy_items(from.state, to.state, Each::kCoordinate, a.iq, b.iq, nq);
   copy_items(from.state, to.state, Each::kDof, a.iv, b.iv, nv);
+  copy_items(from.params, to.params, Each::kCoordinate, a.iq, b.iq, nq);
   copy_items(from.params, to.params, Each::kDof, a.iv, b.iv, nv);
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "manyhands/model/io/mjcf/mjcf_inertia.h"
 #include "manyhands/model/io/mjcf/mjcf_scene.h"
 #include "manyhands/model/io/text_numbers.h"
 
@@ -20,29 +21,12 @@ double first_number(const MjcfElement& e, const char* attribute, double fallback
   return e.has(attribute) ? e.numbers(attribute, 1, 10)[0] : fallback;
 }
 
-/// Inertia that the joint meets at qpos0, its armature included: the diagonal of the mass matrix.
-double inertia_at(const MjcfScene& scene, const MjcfJoint& joint) {
-  const Joint& described = scene.builder.joints()[joint.id.index()];
-  double mass = 0, about_axis = 0;
-  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
-    int above = static_cast<int>(i);
-    while (above > 0 && above != joint.body) above = scene.bodies[static_cast<std::size_t>(above)].parent;
-    if (above != joint.body) continue;
-    const MjcfBody& body = scene.bodies[i];
-    const Inertial& inertial = scene.builder.links()[body.link.index()].inertial;
-    const Vec3<double> arm = cross(joint.axis_W, body.X_WB * inertial.com - joint.anchor_W);
-    mass += inertial.mass;
-    about_axis +=
-        inertial.mass * squared_norm(arm) + dot(joint.axis_W, rotated(body.X_WB.R, inertial.inertia) * joint.axis_W);
-  }
-  return described.armature + (described.type == JointType::kPrismatic ? mass : about_axis);
-}
-
 /// kd of a position servo: kv, or the damping of a ratio to critical (MuJoCo's mj_setConst).
 double damping_of(const MjcfScene& scene, const MjcfElement& e, const MjcfJoint& joint, double kp, double gear) {
   if (!e.has("dampratio")) return e.positive_or("kv", 0);
   if (e.has_own("kv")) e.fail("both 'kv' and 'dampratio' are given; expected one");
-  return e.positive_or("dampratio", 1) * 2 * std::sqrt(kp * inertia_at(scene, joint) / (gear * gear));
+  const double inertia = yielding_inertias(scene)[static_cast<std::size_t>(&joint - scene.joints.data())];
+  return e.positive_or("dampratio", 1) * 2 * std::sqrt(kp * inertia / (gear * gear));
 }
 
 /// The law of a <general>; nothing, with a note, if it is of another kind.

@@ -30,6 +30,7 @@ struct MjcfJoint {
   double reference = 0;               ///< qpos0, where it has one coordinate
   int body = 0;                       ///< index of the body that it moves
   Vec3<double> anchor_W{}, axis_W{};  ///< at qpos0
+  std::array<double, 2> spring_damper{};  ///< time constant [s] and ratio of damping; 0 where they do not say
 };
 
 struct MjcfGeom {

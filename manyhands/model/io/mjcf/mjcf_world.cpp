@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "manyhands/model/io/inertia_repair.h"
+#include "manyhands/model/io/mjcf/mjcf_inertia.h"
 #include "manyhands/model/io/mjcf/mjcf_scene.h"
 #include "manyhands/model/io/text_numbers.h"
 #include "manyhands/model/part_checks.h"
@@ -229,11 +230,26 @@ void scale_total_mass(MjcfScene& scene) {
   }
 }
 
+/// Stiffness and damping of joints that ask for a time constant and a ratio of damping (mjCModel::AutoSpringDamper).
+void settle_springs(MjcfScene& scene) {
+  const auto is_asked = [](const MjcfJoint& joint) { return joint.spring_damper[0] > 0 && joint.spring_damper[1] > 0; };
+  if (std::ranges::none_of(scene.joints, is_asked)) return;
+  const std::vector<double> inertias = yielding_inertias(scene);
+  for (std::size_t i = 0; i < inertias.size(); ++i) {
+    if (!is_asked(scene.joints[i])) continue;
+    const auto [time, ratio] = scene.joints[i].spring_damper;
+    Joint& joint = scene.builder.joint(scene.joints[i].id);
+    joint.stiffness = inertias[i] / std::max(time * time * ratio * ratio, 1e-15);
+    joint.damping = 2 * inertias[i] / std::max(time, 1e-15);
+  }
+}
+
 }  // namespace
 
 void read_world(MjcfScene& scene) {
   WorldReader(scene).read();
   scale_total_mass(scene);
+  settle_springs(scene);
 }
 
 }  // namespace manyhands::io
