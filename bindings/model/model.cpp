@@ -47,6 +47,11 @@ void bind_errors(nb::module_& m) {
 }
 
 void bind_report(nb::module_& m) {
+  m.attr("LoadWarning") = nb::steal(PyErr_NewExceptionWithDoc(
+      "manyhands._core.LoadWarning",
+      "A file was loaded, but something in it is left out that changes how things move or touch: the report tells. "
+      "`warnings.simplefilter(\"error\", mh.LoadWarning)` makes it an error.",
+      PyExc_UserWarning, nullptr));
   nb::class_<LoadNote>(m, "LoadNote", "One thing that a loader defaulted, repaired or ignored.")
       .def_prop_ro(
           "action", [](const LoadNote& note) { return to_string(note.action); },
