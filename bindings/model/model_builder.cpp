@@ -35,13 +35,14 @@ using Matrix3 = std::array<Numbers3, 3>;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-constexpr std::array<std::pair<const char*, JointType>, 7> kJointTypes{{{"fixed", JointType::kFixed},
+constexpr std::array<std::pair<const char*, JointType>, 8> kJointTypes{{{"fixed", JointType::kFixed},
                                                                         {"revolute", JointType::kRevolute},
                                                                         {"continuous", JointType::kContinuous},
                                                                         {"prismatic", JointType::kPrismatic},
                                                                         {"spherical", JointType::kSpherical},
                                                                         {"planar", JointType::kPlanar},
-                                                                        {"floating", JointType::kFloating}}};
+                                                                        {"floating", JointType::kFloating},
+                                                                        {"mocap", JointType::kMocap}}};
 
 SymMat3<double> symmetric(const std::string& what, const Matrix3& m) {
   for (const auto& [i, j] : {std::pair{0, 1}, std::pair{0, 2}, std::pair{1, 2}}) {
@@ -92,14 +93,19 @@ nb::class_<ModelBuilder> bind_tree(nb::module_& m) {
       .def(nb::init<std::string>(), "name"_a = "model")
       .def(
           "add_link",
-          [](ModelBuilder& self, const std::string& name, double mass, const Numbers3& com, const Matrix3& inertia) {
-            self.add_link(name, {.mass = mass, .com = vec3(com), .inertia = symmetric("link '" + name + "'", inertia)});
+          [](ModelBuilder& self, const std::string& name, double mass, const Numbers3& com, const Matrix3& inertia,
+             double gravity_compensation) {
+            const SymMat3<double> I = symmetric("link '" + name + "'", inertia);
+            const LinkId id = self.add_link(name, {.mass = mass, .com = vec3(com), .inertia = I});
+            self.link(id).gravity_compensation = gravity_compensation;
           },
           "name"_a, nb::kw_only(), "mass"_a = 0.0, "com"_a = Numbers3{}, "inertia"_a = Matrix3{},
+          "gravity_compensation"_a = 0.0,
           nb::sig("def add_link(self, name: str, *, mass: float = 0.0, com: numpy.typing.ArrayLike = (0, 0, 0), "
-                  "inertia: numpy.typing.ArrayLike = ((0, 0, 0), (0, 0, 0), (0, 0, 0))) -> None"),
+                  "inertia: numpy.typing.ArrayLike = ((0, 0, 0), (0, 0, 0), (0, 0, 0)), "
+                  "gravity_compensation: float = 0.0) -> None"),
           "mass [kg]; com: centre of mass in the link's frame (3) [m]; inertia about it in the frame's axes (3, 3) "
-          "[kg m^2].")
+          "[kg m^2]; gravity_compensation: share of its weight that is carried for it.")
       .def(
           "add_joint",
           [](ModelBuilder& self, const std::string& name, const std::string& type, const std::string& parent,

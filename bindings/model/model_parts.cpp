@@ -40,6 +40,7 @@ void bind_links(nb::module_& m) {
       .def_prop_ro(
           "inertia", [](const Link& link) { return matrix(link.inertial.inertia); },
           nb::sig(returns_array("inertia").c_str()), "About the centre of mass in L's axes, (3, 3) [kg m^2].")
+      .def_ro("gravity_compensation", &Link::gravity_compensation, "Share of its weight that is carried for it.")
       .def_prop_ro(
           "parent", [](const Link& link) { return link.parent.value(); }, "Index of the parent link; -1 for the world.")
       .def_prop_ro(
@@ -55,7 +56,7 @@ void bind_links(nb::module_& m) {
       .def("__repr__", [](const Joint& joint) { return "<Joint '" + joint.name + "': " + to_string(joint.type) + ">"; })
       .def_prop_ro(
           "type", [](const Joint& joint) { return to_string(joint.type); },
-          "'fixed', 'revolute', 'continuous', 'prismatic', 'spherical', 'planar' or 'floating'.")
+          "'fixed', 'revolute', 'continuous', 'prismatic', 'spherical', 'planar', 'floating' or 'mocap'.")
       .def_prop_ro(
           "parent", [](const Joint& joint) { return joint.parent.value(); }, "Index of the parent link.")
       .def_prop_ro(

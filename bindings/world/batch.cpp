@@ -198,6 +198,19 @@ void bind_bodies(nb::class_<Batch>& batch) {
           "name"_a, nb::sig(pair("def body_velocity(self, name: str)").c_str()),
           "Of a link or frame: angular (n, 3) [rad/s], and that of its origin (n, 3) [m/s], in world axes.")
       .def(
+          "set_mocap",
+          [](Batch& self, const std::string& link, const nb::object& position, const nb::object& quaternion,
+             const Bytes& mask) {
+            const Rows p(self, position, 3), r(self, quaternion, 4);
+            self.set_mocap(link, p.span(), r.span(), bytes(mask));
+          },
+          "link"_a, "position"_a, "quaternion"_a, "mask"_a = nb::none(),
+          nb::sig(
+              "def set_mocap(self, link: str, position: numpy.typing.ArrayLike, quaternion: numpy.typing.ArrayLike, "
+              "mask: numpy.typing.ArrayLike | None = None) -> None"),
+          "Puts a mocap body, at rest, at positions (n, 3) [m] and quaternions xyzw (n, 4); one row stands for all. "
+          "Raises ValueError for other links.")
+      .def(
           "apply_force",
           [](Batch& self, const std::string& link, const nb::object& force_rows, const nb::object& torque,
              const nb::object& point) {

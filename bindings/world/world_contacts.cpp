@@ -139,6 +139,8 @@ void bind_world_bodies(nb::class_<World>& world) {
   static const std::string velocity = pair_of_arrays("def body_velocity(self, name: str)");
   static const std::string set_pose = std::string("def set_body_pose(self, name: str, position: ") + kLike +
                                       ", quaternion: " + kLike + " = (0, 0, 0, 1)) -> None";
+  static const std::string set_mocap = std::string("def set_mocap(self, link: str, position: ") + kLike +
+                                       ", quaternion: " + kLike + " = (0, 0, 0, 1)) -> None";
   static const std::string set_velocity = std::string("def set_body_velocity(self, name: str, omega: ") + kLike +
                                           " = (0, 0, 0), velocity: " + kLike + " = (0, 0, 0)) -> None";
   static const std::string apply = std::string("def apply_force(self, name: str, force: ") + kLike +
@@ -167,6 +169,15 @@ void bind_world_bodies(nb::class_<World>& world) {
           "name"_a, "position"_a, "quaternion"_a = Numbers4{0, 0, 0, 1}, nb::sig(set_pose.c_str()),
           "Puts a free body, or a link that is fixed to the world, at position (3) [m] and quaternion xyzw (4). Raises "
           "ValueError for a link that hangs on another joint.")
+      .def(
+          "set_mocap",
+          [](World& self, const std::string& link, const Numbers3& position, const Numbers4& quaternion) {
+            self.set_mocap(link, bindings::transform("link '" + link + "'", position, quaternion));
+          },
+          "link"_a, "position"_a, "quaternion"_a = Numbers4{0, 0, 0, 1}, nb::sig(set_mocap.c_str()),
+          "Puts a mocap body, at rest, at position (3) [m] and quaternion xyzw (4): it pushes what touches it, and "
+          "pulls "
+          "what is welded to it. Raises ValueError for other links.")
       .def(
           "set_body_velocity",
           [](World& self, const std::string& name, const Numbers3& w, const Numbers3& v) {

@@ -20,6 +20,8 @@ const char* to_string(JointType type) {
       return "planar";
     case JointType::kFloating:
       return "floating";
+    case JointType::kMocap:
+      return "mocap";
   }
   return "unknown";
 }
@@ -27,6 +29,7 @@ const char* to_string(JointType type) {
 int configuration_size(JointType type) {
   switch (type) {
     case JointType::kFixed:
+    case JointType::kMocap:
       return 0;
     case JointType::kRevolute:
     case JointType::kContinuous:
@@ -133,6 +136,14 @@ void Model::index_parts() {
     if (i > 0) link_children_[links_[i].parent.index()].push_back(LinkId(i));
     body_links_[links_[i].body.index()].push_back(LinkId(i));
   }
+}
+
+std::size_t Model::mocap_index(std::string_view name) const {
+  const Link& found = link(link_id(name));
+  const auto place = std::ranges::find(mocap_bodies_, found.body);
+  const bool is_root = found.joint.is_valid() && joint(found.joint).type == JointType::kMocap;
+  if (is_root && place != mocap_bodies_.end()) return static_cast<std::size_t>(place - mocap_bodies_.begin());
+  throw std::invalid_argument("link '" + found.name + "' is no mocap body: expected one that a mocap joint carries");
 }
 
 std::vector<double> Model::neutral_configuration() const {

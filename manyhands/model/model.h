@@ -26,6 +26,8 @@ struct Body {
   int iq{}, nq{};
   int iv{}, nv{};
   RigidInertia<double> inertia = RigidInertia<double>::zero();  ///< of all its links about B's origin, in B's axes
+  double lifted_mass = 0;                                       ///< that gravity compensation carries [kg]
+  Vec3<double> lifted_moment{};  ///< its first moment about B's origin, in B's axes [kg m]
 };
 
 /// A named pose fixed on a body. Every link is a frame of the same name and index.
@@ -74,6 +76,9 @@ class Model {
   [[nodiscard]] const Joint& joint(JointId id) const { return joints_[id.index()]; }
   [[nodiscard]] const Body& body(BodyId id) const { return bodies_[id.index()]; }
   [[nodiscard]] const Frame& frame(FrameId id) const { return frames_[id.index()]; }
+  [[nodiscard]] std::span<const BodyId> mocap_bodies() const { return mocap_bodies_; }  ///< that a user moves
+  /// Which of them carries the link of that name. Throws std::invalid_argument for other links.
+  [[nodiscard]] std::size_t mocap_index(std::string_view link) const;
   [[nodiscard]] int num_bodies() const { return static_cast<int>(bodies_.size()); }
 
   /// Finds a part by name. Throws std::out_of_range that lists the names there are.
@@ -126,6 +131,7 @@ class Model {
   std::vector<Link> links_;
   std::vector<Joint> joints_;
   std::vector<Body> bodies_;
+  std::vector<BodyId> mocap_bodies_;
   std::vector<Frame> frames_;
   std::vector<Geom> geoms_;
   std::vector<Mesh> meshes_;

@@ -73,6 +73,10 @@ JointId ModelBuilder::add_joint(Joint joint) {
     throw ModelError(what + ": its stiffness is " + std::to_string(joint.stiffness) +
                      "; expected a finite number of 0 or more");
   }
+  if (joint.type == JointType::kMocap && joint.parent != world()) {
+    throw ModelError(what + ": a mocap joint carries a link in the world; its parent is '" +
+                     links_[joint.parent.index()].name + "'");
+  }
   require_coordinates(what + ": its initial configuration", joint.type, joint.initial);
   require_coordinates(what + ": its spring reference", joint.type, joint.spring_reference);
   const JointId id(joints_.size());
@@ -248,7 +252,8 @@ void ModelBuilder::compile_link(Model& model, LinkId id) {
       link.body = parent.body;
       link.X_BL = X_BF;
     } else {
-      const bool has_axis = joint.type != JointType::kSpherical && joint.type != JointType::kFloating;
+      const bool has_axis =
+          joint.type != JointType::kSpherical && joint.type != JointType::kFloating && joint.type != JointType::kMocap;
       const Mat3<double> R_FZ = has_axis ? rotation_from_z_to(joint.axis) : Mat3<double>::identity();
       Body body{.parent = parent.body, .joint = link.joint, .type = joint.type, .X_PF = {X_BF.R * R_FZ, X_BF.p}};
       body.iq = joint.iq = model.nq_;
@@ -256,12 +261,16 @@ void ModelBuilder::compile_link(Model& model, LinkId id) {
       model.nq_ += body.nq = configuration_size(joint.type);
       model.nv_ += body.nv = velocity_size(joint.type);
       link.body = BodyId(model.bodies_.size());
+      if (joint.type == JointType::kMocap) model.mocap_bodies_.push_back(link.body);
       link.X_BL = {transpose(R_FZ), Vec3<double>::zero()};
       model.bodies_.push_back(body);
     }
   }
   Body& body = model.bodies_[link.body.index()];
   body.inertia = body.inertia + transformed(link.X_BL, link.inertial.about_origin());
+  const double lifted = link.gravity_compensation * link.inertial.mass;
+  body.lifted_mass += lifted;
+  body.lifted_moment = body.lifted_moment + lifted * (link.X_BL * link.inertial.com);
 }
 
 void ModelBuilder::compile_dofs(Model& model) {
@@ -314,7 +323,7 @@ std::vector<JointId> joints_that_move_nothing(const Model& model) {
     composite[b] = composite[b] + body.inertia;
     composite[body.parent.index()] = composite[body.parent.index()] + transformed(body.X_PF, composite[b]);
     const double inertia = least_inertia(body.type, composite[b]) + model.joint(body.joint).armature;
-    if (inertia < 1e-12) found.push_back(body.joint);
+    if (body.nv > 0 && inertia < 1e-12) found.push_back(body.joint);
   }
   std::ranges::reverse(found);
   return found;

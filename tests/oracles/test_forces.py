@@ -13,7 +13,8 @@ INERTIAL = '<inertial pos="0.1 -0.2 0.3" mass="1.5" diaginertia="0.02 0.03 0.04"
 
 SPRINGS = f"""
 <mujoco><compiler angle="degree"/><option gravity="1 2 -9"/><worldbody>
-  <body name="a" pos="0 0 1" euler="10 20 30"><joint name="h" axis="1 2 3" stiffness="40" springref="25" ref="10"/>{INERTIAL}
+  <body name="a" pos="0 0 1" euler="10 20 30">
+    <joint name="h" axis="1 2 3" stiffness="40" springref="25" ref="10"/>{INERTIAL}
     <body name="b" pos="0.1 0 0.3"><joint name="s" type="slide" axis="0 1 1" stiffness="300" springref="0.2"/>{INERTIAL}
       <body name="c" pos="0 0.2 0"><joint name="ball" type="ball" stiffness="7" damping="0.3" pos="0.1 0 0"/>{INERTIAL}
         <body name="d" pos="0 0.2 0"><joint name="d" springdamper="0.1 0.7" armature="0.01"/>{INERTIAL}</body></body>
@@ -22,6 +23,25 @@ SPRINGS = f"""
     <body name="e" pos="0 0.2 0"><joint name="e" type="ball" springdamper="0.2 1.3"/>{INERTIAL}</body></body>
   <body name="soft" pos="3 2 3"><joint type="free" springdamper="0.3 0.9"/>{INERTIAL}</body>
 </worldbody></mujoco>"""
+
+
+GRAVCOMP = f"""
+<mujoco><option gravity="1 2 -9"/><worldbody>
+  <body pos="0 0 1" euler="10 20 30" gravcomp="1"><joint axis="1 2 3"/>{INERTIAL}
+    <body pos="0.1 0 0.3" gravcomp="0.4">{INERTIAL}
+      <body pos="0 0.2 0"><joint type="ball" pos="0.1 0 0"/>{INERTIAL}
+        <body pos="0 0.2 0" gravcomp="-0.7">{INERTIAL}</body></body></body></body>
+  <body pos="1 2 3" gravcomp="1.5"><freejoint/>{INERTIAL}</body>
+</worldbody></mujoco>"""
+
+FLAGGED = f"""
+<mujoco><option gravity="1 2 -9"><flag FLAG="disable"/></option><worldbody>
+  <geom type="plane" size="1 1 1" pos="0 0 -9"/>
+  <body pos="0 0 1" gravcomp="0.5"><joint name="a" axis="0 1 0" stiffness="9" springref="40" damping="2"/>{INERTIAL}
+    <geom size="0.1"/>
+    <body pos="0.1 0 0.3"><joint name="b" axis="1 1 0" damping="3"/>{INERTIAL}<geom size="0.1"/></body></body>
+</worldbody><actuator><motor joint="a" ctrlrange="-1 1"/><position joint="b" kp="5" ctrlrange="-1 1"/></actuator>
+</mujoco>"""
 
 
 def acceleration(model: mh.Model, q: Array, v: Array, ctrl: Array | None = None, step: float = 1e-7) -> Array:
@@ -53,3 +73,95 @@ def assert_equal_accelerations(text: str, states: int = 20) -> None:
 
 def test_springs() -> None:
     assert_equal_accelerations(SPRINGS)
+
+
+def test_gravity_compensation() -> None:
+    assert_equal_accelerations(GRAVCOMP)
+
+
+@pytest.mark.parametrize("flag", ["gravity", "spring", "damper", "actuation", "clampctrl", "warmstart", "eulerdamp"])
+def test_flags(flag: str) -> None:
+    assert_equal_accelerations(FLAGGED.replace("FLAG", flag))
+
+
+def test_without_passive_forces() -> None:
+    assert_equal_accelerations(FLAGGED.replace('FLAG="disable"', 'spring="disable" damper="disable"'))
+
+
+LIMITED = f"""
+<mujoco><option timestep="0.001"><flag FLAG="disable"/></option><worldbody>
+  <geom name="floor" type="plane" size="1 1 1"/>
+  <body name="ball" pos="0 0 0.5"><freejoint/><geom name="ball" size="0.1"/></body>
+  <body name="a" pos="1 0 3"><joint name="a" axis="0 1 0" range="-10 10" frictionloss="0.1"/>{INERTIAL}</body>
+  <body name="b" pos="2 0 3"><joint name="b" axis="0 1 0"/>{INERTIAL}</body>
+  <body name="c" pos="3 0 3"><joint name="c" axis="0 1 0" frictionloss="99"/>{INERTIAL}</body>
+</worldbody><equality><joint joint1="b"/></equality></mujoco>"""
+
+
+@pytest.mark.filterwarnings("ignore:.*a joint held at one place")
+@pytest.mark.parametrize("flag", ["contact", "limit", "frictionloss", "equality", "constraint"])
+def test_constraint_flags(flag: str) -> None:
+    """What is switched off does not hold in half a second's fall, and what is not does."""
+    text = LIMITED.replace("FLAG", flag).replace('<joint joint1="b"/>', '<weld body1="b"/>')
+    scene = Scene.of_string(text)
+    model, data = scene.mujoco, scene.data
+    world = mh.World(scene.ours)
+    mujoco.mj_step(model, data, 500)
+    world.step(500)
+    q = scene.configuration(data.qpos)
+    assert world.q[2] == pytest.approx(q[2], abs=0.01)  # on the floor, or through it
+    free = {"limit": "a", "frictionloss": "c", "equality": "b", "constraint": "abc"}.get(flag, "")
+    for i, joint in enumerate("abc"):
+        moved = abs(world.q[7 + i] - (0 if joint != "a" else np.sign(world.q[7]) * np.deg2rad(10)))
+        assert (moved > 0.05) == (joint in free), joint
+        if joint in free and flag != "constraint":
+            assert world.q[7 + i] == pytest.approx(q[7 + i], abs=0.01), joint
+
+
+def test_parents_touch_children_where_nothing_filters_them() -> None:
+    """A ball hangs on a hinge, deep in its parent's box: MuJoCo has contacts there only without the filter."""
+    text = f"""<mujoco><option><flag filterparent="FLAG"/></option><worldbody>
+      <body name="a" pos="0 0 1"><joint axis="0 1 0"/>{INERTIAL}<geom name="box" type="box" size="0.1 0.1 0.1"/>
+        <body name="b" pos="0 0 0.15"><joint axis="1 0 0"/>{INERTIAL}<geom name="ball" size="0.1"/>
+          <body name="c" pos="0 0 0.3"><joint axis="0 1 0"/><joint axis="1 0 0"/>{INERTIAL}
+            <geom name="other" pos="0 0 -0.2" size="0.12"/></body></body></body></worldbody></mujoco>"""
+    for flag in ("enable", "disable"):
+        scene = Scene.of_string(text.replace("FLAG", flag))
+        mujoco.mj_forward(scene.mujoco, scene.data)
+        theirs = {frozenset(scene.mujoco.geom(int(i)).name for i in c.geom) for c in scene.data.contact}
+        world = mh.World(scene.ours)
+        world.step()
+        assert {frozenset((c.geom_a, c.geom_b)) for c in world.contacts()} == theirs, flag
+
+
+MOCAP = f"""
+<mujoco><worldbody>
+  <body name="hand" mocap="true" pos="0.2 0 1" euler="0 0 20"/>
+  <body name="arm" pos="0 0 1"><joint axis="0 0 1" damping="1"/>{INERTIAL}
+    <body name="fore" pos="0.3 0 0"><joint axis="0 0 1" damping="1"/>{INERTIAL}
+      <body name="tip" pos="0.3 0 0"><joint axis="0 0 1" damping="1"/>{INERTIAL}</body></body></body>
+  <body name="stand" mocap="true" pos="3 0 1">
+    <body name="bob" pos="0.1 0 0"><joint axis="1 0 0"/>{INERTIAL}</body></body>
+</worldbody><equality><weld body1="hand" body2="tip" relpose="0 0 0 1 0 0 0"/></equality></mujoco>"""
+
+
+def test_mocap_bodies_lead_what_is_welded_to_them() -> None:
+    """Both arms end where the hand has been moved to; MuJoCo's weld is soft, and gives way by a millimetre."""
+    scene = Scene.of_string(MOCAP)
+    model, data = scene.mujoco, scene.data
+    world = mh.World(scene.ours)
+    assert world.model.nq == model.nq
+    for k in range(3000):
+        part = min(1.0, k / 2000)
+        position = np.array([0.2 + 0.2 * part, 0.3 * part, 1.0])
+        angle = np.deg2rad(20 + 40 * part)
+        quaternion = np.array([0, 0, np.sin(angle / 2), np.cos(angle / 2)])
+        data.mocap_pos[0], data.mocap_quat[0] = position, quaternion[[3, 0, 1, 2]]
+        data.mocap_pos[1] = position
+        mujoco.mj_step(model, data)
+        world.set_mocap("hand", position, quaternion)
+        world.set_mocap("stand", position)
+        world.step()
+    assert np.allclose(world.body_pose("tip")[0], position, rtol=0, atol=1e-6)
+    assert np.allclose(world.body_pose("tip")[0], data.body("tip").xpos, rtol=0, atol=1e-3)
+    assert np.allclose(world.body_pose("bob")[0], data.body("bob").xpos, rtol=0, atol=1e-9)

@@ -6,6 +6,7 @@
 
 #include "manyhands/math/control_flow.h"
 #include "manyhands/physics/contact/settings.h"
+#include "manyhands/physics/dynamics/gravity_compensation.h"
 #include "manyhands/physics/dynamics/ltdl.h"
 #include "manyhands/physics/dynamics/springs.h"
 #include "manyhands/physics/dynamics/state.h"
@@ -34,7 +35,7 @@ struct JointLaws {
         last_impulse(smooth),
         first_state(smooth) {}
 
-  std::vector<T> smooth;              ///< h (tau - bias - damping v + springs): the impulse without constraints
+  std::vector<T> smooth;              ///< h (tau - bias + passive forces): the impulse that acts without constraints
   std::vector<T> max_impulse;         ///< F = h max_force
   std::vector<T> slope;               ///< of a drive: impulse = slope (target - dv); 0 where the law is vertical
   std::vector<T> target;              ///< dv that brings the dof to its motor's velocity, kept within the limits
@@ -88,8 +89,8 @@ MANYHANDS_INLINE void assemble_actuators(const Tree<real_t<T>>& tree, const Para
   }
 }
 
-/// The springs, with the force in the middle of the change of velocity: h k (reference - q - h dv / 4). Then q+ = q + h v+
-/// is the trapezoidal rule's: it gains and loses nothing, and is stable however stiff the spring is.
+/// The springs, with the force in the middle of the change of velocity: h k (reference - q - h dv / 4). Then q+ = q + h
+/// v+ is the trapezoidal rule's: it gains and loses nothing, and is stable however stiff the spring is.
 template <Number T, Number P>
 MANYHANDS_INLINE void assemble_springs(const Tree<real_t<T>>& tree, const Params<P>& params, real_t<T> h,
                                        const State<T>& state, Workspace<T>& dynamics, JointLaws<T>& laws) {
@@ -167,6 +168,8 @@ MANYHANDS_INLINE void assemble_joint_laws(const Tree<real_t<T>>& tree, const Par
     laws.last_impulse[i] = state.joint_impulse()[i];
     free_dv[i] = zero;
   }
+  visit_gravity_compensation(tree, params, dynamics,
+                             [&](std::size_t i, T force) { laws.smooth[i] = fma(step, force, laws.smooth[i]); });
   internal::assemble_springs(tree, params, h, state, dynamics, laws);
   internal::assemble_actuators(tree, params, h, state, laws);
   when(needs_free_velocity, [&] { free_change(free_dv); });

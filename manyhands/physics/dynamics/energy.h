@@ -7,18 +7,24 @@
 
 namespace manyhands {
 
-/// Total energy in the state q (nq), v (nv); springs included.
+/// Total energy in the state q (nq), v (nv); springs and gravity compensation included.
 template <Number T, Number P>
 Energy<T> energy(const Tree<real_t<T>>& tree, const Params<P>& params, const T* q, const T* v, Workspace<T>& ws) {
   const T half(real_t<T>(0.5));
   Energy<T> sum{T(real_t<T>(0)), T(real_t<T>(0))};
   for (std::size_t b = 1; b < tree.bodies.size(); ++b) {
+    if (tree.bodies[b].type == JointType::kMocap) continue;  // no dynamics moves it
     place(tree, b, q, ws);
     move(tree, b, v, ws);
     internal::place_inertia(b, params, ws);
     sum.kinetic = fma(half, dot(ws.V[b], ws.I[b] * ws.V[b]), sum.kinetic);
     const Vec3<T> first_moment = fma(ws.I[b].m, ws.p_WO[b], ws.I[b].h);
     sum.potential = sum.potential - dot(broadcast<T>(params.gravity[0]), first_moment);
+  }
+  for (const TreeLift<real_t<T>>& lift : tree.lifts) {
+    const T mass = T(tree.bodies[lift.body].lifted) * broadcast<T>(params.inertia[lift.body].m);
+    const Vec3<T> p_WC = ws.R_WB[lift.body] * broadcast<T>(lift.p_BC) + ws.p_OB[lift.body] + ws.p_WO[lift.body];
+    sum.potential = fma(mass, dot(broadcast<T>(params.gravity[0]), p_WC), sum.potential);
   }
   for (std::size_t i = 0; i < static_cast<std::size_t>(tree.nv); ++i) {
     sum.kinetic = fma(half * broadcast<T>(params.armature[i]), v[i] * v[i], sum.kinetic);
@@ -35,6 +41,7 @@ MassProperties<T> mass_properties(const Tree<real_t<T>>& tree, const Params<P>& 
                                   Workspace<T>& ws) {
   MassProperties<T> sum{T(real_t<T>(0)), Vec3<T>::zero(), Force<T>::zero()};
   for (std::size_t b = 1; b < tree.bodies.size(); ++b) {
+    if (tree.bodies[b].type == JointType::kMocap) continue;  // no dynamics moves it
     place(tree, b, q, ws);
     move(tree, b, v, ws);
     internal::place_inertia(b, params, ws);

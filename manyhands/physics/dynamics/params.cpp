@@ -16,7 +16,8 @@ Layout::Layout(const Model& model, std::size_t contact_numbers)
               contact_numbers,
               model.bodies().size(),
               model.geoms().size(),
-              model.links().size()} {}
+              model.links().size(),
+              kPoseNumbers * model.mocap_bodies().size()} {}
 
 bool Layout::has_room(const FieldInsertion& at) const {
   for (std::size_t k = 0; k < kKindsOfEach; ++k) {

@@ -42,7 +42,8 @@ MANYHANDS_INLINE std::array<T, 6> spring_stretch(const TreeBody<real_t<T>>& body
 
 }  // namespace internal
 
-/// Calls visit(dof, stiffness, stretch) for every dof that has a spring in any world; where it has none, stiffness is 0.
+/// Calls visit(dof, stiffness, stretch) for every dof that has a spring in any world; where it has none, stiffness is
+/// 0.
 template <Number T, Number P, class Visit>
 MANYHANDS_INLINE void visit_springs(const Tree<real_t<T>>& tree, const Params<P>& params, const T* q, Visit&& visit) {
   for (std::size_t b = 1; b < tree.bodies.size(); ++b) {

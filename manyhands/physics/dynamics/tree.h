@@ -10,6 +10,9 @@
 
 namespace manyhands {
 
+/// Numbers of a mocap body's pose: x y z [m], quaternion xyzw.
+inline constexpr std::size_t kPoseNumbers = 7;
+
 /// How a joint frame is turned in its parent: robots are full of quarter turns, which cost no products.
 enum class Turn {
   kNone,
@@ -28,6 +31,15 @@ struct TreeBody {
   std::array<std::int8_t, 3>
       axes{};  ///< for kQuarters, F's x, y and z: 1, 2, 3 for the parent's x, y, z, minus if reversed
   Transform<R> X_PF = Transform<R>::identity();
+  R lifted{};   ///< share of its weight that gravity compensation carries
+  int mocap{};  ///< of kMocap: which of the model's mocap bodies it is
+};
+
+/// A body part of whose weight is carried, at the centre of what is.
+template <Real R>
+struct TreeLift {
+  std::size_t body{};
+  Vec3<R> p_BC{};
 };
 
 /// A drive of the model as kernels read it.
@@ -58,6 +70,8 @@ struct Tree {
   void insert(const Tree& part, const Insertion& at);
   /// Takes over the model's equality constraints anew.
   void set_equalities(const Model& model);
+  /// Notes what gravity compensation does to the last of `bodies`.
+  void add_lift(const Body& body);
   /// Widens the ranges of dofs until no equality constraint leaves its own and no two overlap in part.
   void join_clusters();
 
@@ -77,6 +91,8 @@ struct Tree {
   std::vector<int> dof_q;                 ///< (nv) the coordinate that the dof integrates, or -1
   std::vector<std::uint8_t> dof_limited;  ///< (nv) whether the joint has position limits
   std::vector<TreeActuator> actuators;    ///< (nu)
+  std::vector<TreeLift<R>> lifts;         ///< of bodies that gravity compensation acts on
+  std::vector<std::size_t> mocap_bodies;  ///< that a user moves
   std::vector<TreeEquality<R>> equalities;
   std::size_t equality_rows{};  ///< three for every equality constraint, six where it holds rotations
   std::vector<int>

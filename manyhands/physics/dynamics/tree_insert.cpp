@@ -127,6 +127,22 @@ void insert_actuators(const Tree<R>& part, const Insertion& at, Tree<R>& tree) {
   at.v.apply(tree.dof_drive, drives);
 }
 
+/// Bodies that are carried, and those that a user moves.
+template <Real R>
+void insert_special_bodies(const Tree<R>& part, const Insertion& at, Tree<R>& tree) {
+  for (TreeLift<R>& lift : tree.lifts) lift.body = index(at.bodies.of_old(static_cast<int>(lift.body)));
+  for (TreeLift<R> lift : part.lifts) {
+    lift.body = index(at.new_body(static_cast<int>(lift.body)));
+    tree.lifts.push_back(lift);
+  }
+  for (std::size_t& body : tree.mocap_bodies) body = index(at.bodies.of_old(static_cast<int>(body)));
+  for (const std::size_t body : part.mocap_bodies) {
+    const std::size_t b = index(at.new_body(static_cast<int>(body)));
+    tree.bodies[b].mocap = static_cast<int>(tree.mocap_bodies.size());
+    tree.mocap_bodies.push_back(b);
+  }
+}
+
 /// A list over dofs whose items are dofs.
 void insert_dofs(const std::vector<int>& part, const ListInsertion& list, const ListInsertion& v,
                  std::vector<int>& into) {
@@ -158,6 +174,7 @@ void Tree<R>::insert(const Tree& part, const Insertion& at) {
     bodies[b].iv = at.v.of_old(bodies[b].iv);
   }
   at.bodies.apply(bodies, added);
+  insert_special_bodies(part, at, *this);
   insert_dofs({part.last_dof.begin() + 1, part.last_dof.end()}, at.bodies, at.v, last_dof);
 
   insert_dofs(part.dof_parent, at.v, at.v, dof_parent);

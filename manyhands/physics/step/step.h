@@ -110,7 +110,8 @@ MANYHANDS_INLINE void correct_free_fall(const Tree<real_t<T>>& tree, const Param
     const bool free = body.type == JointType::kFloating && body.parent == 0 &&
                       tree.end_dof[static_cast<std::size_t>(body.iv)] == body.iv + body.nv;
     if (!free) continue;
-    const Vec3<T> gravity = transpose_times(broadcast<T>(body.X_PF.R), broadcast<T>(params.gravity[0]));
+    const Vec3<T> gravity =
+        T(R(1) - body.lifted) * transpose_times(broadcast<T>(body.X_PF.R), broadcast<T>(params.gravity[0]));
     const T* force = state.tau() + body.iv + 3;
     const T inverse_mass = one / broadcast<T>(params.inertia[b].m);
     const T share = overshoot * (one - resting[b]);
@@ -167,6 +168,7 @@ void step(const System<real_t<T>>& system, const Params<P>& params, real_t<T> h,
     MANYHANDS_ASSERT(internal::are_quaternions_unit(tree, state.q()));
   }
   const Colliders<real_t<T>>& colliders = system.colliders;
+  place_mocap(tree, state.mocap(), ws.dynamics);
   bias_and_mass_matrix(tree, params, state.q(), state.v(), ws.dynamics);                      // 1 dynamics
   const std::span<const ColliderPair> pairs = find_touches(colliders, params, h, state, ws);  // 2 collision
   ContactSolver<T>& contact = ws.contact;

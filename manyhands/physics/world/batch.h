@@ -88,6 +88,9 @@ class Batch {
   void body_pose(std::string_view name, std::span<float> position, std::span<float> quaternion);
   /// Angular (n, 3) [rad/s], and that of the origin (n, 3) [m/s], in world axes.
   void body_velocity(std::string_view name, std::span<float> omega, std::span<float> velocity);
+  /// Puts a body that a mocap joint carries at position (n, 3) [m] and quaternion xyzw (n, 4): see World::set_mocap.
+  void set_mocap(std::string_view link, std::span<const float> position, std::span<const float> quaternion,
+                 std::span<const std::uint8_t> mask = {});
   /// Forces (n, 3) [N] at the points (n, 3) [m] (empty: the link's centre of mass) and torques (n, 3) [N m] (empty:
   /// none), in world axes; they act in the next step only, and add up.
   void apply_force(std::string_view link, std::span<const float> force, std::span<const float> torque = {},

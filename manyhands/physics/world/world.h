@@ -125,6 +125,9 @@ class World {
   void set_body_pose(std::string_view name, const Transform<double>& X_WL);
   /// Of a free body: of the link's origin, in world axes. Throws std::invalid_argument for other links.
   void set_body_velocity(std::string_view name, const Motion<double>& V_WL);
+  /// Puts a body that a mocap joint carries at X_WL, at rest. It pushes what touches it, and pulls what is welded to
+  /// it. Throws std::invalid_argument for other links.
+  void set_mocap(std::string_view link, const Transform<double>& X_WL);
   /// A force [N] at `point` (world, default: the link's centre of mass) and a torque [N m], in world axes; acts in the
   /// next step only. Forces add up.
   void apply_force(std::string_view name, const Vec3<double>& force, const Vec3<double>& torque = Vec3<double>::zero(),

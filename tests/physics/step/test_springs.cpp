@@ -58,7 +58,8 @@ TEST(Springs, RungeKuttaFollowsTheCosine) {
 TEST(Springs, ABallJointTurnsBackAlongItsRotationVector) {
   constexpr double kInertia = 0.05, kStiffness = 3;
   ModelBuilder builder("ball");
-  const LinkId link = builder.add_link("ball", {.mass = 1, .com = {}, .inertia = {kInertia, kInertia, kInertia, 0, 0, 0}});
+  const LinkId link =
+      builder.add_link("ball", {.mass = 1, .com = {}, .inertia = {kInertia, kInertia, kInertia, 0, 0, 0}});
   const Vec3<double> rest{0.3, -0.2, 0.4}, axis = (1 / norm(Vec3<double>{1, 2, -1})) * Vec3<double>{1, 2, -1};
   const Quat<double> reference = quat_from_rotation_vector(rest);
   const double theta = 2.9;

@@ -57,7 +57,9 @@ std::optional<Law> law_of(const MjcfScene& scene, const MjcfElement& e, const Mj
     const double kv = e.positive_or("kv", 1);
     return Law{kv, {0, 0, -kv}};
   }
-  if (e.number_or("timeconst", 0) != 0) e.note(LoadAction::kIgnored, "the filter of 'timeconst' is not used");
+  if (e.number_or("timeconst", 0) != 0) {
+    e.note_serious(LoadAction::kIgnored, "the filter of 'timeconst' is not used");
+  }
   const double kp = e.has("kp") ? e.positive_or("kp", 1) : std::abs(first_number(e, "gainprm", 1));
   return Law{kp, {0, -kp, -damping_of(scene, e, joint, kp, gear)}};
 }

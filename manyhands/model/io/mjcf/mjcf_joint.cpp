@@ -37,7 +37,7 @@ void read_range(const MjcfElement& e, const MjcfSettings& settings, Joint& joint
     return;
   }
   if (joint.type == JointType::kSpherical || joint.type == JointType::kFloating) {
-    e.note(LoadAction::kIgnored, "the range of a ball or free joint is not used");
+    e.note_serious(LoadAction::kIgnored, "the range of a ball or free joint is not used");
     return;
   }
   if (!(range[0] < range[1])) {
@@ -131,8 +131,8 @@ LinkId add_joints(MjcfScene& scene, MjcfBody& body, LinkId parent, const Transfo
   ModelBuilder& builder = scene.builder;
   const auto fixed = [&](LinkId to, const Transform<double>& X) {
     const LinkId link = builder.add_link(body.name);
-    builder.add_joint({.name = unused_name(scene, builder.joints(), body.name + "_fixed"),
-                       .type = JointType::kFixed,
+    builder.add_joint({.name = unused_name(scene, builder.joints(), body.name + (body.is_mocap ? "_mocap" : "_fixed")),
+                       .type = body.is_mocap ? JointType::kMocap : JointType::kFixed,
                        .parent = to,
                        .child = link,
                        .X_PF = X});

@@ -107,10 +107,6 @@ class WorldReader {
     const MjcfElement element = placed.element.named("body '" + name + "'");
     element.expect({"name", "childclass", "pos", "quat", "axisangle", "euler", "xyaxes", "zaxis", "mocap", "gravcomp"},
                    kContents);
-    if (element.boolean_or("mocap", false)) {
-      element.note(LoadAction::kIgnored, "mocap: the body stays where the file places it");
-    }
-    if (element.number_or("gravcomp", 0) != 0) element.note(LoadAction::kIgnored, "gravcomp is not used");
     Contents contents;
     collect(element, Transform<double>::identity(), contents);
 
@@ -120,7 +116,12 @@ class WorldReader {
     body.has_joints = !contents.joints.empty();
     body.has_chain = contents.joints.size() > 1;
     body.first_moving = body.has_joints ? static_cast<int>(index) : around.first_moving;
+    body.is_mocap = element.boolean_or("mocap", false);
+    if (body.is_mocap && (parent != 0 || body.has_joints)) {
+      element.fail("a mocap body belongs to <worldbody> and has no joints");
+    }
     body.link = add_joints(scene_, body, around.link, X_PB, contents.joints);
+    scene_.builder.link(body.link).gravity_compensation = element.number_or("gravcomp", 0);
     scene_.bodies.push_back(std::move(body));
     read_contents(index, contents);
     --depth_;
