@@ -335,8 +335,10 @@ void bind_whole(nb::class_<ModelBuilder>& builder) {
       .def(
           "add_keyframe",
           [](ModelBuilder& self, const std::string& name, std::vector<double> q, std::vector<double> v,
-             std::vector<double> ctrl,
-             double time) { self.add_keyframe({name, time, std::move(q), std::move(v), std::move(ctrl)}); },
+             std::vector<double> ctrl, double time) {
+            self.add_keyframe(
+                {.name = name, .time = time, .q = std::move(q), .v = std::move(v), .ctrl = std::move(ctrl)});
+          },
           "name"_a, nb::kw_only(), "q"_a = std::vector<double>{}, "v"_a = std::vector<double>{},
           "ctrl"_a = std::vector<double>{}, "time"_a = 0.0,
           nb::sig(

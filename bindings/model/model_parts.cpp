@@ -258,6 +258,9 @@ void bind_couplings(nb::module_& m) {
       .def_prop_ro(
           "v", [](const Keyframe& key) { return numbers(key.v); }, nb::sig(returns_array("v").c_str()), "(nv)")
       .def_prop_ro(
+          "mocap", [](const Keyframe& key) { return copied(key.mocap.data(), {key.mocap.size() / 7, 7}); },
+          nb::sig(returns_array("mocap").c_str()), "Of the mocap bodies: x y z [m], quaternion xyzw, (n, 7).")
+      .def_prop_ro(
           "ctrl", [](const Keyframe& key) { return numbers(key.ctrl); }, nb::sig(returns_array("ctrl").c_str()),
           "(nu)");
 }

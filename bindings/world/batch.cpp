@@ -92,6 +92,14 @@ void bind_state(nb::class_<Batch>& batch) {
   bind_rows(batch, "ctrl", &Model::nu, &Batch::ctrl, &Batch::set_ctrl,
             "Commands of the actuators (n, nu), each kept within its range: a copy; assign the whole.");
   batch
+      .def_prop_ro(
+          "mocap",
+          [](const Batch& self) {
+            const std::size_t count = self.model().mocap_bodies().size();
+            return bindings::copied(self.mocap().data(), {static_cast<std::size_t>(self.num_worlds()), count, 7});
+          },
+          nb::sig("def mocap(self) -> numpy.typing.NDArray[numpy.float32]"),
+          "Poses of the mocap bodies (n, mocap bodies, 7): x y z [m], quaternion xyzw; see `Model.mocap_bodies`.")
       .def(
           "snapshot", [](const Batch& self) { return bindings::as_bytes(self.snapshot()); },
           "All that the worlds continue from, bit for bit, whatever the lanes and threads.")

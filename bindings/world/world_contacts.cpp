@@ -136,6 +136,7 @@ void bind_world_contacts(nb::module_& m, nb::class_<World>& world) {
 
 void bind_world_bodies(nb::class_<World>& world) {
   static const std::string pose = pair_of_arrays("def body_pose(self, name: str)");
+  static const std::string poses = pair_of_arrays("def link_poses(self)");
   static const std::string velocity = pair_of_arrays("def body_velocity(self, name: str)");
   static const std::string set_pose = std::string("def set_body_pose(self, name: str, position: ") + kLike +
                                       ", quaternion: " + kLike + " = (0, 0, 0, 1)) -> None";
@@ -154,6 +155,21 @@ void bind_world_bodies(nb::class_<World>& world) {
           },
           "name"_a, nb::sig(pose.c_str()), "Of a link or frame in the world: position (3) [m], quaternion xyzw (4).")
       .def(
+          "link_poses",
+          [](const World& self) {
+            const std::span<const Link> links = self.model().links();
+            std::vector<double> positions, quaternions;
+            for (const Link& link : links) {
+              const Transform<double> X = self.body_pose(link.name);
+              const Quat<double> r = to_quat(X.R);
+              positions.insert(positions.end(), {X.p.x, X.p.y, X.p.z});
+              quaternions.insert(quaternions.end(), {r.x, r.y, r.z, r.w});
+            }
+            return std::pair{bindings::copied(positions.data(), {links.size(), 3}),
+                             bindings::copied(quaternions.data(), {links.size(), 4})};
+          },
+          nb::sig(poses.c_str()), "Of all links of the model: positions (n, 3) [m], quaternions xyzw (n, 4).")
+      .def(
           "body_velocity",
           [](const World& self, const std::string& name) {
             const Motion<double> V = self.body_velocity(name);
@@ -169,6 +185,14 @@ void bind_world_bodies(nb::class_<World>& world) {
           "name"_a, "position"_a, "quaternion"_a = Numbers4{0, 0, 0, 1}, nb::sig(set_pose.c_str()),
           "Puts a free body, or a link that is fixed to the world, at position (3) [m] and quaternion xyzw (4). Raises "
           "ValueError for a link that hangs on another joint.")
+      .def_prop_ro(
+          "mocap",
+          [](const World& self) {
+            const std::span<const double> poses = self.mocap();
+            return bindings::copied(poses.data(), {poses.size() / 7, 7});
+          },
+          nb::sig("def mocap(self) -> numpy.typing.NDArray[numpy.float64]"),
+          "Poses of the mocap bodies (n, 7): x y z [m], quaternion xyzw; see `Model.mocap_bodies`.")
       .def(
           "set_mocap",
           [](World& self, const std::string& link, const Numbers3& position, const Numbers4& quaternion) {

@@ -169,10 +169,11 @@ struct Geom {
 /// A state that a scene was given a name for.
 struct Keyframe {
   std::string name{};
-  double time = 0;             ///< [s]
-  std::vector<double> q{};     ///< (nq)
-  std::vector<double> v{};     ///< (nv)
-  std::vector<double> ctrl{};  ///< (nu)
+  double time = 0;              ///< [s]
+  std::vector<double> q{};      ///< (nq)
+  std::vector<double> v{};      ///< (nv)
+  std::vector<double> ctrl{};   ///< (nu)
+  std::vector<double> mocap{};  ///< of the mocap bodies: x y z [m] and quaternion xyzw each
 };
 
 }  // namespace manyhands

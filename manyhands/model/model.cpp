@@ -76,6 +76,12 @@ template <class Part>
 
 }  // namespace
 
+const Keyframe& Model::keyframe(std::string_view name) const {
+  const auto found = std::ranges::find(keyframes_, name, &Keyframe::name);
+  if (found == keyframes_.end()) throw_unknown(keyframes_, name, name_, "keyframe");
+  return *found;
+}
+
 LinkId Model::root_link(LinkId id) const {
   while (link(id).parent.value() > 0) id = link(id).parent;
   return id;
@@ -153,6 +159,16 @@ std::vector<double> Model::neutral_configuration() const {
     if (has_quaternion) q[static_cast<std::size_t>(body.iq + body.nq - 1)] = 1.0;
   }
   return q;
+}
+
+std::vector<double> Model::initial_mocap() const {
+  std::vector<double> poses;
+  for (const BodyId id : mocap_bodies_) {
+    const Transform<double>& X = body(id).X_PF;
+    const Quat<double> r = to_quat(X.R);
+    poses.insert(poses.end(), {X.p.x, X.p.y, X.p.z, r.x, r.y, r.z, r.w});
+  }
+  return poses;
 }
 
 std::vector<double> Model::spring_reference() const {

@@ -268,9 +268,16 @@ void ModelBuilder::compile_link(Model& model, LinkId id) {
   }
   Body& body = model.bodies_[link.body.index()];
   body.inertia = body.inertia + transformed(link.X_BL, link.inertial.about_origin());
-  const double lifted = link.gravity_compensation * link.inertial.mass;
-  body.lifted_mass += lifted;
-  body.lifted_moment = body.lifted_moment + lifted * (link.X_BL * link.inertial.com);
+  compile_lift(model, link);
+}
+
+void ModelBuilder::compile_lift(Model& model, const Link& link) {
+  const double mass = link.gravity_compensation * link.inertial.mass;
+  if (mass == 0) return;
+  auto lift = std::ranges::find(model.lifts_, link.body, &Lift::body);
+  if (lift == model.lifts_.end()) lift = model.lifts_.insert(lift, {.body = link.body});
+  lift->mass += mass;
+  lift->moment = lift->moment + mass * (link.X_BL * link.inertial.com);
 }
 
 void ModelBuilder::compile_dofs(Model& model) {
@@ -354,8 +361,12 @@ void ModelBuilder::add_keyframes(Model& model) const {
     if (key.q.empty()) key.q = model.initial_configuration();
     if (key.v.empty()) key.v.resize(static_cast<std::size_t>(model.nv()), 0.0);
     if (key.ctrl.empty()) key.ctrl.resize(static_cast<std::size_t>(model.nu()), 0.0);
+    if (key.mocap.empty()) key.mocap = model.initial_mocap();
     if (std::ssize(key.q) != model.nq() || std::ssize(key.v) != model.nv() || std::ssize(key.ctrl) != model.nu()) {
       throw ModelError("keyframe '" + key.name + "' does not have nq, nv and nu numbers");
+    }
+    if (key.mocap.size() != 7 * model.mocap_bodies().size()) {
+      throw ModelError("keyframe '" + key.name + "' does not have 7 numbers for each mocap body");
     }
     model.keyframes_.push_back(std::move(key));
   }

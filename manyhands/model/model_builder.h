@@ -80,6 +80,7 @@ class ModelBuilder {
   void require_single_dof(const std::string& what, JointId joint) const;
   void add_mimic_equalities(Model& model) const;
   static void compile_link(Model& model, LinkId id);
+  static void compile_lift(Model& model, const Link& link);
   static void compile_dofs(Model& model);
 
   std::string name_;

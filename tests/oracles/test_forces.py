@@ -5,9 +5,8 @@ import pytest
 
 mujoco = pytest.importorskip("mujoco")
 
-from mujoco_map import Array, Scene  # noqa: E402
-
 import manyhands as mh  # noqa: E402
+from benchmarks.mujoco_map import Array, Scene  # noqa: E402
 
 INERTIAL = '<inertial pos="0.1 -0.2 0.3" mass="1.5" diaginertia="0.02 0.03 0.04"/>'
 
@@ -145,6 +144,31 @@ MOCAP = f"""
 </worldbody><equality><weld body1="hand" body2="tip" relpose="0 0 0 1 0 0 0"/></equality></mujoco>"""
 
 
+def turned(angle: float) -> Array:
+    """About z."""
+    return np.array([0, 0, np.sin(angle / 2), np.cos(angle / 2)])
+
+
+def test_keyframes_place_mocap_bodies() -> None:
+    keys = """<key name="moved" mpos="1 2 3 4 5 6" mquat="0 1 0 0 0.5 0.5 0.5 0.5" qpos="0.1 0.2 0.3 0.4"/>
+      <key name="turned" mquat="0 0 2 0 1 0 0 0"/><key name="start"/>"""
+    scene = Scene.of_string(MOCAP.replace("</mujoco>", f"<keyframe>{keys}</keyframe></mujoco>"))
+    model, data = scene.mujoco, scene.data
+    world = mh.World(scene.ours)
+    assert scene.ours.mocap_bodies == ["hand", "stand"]
+    for i, name in enumerate(("moved", "turned", "start")):
+        mujoco.mj_resetDataKeyframe(model, data, i)
+        mujoco.mj_kinematics(model, data)
+        world.set_keyframe(name)
+        assert np.array_equal(world.mocap, scene.ours.keyframes[i].mocap)
+        for body in ("hand", "tip", "stand", "bob"):
+            position, quaternion = world.body_pose(body)
+            assert np.allclose(position, data.body(body).xpos, rtol=0, atol=1e-12), (name, body)
+            assert abs(quaternion[[3, 0, 1, 2]] @ data.body(body).xquat) == pytest.approx(1, abs=1e-12), (name, body)
+    with pytest.raises(KeyError, match="'moved' 'turned' 'start'"):
+        world.set_keyframe("other")
+
+
 def test_mocap_bodies_lead_what_is_welded_to_them() -> None:
     """Both arms end where the hand has been moved to; MuJoCo's weld is soft, and gives way by a millimetre."""
     scene = Scene.of_string(MOCAP)
@@ -154,8 +178,7 @@ def test_mocap_bodies_lead_what_is_welded_to_them() -> None:
     for k in range(3000):
         part = min(1.0, k / 2000)
         position = np.array([0.2 + 0.2 * part, 0.3 * part, 1.0])
-        angle = np.deg2rad(20 + 40 * part)
-        quaternion = np.array([0, 0, np.sin(angle / 2), np.cos(angle / 2)])
+        quaternion = turned(np.deg2rad(20 + 40 * part))
         data.mocap_pos[0], data.mocap_quat[0] = position, quaternion[[3, 0, 1, 2]]
         data.mocap_pos[1] = position
         mujoco.mj_step(model, data)
@@ -165,3 +188,74 @@ def test_mocap_bodies_lead_what_is_welded_to_them() -> None:
     assert np.allclose(world.body_pose("tip")[0], position, rtol=0, atol=1e-6)
     assert np.allclose(world.body_pose("tip")[0], data.body("tip").xpos, rtol=0, atol=1e-3)
     assert np.allclose(world.body_pose("bob")[0], data.body("bob").xpos, rtol=0, atol=1e-9)
+
+
+GRIPPER = """
+<mujoco><option timestep="0.002"/><worldbody>
+  <geom type="plane" size="2 2 1" friction="0.6"/>
+  <body name="gripper" mocap="true" pos="-0.15 0 0.05">
+    <geom name="left" type="box" size="0.02 0.01 0.04" pos="0.02 0.04 0"/>
+    <geom name="right" type="box" size="0.02 0.01 0.04" pos="0.02 -0.04 0"/>
+    <geom name="palm" type="box" size="0.01 0.05 0.04" pos="-0.01 0 0"/></body>
+  <body name="cube" pos="0 0 0.025"><freejoint/><geom type="box" size="0.025 0.025 0.025" mass="0.2"/></body>
+</worldbody></mujoco>"""
+
+
+def test_a_mocap_gripper_takes_a_cube_along() -> None:
+    """It slides over the cube, turns it by the fingers, and pushes it with the palm, as slowly as a user would."""
+    scene = Scene.of_string(GRIPPER)
+    model, data = scene.mujoco, scene.data
+    world = mh.World(scene.ours)
+    for k in range(4000):
+        part = min(1.0, k / 3000)
+        position, quaternion = np.array([-0.15 + 0.4 * part, 0.05 * part**2, 0.05]), turned(0.4 * part**2)
+        data.mocap_pos[0], data.mocap_quat[0] = position, quaternion[[3, 0, 1, 2]]
+        mujoco.mj_step(model, data)
+        world.set_mocap("gripper", position, quaternion)
+        world.step()
+    position, quaternion = world.body_pose("cube")
+    theirs = data.body("cube")
+    assert theirs.xpos[0] > 0.2  # it is taken along
+    assert np.allclose(position, theirs.xpos, rtol=0, atol=2e-3)
+    assert abs(quaternion[[3, 0, 1, 2]] @ theirs.xquat) > np.cos(0.5 * 0.03)
+    assert np.linalg.norm(world.body_velocity("cube")[1]) < 1e-3
+
+
+def arm_on_a_weld(softness: str) -> str:
+    """Seven joints, whose hand a weld leads, as the Sawyer's of metaworld; the mocap body begins at the hand."""
+    axes = ["0 0 1", "0 1 0", "1 0 0", "0 1 0", "1 0 0", "0 1 0", "1 0 0"]
+    body = '<geom name="finger" size="0.02" mass="0.1" contype="0" conaffinity="0"/>'
+    for k in reversed(range(7)):
+        name = "hand" if k == 6 else f"link{k}"
+        body = f"""<body name="{name}" pos="{0.12 * (k % 2)} 0 {0.16 if k % 2 == 0 else 0.05}">
+          <joint axis="{axes[k]}" damping="2" armature="0.02" range="-170 170"/>
+          <inertial pos="0.05 0.01 0.03" mass="{3 - 0.35 * k}" diaginertia="0.02 0.02 0.01"/>{body}</body>"""
+    return f"""<mujoco><option timestep="0.0025"/><worldbody>{body}
+      <body name="mocap" mocap="true" pos="0.36 0 0.79"/></worldbody>
+      <equality><weld body1="mocap" body2="hand" {softness}/></equality></mujoco>"""
+
+
+def test_a_weld_to_a_mocap_body_leads_an_arm_s_hand() -> None:
+    """metaworld's control: the hand follows within what MuJoCo's soft weld gives way by, and as smoothly."""
+    scene = Scene.of_string(arm_on_a_weld('solref="0.02 1"'))
+    model, data = scene.mujoco, scene.data
+    world = mh.World(scene.ours)
+    mujoco.mj_forward(model, data)
+    start = np.array(data.body("hand").xpos)
+    assert np.allclose(start, [0.36, 0, 0.79])
+    apart, off, fastest = 0.0, 0.0, 0.0
+    for k in range(2400):
+        t = 0.0025 * min(k, 2000)
+        target = start + [-0.1 * np.sin(t), 0.15 * np.sin(2 * t), 0.1 * (np.cos(2 * t) - 1)]
+        data.mocap_pos[0] = target
+        mujoco.mj_step(model, data)
+        world.set_mocap("mocap", target)
+        world.step()
+        hand = world.body_pose("hand")[0]
+        apart = max(apart, float(np.linalg.norm(hand - data.body("hand").xpos)))
+        off = max(off, float(np.linalg.norm(hand - target)))
+        fastest = max(fastest, float(np.abs(world.v).max()) / max(1.0, float(np.abs(data.qvel).max())))
+    assert off < 2e-3
+    assert apart < 0.02
+    assert fastest < 3
+    assert np.linalg.norm(world.v) < 1e-3

@@ -21,10 +21,12 @@ Energy<T> energy(const Tree<real_t<T>>& tree, const Params<P>& params, const T* 
     const Vec3<T> first_moment = fma(ws.I[b].m, ws.p_WO[b], ws.I[b].h);
     sum.potential = sum.potential - dot(broadcast<T>(params.gravity[0]), first_moment);
   }
-  for (const TreeLift<real_t<T>>& lift : tree.lifts) {
-    const T mass = T(tree.bodies[lift.body].lifted) * broadcast<T>(params.inertia[lift.body].m);
-    const Vec3<T> p_WC = ws.R_WB[lift.body] * broadcast<T>(lift.p_BC) + ws.p_OB[lift.body] + ws.p_WO[lift.body];
-    sum.potential = fma(mass, dot(broadcast<T>(params.gravity[0]), p_WC), sum.potential);
+  for (std::size_t i = 0; i < tree.lifted_bodies.size(); ++i) {
+    const std::size_t b = tree.lifted_bodies[i];
+    if (tree.bodies[b].nv == 0) continue;
+    const Vec3<T> moment = fma(broadcast<T>(params.lifted_mass[i]), ws.p_OB[b] + ws.p_WO[b],
+                               ws.R_WB[b] * broadcast<T>(params.lifted_moment[i]));
+    sum.potential = sum.potential + dot(broadcast<T>(params.gravity[0]), moment);
   }
   for (std::size_t i = 0; i < static_cast<std::size_t>(tree.nv); ++i) {
     sum.kinetic = fma(half * broadcast<T>(params.armature[i]), v[i] * v[i], sum.kinetic);

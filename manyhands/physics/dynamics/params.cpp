@@ -17,6 +17,7 @@ Layout::Layout(const Model& model, std::size_t contact_numbers)
               model.bodies().size(),
               model.geoms().size(),
               model.links().size(),
+              model.lifts().size(),
               kPoseNumbers * model.mocap_bodies().size()} {}
 
 bool Layout::has_room(const FieldInsertion& at) const {
@@ -42,6 +43,10 @@ void Params<T>::take(const Model& model) {
   const auto number = [](double value) { return T(static_cast<real_t<T>>(value)); };
   gravity[0] = broadcast<T>(model.gravity());
   std::ranges::transform(model.bodies(), inertia.begin(), [](const Body& body) { return broadcast<T>(body.inertia); });
+  for (std::size_t i = 0; i < lifted_mass.size(); ++i) {
+    lifted_mass[i] = number(model.lifts()[i].mass);
+    lifted_moment[i] = broadcast<T>(model.lifts()[i].moment);
+  }
   std::ranges::transform(model.dof_damping(), damping.begin(), number);
   std::ranges::transform(model.dof_armature(), armature.begin(), number);
   std::ranges::transform(model.dof_friction(), friction.begin(), number);

@@ -5,7 +5,6 @@
 #include <span>
 #include <vector>
 
-#include "manyhands/math/quaternion.h"
 #include "manyhands/physics/dynamics/tree.h"
 
 namespace manyhands {
@@ -100,12 +99,7 @@ class State {
     const std::vector<double> initial = model.initial_configuration();
     const auto number = [](double x) { return T(static_cast<real_t<T>>(x)); };
     std::ranges::transform(initial, q_.begin(), number);
-    T* pose = mocap_.data();
-    for (const BodyId body : model.mocap_bodies()) {
-      const Transform<double>& X = model.body(body).X_PF;
-      const Quat<double> r = to_quat(X.R);
-      pose = std::ranges::transform(std::array{X.p.x, X.p.y, X.p.z, r.x, r.y, r.z, r.w}, pose, number).out;
-    }
+    std::ranges::transform(model.initial_mocap(), mocap_.begin(), number);
   }
 
   /// Makes room for another number of contacts, of large worlds that list no pairs; the old ones are forgotten.

@@ -101,11 +101,11 @@ Tree<R>::Tree(const Model& model)
                       .shifted = norm(body.X_PF.p) > 0,
                       .X_PF = broadcast<R>(body.X_PF)});
     set_turn(body.X_PF.R, bodies.back());
-    add_lift(body);
-    if (body.type == JointType::kMocap) {
-      bodies.back().mocap = static_cast<int>(mocap_bodies.size());
-      mocap_bodies.push_back(bodies.size() - 1);
-    }
+  }
+  for (const BodyId body : model.mocap_bodies()) mocap_bodies.push_back(body.index());
+  for (const Lift& lift : model.lifts()) {
+    bodies[lift.body.index()].lift = static_cast<int>(lifted_bodies.size());
+    lifted_bodies.push_back(lift.body.index());
   }
   for (int k = nv - 1; k >= 0; --k) dofs_from_leaves.push_back(k);
   for (int k = 0; k < nv; ++k) {
@@ -139,14 +139,6 @@ Tree<R>::Tree(const Model& model)
     dof_limited.push_back(is_finite(limits.lower) || is_finite(limits.upper));
   }
   MANYHANDS_ASSERT(internal::is_topology_sound(*this));
-}
-
-template <Real R>
-void Tree<R>::add_lift(const Body& body) {
-  const bool is_lifted = body.nv > 0 && body.inertia.m > 0 && body.lifted_mass != 0;
-  if (!is_lifted) return;
-  bodies.back().lifted = static_cast<R>(body.lifted_mass / body.inertia.m);
-  lifts.push_back({bodies.size() - 1, broadcast<R>((1 / body.lifted_mass) * body.lifted_moment)});
 }
 
 template <Real R>

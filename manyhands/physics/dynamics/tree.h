@@ -31,15 +31,7 @@ struct TreeBody {
   std::array<std::int8_t, 3>
       axes{};  ///< for kQuarters, F's x, y and z: 1, 2, 3 for the parent's x, y, z, minus if reversed
   Transform<R> X_PF = Transform<R>::identity();
-  R lifted{};   ///< share of its weight that gravity compensation carries
-  int mocap{};  ///< of kMocap: which of the model's mocap bodies it is
-};
-
-/// A body part of whose weight is carried, at the centre of what is.
-template <Real R>
-struct TreeLift {
-  std::size_t body{};
-  Vec3<R> p_BC{};
+  int lift = -1;  ///< index of its part that gravity compensation carries; -1 without one
 };
 
 /// A drive of the model as kernels read it.
@@ -70,29 +62,27 @@ struct Tree {
   void insert(const Tree& part, const Insertion& at);
   /// Takes over the model's equality constraints anew.
   void set_equalities(const Model& model);
-  /// Notes what gravity compensation does to the last of `bodies`.
-  void add_lift(const Body& body);
   /// Widens the ranges of dofs until no equality constraint leaves its own and no two overlap in part.
   void join_clusters();
 
   int nb{};  ///< bodies, the world included
   int nq{}, nv{};
-  std::vector<TreeBody<R>> bodies;        ///< (nb)
-  std::vector<int> dof_parent;            ///< (nv) next dof towards the root, or -1
-  std::vector<int> root_dof;              ///< (nv) first dof of the dof's tree; trees take consecutive dofs
-  std::vector<int> end_dof;               ///< (nv) one past the last dof of the dof's tree
-  std::vector<int> last_dof;              ///< (nb) the body's last dof, or its next ancestor's; -1 if it never moves
-  std::vector<int> path;                  ///< of each body: the dofs that move it, leaves first
-  std::vector<std::size_t> path_begin;    ///< (nb + 1) where that begins
-  std::vector<std::ptrdiff_t> M_row;      ///< (nv) M[M_row[i] + j] is entry (i, j <= i) within a tree; trees follow
-                                          ///< each other, and nothing is stored between them
-  std::size_t M_size{};                   ///< numbers in M
-  std::vector<int> dofs_from_leaves;      ///< (nv) nv - 1, ..., 0
-  std::vector<int> dof_q;                 ///< (nv) the coordinate that the dof integrates, or -1
-  std::vector<std::uint8_t> dof_limited;  ///< (nv) whether the joint has position limits
-  std::vector<TreeActuator> actuators;    ///< (nu)
-  std::vector<TreeLift<R>> lifts;         ///< of bodies that gravity compensation acts on
-  std::vector<std::size_t> mocap_bodies;  ///< that a user moves
+  std::vector<TreeBody<R>> bodies;         ///< (nb)
+  std::vector<int> dof_parent;             ///< (nv) next dof towards the root, or -1
+  std::vector<int> root_dof;               ///< (nv) first dof of the dof's tree; trees take consecutive dofs
+  std::vector<int> end_dof;                ///< (nv) one past the last dof of the dof's tree
+  std::vector<int> last_dof;               ///< (nb) the body's last dof, or its next ancestor's; -1 if it never moves
+  std::vector<int> path;                   ///< of each body: the dofs that move it, leaves first
+  std::vector<std::size_t> path_begin;     ///< (nb + 1) where that begins
+  std::vector<std::ptrdiff_t> M_row;       ///< (nv) M[M_row[i] + j] is entry (i, j <= i) within a tree; trees follow
+                                           ///< each other, and nothing is stored between them
+  std::size_t M_size{};                    ///< numbers in M
+  std::vector<int> dofs_from_leaves;       ///< (nv) nv - 1, ..., 0
+  std::vector<int> dof_q;                  ///< (nv) the coordinate that the dof integrates, or -1
+  std::vector<std::uint8_t> dof_limited;   ///< (nv) whether the joint has position limits
+  std::vector<TreeActuator> actuators;     ///< (nu)
+  std::vector<std::size_t> lifted_bodies;  ///< that gravity compensation acts on, in the order of Model::lifts
+  std::vector<std::size_t> mocap_bodies;   ///< that a user moves
   std::vector<TreeEquality<R>> equalities;
   std::size_t equality_rows{};  ///< three for every equality constraint, six where it holds rotations
   std::vector<int>

@@ -130,16 +130,14 @@ void insert_actuators(const Tree<R>& part, const Insertion& at, Tree<R>& tree) {
 /// Bodies that are carried, and those that a user moves.
 template <Real R>
 void insert_special_bodies(const Tree<R>& part, const Insertion& at, Tree<R>& tree) {
-  for (TreeLift<R>& lift : tree.lifts) lift.body = index(at.bodies.of_old(static_cast<int>(lift.body)));
-  for (TreeLift<R> lift : part.lifts) {
-    lift.body = index(at.new_body(static_cast<int>(lift.body)));
-    tree.lifts.push_back(lift);
-  }
-  for (std::size_t& body : tree.mocap_bodies) body = index(at.bodies.of_old(static_cast<int>(body)));
-  for (const std::size_t body : part.mocap_bodies) {
-    const std::size_t b = index(at.new_body(static_cast<int>(body)));
-    tree.bodies[b].mocap = static_cast<int>(tree.mocap_bodies.size());
-    tree.mocap_bodies.push_back(b);
+  const auto insert = [&](const std::vector<std::size_t>& bodies, std::vector<std::size_t>& into) {
+    for (std::size_t& body : into) body = index(at.bodies.of_old(static_cast<int>(body)));
+    for (const std::size_t body : bodies) into.push_back(index(at.new_body(static_cast<int>(body))));
+  };
+  insert(part.mocap_bodies, tree.mocap_bodies);
+  insert(part.lifted_bodies, tree.lifted_bodies);
+  for (std::size_t i = 0; i < tree.lifted_bodies.size(); ++i) {
+    tree.bodies[tree.lifted_bodies[i]].lift = static_cast<int>(i);
   }
 }
 

@@ -67,7 +67,7 @@ void runge_kutta_step(const Tree<real_t<T>>& tree, const Params<P>& params, real
       rk.tau[i] = fma(T(-params.damping[i]), rk.v[i], state.tau()[i]);
     }
     integrate_configuration(tree, rk.phi.data(), T(R(1)), rk.q.data());
-    if (!tree.lifts.empty()) {
+    if (!tree.lifted_bodies.empty()) {
       forward_kinematics(tree, rk.q.data(), rk.dynamics);
       visit_gravity_compensation(tree, params, rk.dynamics, [&](std::size_t i, T force) { rk.tau[i] += force; });
     }

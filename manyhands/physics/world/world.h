@@ -97,6 +97,9 @@ class World {
   void set_tau(std::span<const double> tau);  ///< acts in every step until it is set again
   /// Commands of the actuators, see ActuatorType; each is kept within its actuator's range.
   void set_ctrl(std::span<const double> ctrl);
+  /// q, v, ctrl and the poses of mocap bodies as the model's keyframe has them. Throws std::out_of_range where there is
+  /// none of that name; a world loses its model's keyframes when parts come or go.
+  void set_keyframe(std::string_view name);
 
   /// Motors at the velocity level, as PyBullet's: per step a dof is driven towards the velocity
   /// kp (target_q - q) / h + v' + kd (target_v - v') with at most max_force, where v' is what it would reach without.
@@ -128,6 +131,8 @@ class World {
   /// Puts a body that a mocap joint carries at X_WL, at rest. It pushes what touches it, and pulls what is welded to
   /// it. Throws std::invalid_argument for other links.
   void set_mocap(std::string_view link, const Transform<double>& X_WL);
+  /// Poses of the model's mocap bodies, in its order: x y z [m] and quaternion xyzw each.
+  [[nodiscard]] std::span<const double> mocap() const;
   /// A force [N] at `point` (world, default: the link's centre of mass) and a torque [N m], in world axes; acts in the
   /// next step only. Forces add up.
   void apply_force(std::string_view name, const Vec3<double>& force, const Vec3<double>& torque = Vec3<double>::zero(),

@@ -61,6 +61,11 @@ void World::set_mocap(std::string_view name, const Transform<double>& X_WL) {
   now.moved();
 }
 
+std::span<const double> World::mocap() const {
+  const WorldCore& now = core();
+  return {now.state.mocap(), kPoseNumbers * now.model->mocap_bodies().size()};
+}
+
 void World::set_body_velocity(std::string_view name, const Motion<double>& V_WL) {
   const FloatEnvironment floats;
   require_vector("the angular velocity of link '" + std::string(name) + "'", V_WL.w);

@@ -72,6 +72,7 @@ FieldInsertion places_of(const Insertion& at, const ListInsertion& rows, const M
   put(Each::kBody, at.bodies);
   put(Each::kGeom, behind(at.geoms, part.geoms().size()));
   put(Each::kLink, behind(at.links, part.links().size() - 1));
+  put(Each::kLift, behind(at.lifts, part.lifts().size()));
   const auto mocaps = static_cast<int>(kPoseNumbers) * at.mocaps;
   put(Each::kMocapNumber, behind(mocaps, kPoseNumbers * part.mocap_bodies().size()));
   return places;

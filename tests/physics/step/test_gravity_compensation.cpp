@@ -1,6 +1,7 @@
 // Gravity compensation: bodies that float, and the energy of those that it carries in part.
 #include <gtest/gtest.h>
 
+#include "manyhands/physics/world/batch.h"
 #include "manyhands/physics/world/world.h"
 #include "tests/physics/dynamics/random_tree.h"
 
@@ -58,6 +59,40 @@ TEST(GravityCompensation, KeepsTheEnergy) {
     EXPECT_NEAR(world.energy().kinetic + world.energy().potential, before, 1e-6) << seed;
     EXPECT_GT(world.energy().kinetic, 1e-3);
   }
+}
+
+/// Two links of one body, carried by different shares, and a free ball.
+std::shared_ptr<const Model> mixed(double mass, double ball_mass) {
+  const auto ball_inertia = [](double I) { return SymMat3<double>{I, I, I, 0, 0, 0}; };
+  ModelBuilder builder("mixed");
+  const LinkId arm = builder.add_link("arm", {.mass = 2, .com = {0.3, 0, 0}, .inertia = ball_inertia(1)});
+  const LinkId load = builder.add_link("load", {.mass = mass, .com = {0, 0.1, 0}, .inertia = ball_inertia(mass / 3)});
+  const LinkId ball = builder.add_link("ball", {.mass = ball_mass, .com = {}, .inertia = ball_inertia(ball_mass)});
+  builder.link(arm).gravity_compensation = 1;
+  builder.link(load).gravity_compensation = -1;
+  builder.link(ball).gravity_compensation = 0.5;
+  builder.add_joint(
+      {.name = "hinge", .type = JointType::kRevolute, .parent = builder.world(), .child = arm, .axis = {0, 1, 0}});
+  builder.add_joint({.name = "fixed", .parent = arm, .child = load, .X_PF = {Mat3<double>::identity(), {0.6, 0, 0}}});
+  builder.add_joint({.name = "free", .type = JointType::kFloating, .parent = builder.world(), .child = ball});
+  return std::make_shared<const Model>(builder.build());
+}
+
+TEST(GravityCompensation, FollowsMassesThatAreSet) {
+  World world(mixed(3, 1)), expected(mixed(5, 7));
+  world.set_mass("load", 5);
+  world.set_mass("ball", 7);
+  // Parts that come change no numbers of those that are there.
+  world.add_body({.name = "other", .shape = {.type = ShapeType::kSphere, .size = {0.1, 0, 0}}});
+  Batch batch(mixed(3, 1), 2, 0.002, {.num_threads = 1});
+  batch.set_mass("load", std::array{3.0f, 5.0f});
+  world.step(100);
+  expected.step(100);
+  batch.step(100);
+  for (std::size_t i = 0; i < 8; ++i) EXPECT_NEAR(world.q()[i], expected.q()[i], 1e-12) << i;
+  EXPECT_NEAR(batch.q()[8], expected.q()[0], 1e-5);
+  EXPECT_GT(std::abs(expected.q()[0]), 0.1);
+  EXPECT_GT(std::abs(batch.q()[0] - batch.q()[8]), 1e-3);
 }
 
 }  // namespace

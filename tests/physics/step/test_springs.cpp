@@ -134,7 +134,7 @@ TEST(Springs, LanesHaveTheBitsOfScalars) {
     for (std::size_t i = 0; i < stiffness.size(); ++i) stiffness[i] = i % 3 == 0 ? 0.0f : static_cast<float>(i);
     batch.set_stiffness("joint2", stiffness);
     batch.step(200);
-    return std::vector<float>(batch.q().begin(), batch.q().end());
+    return batch.q();
   };
   const std::vector<float> scalar = states(1);
   for (const int lanes : {4, 8, 16}) EXPECT_EQ(states(lanes), scalar) << lanes;

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "manyhands/math/quaternion.h"
 #include "manyhands/model/io/mjcf/mjcf.h"
 #include "manyhands/physics/world/batch.h"
 #include "manyhands/physics/world/world.h"

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <limits>
 
-#include "manyhands/model/io/mjcf/mjcf_inertia.h"
 #include "manyhands/model/io/mjcf/mjcf_scene.h"
 #include "manyhands/model/io/text_numbers.h"
 
@@ -22,11 +21,10 @@ double first_number(const MjcfElement& e, const char* attribute, double fallback
 }
 
 /// kd of a position servo: kv, or the damping of a ratio to critical (MuJoCo's mj_setConst).
-double damping_of(const MjcfScene& scene, const MjcfElement& e, const MjcfJoint& joint, double kp, double gear) {
+double damping_of(const MjcfElement& e, const MjcfJoint& joint, double kp, double gear) {
   if (!e.has("dampratio")) return e.positive_or("kv", 0);
   if (e.has_own("kv")) e.fail("both 'kv' and 'dampratio' are given; expected one");
-  const double inertia = yielding_inertias(scene)[static_cast<std::size_t>(&joint - scene.joints.data())];
-  return e.positive_or("dampratio", 1) * 2 * std::sqrt(kp * inertia / (gear * gear));
+  return e.positive_or("dampratio", 1) * 2 * std::sqrt(kp * joint.inertia / (gear * gear));
 }
 
 /// The law of a <general>; nothing, with a note, if it is of another kind.
@@ -49,7 +47,7 @@ std::optional<Law> general_law(const MjcfElement& e) {
   return law;
 }
 
-std::optional<Law> law_of(const MjcfScene& scene, const MjcfElement& e, const MjcfJoint& joint, double gear) {
+std::optional<Law> law_of(const MjcfElement& e, const MjcfJoint& joint, double gear) {
   const std::string_view tag = e.tag();
   if (tag == "motor") return Law{};
   if (tag == "general") return general_law(e);
@@ -61,7 +59,7 @@ std::optional<Law> law_of(const MjcfScene& scene, const MjcfElement& e, const Mj
     e.note_serious(LoadAction::kIgnored, "the filter of 'timeconst' is not used");
   }
   const double kp = e.has("kp") ? e.positive_or("kp", 1) : std::abs(first_number(e, "gainprm", 1));
-  return Law{kp, {0, -kp, -damping_of(scene, e, joint, kp, gear)}};
+  return Law{kp, {0, -kp, -damping_of(e, joint, kp, gear)}};
 }
 
 /// Writes the law into the actuator; false if none of its types can hold it.
@@ -140,7 +138,7 @@ int add_actuator(MjcfScene& scene, const MjcfElement& e, const std::string& name
   const double gear = first_number(e, "gear", 1);
   if (gear == 0) e.fail("its gear is 0; expected another number");
   Actuator actuator{.name = name, .joint = joint.id, .gear = gear};
-  const std::optional<Law> law = law_of(scene, e, joint, gear);
+  const std::optional<Law> law = law_of(e, joint, gear);
   if (!law) return -1;
   if (!apply(*law, actuator)) {
     e.note_serious(LoadAction::kIgnored, "its gain and bias are neither a motor's nor a servo's; it is left out");

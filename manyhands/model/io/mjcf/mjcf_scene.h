@@ -32,6 +32,7 @@ struct MjcfJoint {
   int body = 0;                           ///< index of the body that it moves
   Vec3<double> anchor_W{}, axis_W{};      ///< at qpos0
   std::array<double, 2> spring_damper{};  ///< time constant [s] and ratio of damping; 0 where they do not say
+  double inertia = 0;                     ///< that it meets at qpos0 while other joints yield (see mjcf_inertia.h)
 };
 
 struct MjcfGeom {

@@ -233,15 +233,14 @@ void scale_total_mass(MjcfScene& scene) {
 
 /// Stiffness and damping of joints that ask for a time constant and a ratio of damping (mjCModel::AutoSpringDamper).
 void settle_springs(MjcfScene& scene) {
-  const auto is_asked = [](const MjcfJoint& joint) { return joint.spring_damper[0] > 0 && joint.spring_damper[1] > 0; };
-  if (std::ranges::none_of(scene.joints, is_asked)) return;
   const std::vector<double> inertias = yielding_inertias(scene);
   for (std::size_t i = 0; i < inertias.size(); ++i) {
-    if (!is_asked(scene.joints[i])) continue;
+    const double inertia = scene.joints[i].inertia = inertias[i];
     const auto [time, ratio] = scene.joints[i].spring_damper;
+    if (!(time > 0 && ratio > 0)) continue;
     Joint& joint = scene.builder.joint(scene.joints[i].id);
-    joint.stiffness = inertias[i] / std::max(time * time * ratio * ratio, 1e-15);
-    joint.damping = 2 * inertias[i] / std::max(time, 1e-15);
+    joint.stiffness = inertia / std::max(time * time * ratio * ratio, 1e-15);
+    joint.damping = 2 * inertia / std::max(time, 1e-15);
   }
 }
 
