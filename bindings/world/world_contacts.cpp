@@ -136,7 +136,7 @@ void bind_world_contacts(nb::module_& m, nb::class_<World>& world) {
 
 void bind_world_bodies(nb::class_<World>& world) {
   static const std::string pose = pair_of_arrays("def body_pose(self, name: str)");
-  static const std::string poses = pair_of_arrays("def link_poses(self)");
+  static const std::string all_poses = pair_of_arrays("def link_poses(self)");
   static const std::string velocity = pair_of_arrays("def body_velocity(self, name: str)");
   static const std::string set_pose = std::string("def set_body_pose(self, name: str, position: ") + kLike +
                                       ", quaternion: " + kLike + " = (0, 0, 0, 1)) -> None";
@@ -168,7 +168,7 @@ void bind_world_bodies(nb::class_<World>& world) {
             return std::pair{bindings::copied(positions.data(), {links.size(), 3}),
                              bindings::copied(quaternions.data(), {links.size(), 4})};
           },
-          nb::sig(poses.c_str()), "Of all links of the model: positions (n, 3) [m], quaternions xyzw (n, 4).")
+          nb::sig(all_poses.c_str()), "Of all links of the model: positions (n, 3) [m], quaternions xyzw (n, 4).")
       .def(
           "body_velocity",
           [](const World& self, const std::string& name) {
