@@ -241,7 +241,7 @@ def arm_on_a_weld(softness: str) -> str:
 
 
 def test_a_weld_to_a_mocap_body_leads_an_arm_s_hand() -> None:
-    """metaworld's control: the hand follows exactly, and as smoothly as by MuJoCo's weld, which lags by a centimetre."""
+    """metaworld's control: the hand follows exactly, and as smoothly as by MuJoCo's weld, which lags a centimetre."""
     scene = Scene.of_string(arm_on_a_weld('solref="0.02 1"'))
     model, data = scene.mujoco, scene.data
     world = mh.World(scene.ours)
@@ -262,4 +262,4 @@ def test_a_weld_to_a_mocap_body_leads_an_arm_s_hand() -> None:
     assert off < 5e-6  # the way ends suddenly
     assert apart < 0.015  # as far as the soft weld lags
     assert fastest < 1.3
-    assert np.linalg.norm(world.v) < 1e-3
+    assert np.allclose(world.q, data.qpos, rtol=0, atol=0.05)  # of seven joints the elbow is free to swing
