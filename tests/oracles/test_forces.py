@@ -188,6 +188,7 @@ def test_mocap_bodies_lead_what_is_welded_to_them() -> None:
         world.set_mocap("hand", position, quaternion)
         world.set_mocap("stand", position)
         world.step()
+    position = data.mocap_pos[0]
     assert np.allclose(world.body_pose("tip")[0], position, rtol=0, atol=1e-6)
     assert np.allclose(world.body_pose("tip")[0], data.body("tip").xpos, rtol=0, atol=1e-3)
     assert np.allclose(world.body_pose("bob")[0], data.body("bob").xpos, rtol=0, atol=1e-9)
