@@ -70,17 +70,16 @@ template <Number T>
 MANYHANDS_INLINE void place(const Tree<real_t<T>>& tree, std::size_t b, const T* q, Workspace<T>& ws) {
   MANYHANDS_ASSERT(b > 0 && b < tree.bodies.size() && b < ws.R_WB.size());
   const TreeBody<real_t<T>>& body = tree.bodies[b];
-  if (body.type == JointType::kMocap) return;  // see `place_mocap`
   const auto parent = static_cast<std::size_t>(body.parent);
   const Vec3<T> p_PF = broadcast<T>(body.X_PF.p);
   const bool on_world = body.parent == 0;
   const Mat3<T> R_WF = on_world ? broadcast<T>(body.X_PF.R) : internal::turned(ws.R_WB[parent], body);
   const Vec3<T> p_F = on_world ? p_PF : body.shifted ? ws.R_WB[parent] * p_PF + ws.p_OB[parent] : ws.p_OB[parent];
   const T* qj = q + body.iq;
-  Motion<T>* S = &ws.S[static_cast<std::size_t>(body.iv)];
+  Motion<T>* S = ws.S.data() + body.iv;
   switch (body.type) {
     case JointType::kFixed:
-    case JointType::kMocap:
+    case JointType::kMocap:  // see `place_mocap`
       break;
     case JointType::kRevolute:
     case JointType::kContinuous: {

@@ -46,6 +46,9 @@ MANYHANDS_INLINE std::array<T, 6> spring_stretch(const TreeBody<real_t<T>>& body
 /// 0.
 template <Number T, Number P, class Visit>
 MANYHANDS_INLINE void visit_springs(const Tree<real_t<T>>& tree, const Params<P>& params, const T* q, Visit&& visit) {
+  P stiffest = constant<P>(0);
+  for (const P& stiffness : params.stiffness) stiffest = max(stiffest, stiffness);
+  if (!any(stiffest > constant<P>(0))) return;
   for (std::size_t b = 1; b < tree.bodies.size(); ++b) {
     const TreeBody<real_t<T>>& body = tree.bodies[b];
     const auto first = static_cast<std::size_t>(body.iv), end = first + static_cast<std::size_t>(body.nv);

@@ -124,6 +124,19 @@ TEST(Mocap, PosesSurviveOtherPartsComingAndGoing) {
   EXPECT_EQ(norm(world.body_pose("other/hand").p - Vec3<double>{1, 10, 1}), 0);
 }
 
+TEST(Mocap, OneThatIsRemovedLeavesTheOthersWhereTheyAre) {
+  World world(scene());
+  world.set_mocap("frame", at(-5, 0, 3));
+  world.remove("hand");
+  world.set_mocap("tray", at(7, 0, 3));
+  world.step(5);
+  EXPECT_EQ(world.model().mocap_bodies().size(), 2u);
+  EXPECT_EQ(world.mocap().size(), 14u);
+  EXPECT_EQ(norm(world.body_pose("frame").p - Vec3<double>{-5, 0, 3}), 0);
+  EXPECT_EQ(norm(world.body_pose("tray").p - Vec3<double>{7, 0, 3}), 0);
+  EXPECT_THROW(world.set_mocap("hand", at(0, 0, 0)), std::out_of_range);
+}
+
 TEST(Mocap, OthersAreRefused) {
   World world(scene());
   EXPECT_THROW(world.set_mocap("ball", at(0, 0, 0)), std::invalid_argument);
