@@ -56,7 +56,7 @@ void Batch::set_mocap(std::string_view name, std::span<const float> position, st
   require_rows("position", position, n, 3);
   require_rows("quaternion", quaternion, n, 4);
   for (std::size_t i = 0; i < n; ++i) {
-    (void)internal::require_unit_quaternion<float>(quaternion, 4 * i, "");
+    (void)internal::require_unit_quaternion<float>(quaternion, 4 * i, "quaternion[");
   }
   for (std::size_t i = 0; i < n; ++i) {
     if (!chosen(mask, i)) continue;

@@ -144,6 +144,10 @@ TEST(Mocap, OthersAreRefused) {
   EXPECT_THROW(world.set_mocap("nobody", at(0, 0, 0)), std::out_of_range);
   EXPECT_THROW(world.set_mocap("hand", at(NAN, 0, 0)), std::invalid_argument);
   EXPECT_THROW(world.set_body_pose("hand", at(0, 0, 0)), std::invalid_argument);
+  Batch batch(scene(), 2, 0.002, {.num_threads = 1});
+  const std::array<float, 6> p{};
+  EXPECT_THROW(batch.set_mocap("hand", p, std::array<float, 8>{0, 0, 0, 1, 0, 0, 0, 2}), std::invalid_argument);
+  EXPECT_THROW(batch.set_mocap("ball", p, std::array<float, 8>{0, 0, 0, 1, 0, 0, 0, 1}), std::invalid_argument);
 }
 
 TEST(Mocap, BatchesMoveThemWorldByWorldInAnyLanes) {
