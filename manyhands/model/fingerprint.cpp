@@ -105,7 +105,13 @@ std::uint64_t fingerprint(const Model& model) {
   sum.add(rules.friction, rules.restitution, rules.self_collision, rules.contacts);
   sum.add(model.gravity());
   for (const double q : model.initial_configuration()) sum.add(q);
-  for (const double q : model.spring_reference()) sum.add(q);
+  const std::vector<double> reference = model.spring_reference();
+  for (const Joint& joint : model.joints()) {
+    const auto first = static_cast<std::size_t>(std::max(joint.iq, 0));
+    for (std::size_t i = 0; joint.stiffness > 0 && i < static_cast<std::size_t>(configuration_size(joint.type)); ++i) {
+      sum.add(reference[first + i]);
+    }
+  }
   return sum.value();
 }
 
