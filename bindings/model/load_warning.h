@@ -11,7 +11,7 @@
 
 namespace manyhands::bindings {
 
-/// One UserWarning if notes are serious: how many, the first of them, and where to read the others.
+/// One LoadWarning if notes are serious: how many, the first of them, and where to read the others.
 inline void warn_of(std::span<const LoadNote> notes, const std::string& report) {
   const auto first = std::ranges::find_if(notes, &LoadNote::serious);
   if (first == notes.end()) return;
@@ -19,7 +19,8 @@ inline void warn_of(std::span<const LoadNote> notes, const std::string& report) 
   std::string text = first->file + ": " + first->element + ": " + first->message;
   if (count > 1) text += " (the first of " + std::to_string(count) + " parts left out or changed)";
   text += "; print " + report + " for all that was changed";
-  if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw nanobind::python_error();
+  const nanobind::object category = nanobind::module_::import_("manyhands._core").attr("LoadWarning");
+  if (PyErr_WarnEx(category.ptr(), text.c_str(), 1) != 0) throw nanobind::python_error();
 }
 
 }  // namespace manyhands::bindings

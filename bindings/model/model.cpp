@@ -47,6 +47,11 @@ void bind_errors(nb::module_& m) {
 }
 
 void bind_report(nb::module_& m) {
+  m.attr("LoadWarning") = nb::steal(PyErr_NewExceptionWithDoc(
+      "manyhands._core.LoadWarning",
+      "A file was loaded, but something in it is left out that changes how things move or touch: the report tells. "
+      "`warnings.simplefilter(\"error\", mh.LoadWarning)` makes it an error.",
+      PyExc_UserWarning, nullptr));
   nb::class_<LoadNote>(m, "LoadNote", "One thing that a loader defaulted, repaired or ignored.")
       .def_prop_ro(
           "action", [](const LoadNote& note) { return to_string(note.action); },
@@ -95,6 +100,16 @@ void bind_model_class(nb::module_& m) {
       .def_prop_ro(
           "fingerprint", [](const PythonModel& self) { return fingerprint(*self.model); },
           "A number that tells models apart: equal where the same state moves in the same way, to the last bit.")
+      .def_prop_ro(
+          "mocap_bodies",
+          [](const PythonModel& self) {
+            std::vector<std::string> names;
+            for (const BodyId id : self.model->mocap_bodies()) {
+              names.push_back(self.model->link(self.model->joint(self.model->body(id).joint).child).name);
+            }
+            return names;
+          },
+          "Names of the links that mocap joints carry, in the order of `World.mocap`.")
       .def_prop_ro("keyframes", [](const PythonModel& self) { return copy_of(self.model->keyframes()); })
       .def_prop_ro(
           "nu", [](const PythonModel& self) { return self.model->nu(); }, "Length of ctrl: one for each actuator.")

@@ -35,13 +35,14 @@ using Matrix3 = std::array<Numbers3, 3>;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-constexpr std::array<std::pair<const char*, JointType>, 7> kJointTypes{{{"fixed", JointType::kFixed},
+constexpr std::array<std::pair<const char*, JointType>, 8> kJointTypes{{{"fixed", JointType::kFixed},
                                                                         {"revolute", JointType::kRevolute},
                                                                         {"continuous", JointType::kContinuous},
                                                                         {"prismatic", JointType::kPrismatic},
                                                                         {"spherical", JointType::kSpherical},
                                                                         {"planar", JointType::kPlanar},
-                                                                        {"floating", JointType::kFloating}}};
+                                                                        {"floating", JointType::kFloating},
+                                                                        {"mocap", JointType::kMocap}}};
 
 SymMat3<double> symmetric(const std::string& what, const Matrix3& m) {
   for (const auto& [i, j] : {std::pair{0, 1}, std::pair{0, 2}, std::pair{1, 2}}) {
@@ -92,20 +93,26 @@ nb::class_<ModelBuilder> bind_tree(nb::module_& m) {
       .def(nb::init<std::string>(), "name"_a = "model")
       .def(
           "add_link",
-          [](ModelBuilder& self, const std::string& name, double mass, const Numbers3& com, const Matrix3& inertia) {
-            self.add_link(name, {.mass = mass, .com = vec3(com), .inertia = symmetric("link '" + name + "'", inertia)});
+          [](ModelBuilder& self, const std::string& name, double mass, const Numbers3& com, const Matrix3& inertia,
+             double gravity_compensation) {
+            const SymMat3<double> I = symmetric("link '" + name + "'", inertia);
+            const LinkId id = self.add_link(name, {.mass = mass, .com = vec3(com), .inertia = I});
+            self.link(id).gravity_compensation = gravity_compensation;
           },
           "name"_a, nb::kw_only(), "mass"_a = 0.0, "com"_a = Numbers3{}, "inertia"_a = Matrix3{},
+          "gravity_compensation"_a = 0.0,
           nb::sig("def add_link(self, name: str, *, mass: float = 0.0, com: numpy.typing.ArrayLike = (0, 0, 0), "
-                  "inertia: numpy.typing.ArrayLike = ((0, 0, 0), (0, 0, 0), (0, 0, 0))) -> None"),
+                  "inertia: numpy.typing.ArrayLike = ((0, 0, 0), (0, 0, 0), (0, 0, 0)), "
+                  "gravity_compensation: float = 0.0) -> None"),
           "mass [kg]; com: centre of mass in the link's frame (3) [m]; inertia about it in the frame's axes (3, 3) "
-          "[kg m^2].")
+          "[kg m^2]; gravity_compensation: share of its weight that is carried for it.")
       .def(
           "add_joint",
           [](ModelBuilder& self, const std::string& name, const std::string& type, const std::string& parent,
              const std::string& child, const Numbers3& position, const Numbers4& orientation, const Numbers3& axis,
              double lower, double upper, double effort, double velocity, double damping, double friction,
-             double armature, const std::vector<double>& initial) {
+             double armature, const std::vector<double>& initial, double stiffness,
+             const std::vector<double>& spring_reference) {
             self.add_joint({.name = name,
                             .type = named("joint type", type, kJointTypes),
                             .parent = link_of(self, parent),
@@ -116,19 +123,23 @@ nb::class_<ModelBuilder> bind_tree(nb::module_& m) {
                             .damping = damping,
                             .friction = friction,
                             .armature = armature,
-                            .initial = initial});
+                            .stiffness = stiffness,
+                            .initial = initial,
+                            .spring_reference = spring_reference});
           },
           "name"_a, "type"_a, "parent"_a, "child"_a, nb::kw_only(), "position"_a = Numbers3{},
           "quaternion"_a = Numbers4{0, 0, 0, 1}, "axis"_a = Numbers3{0, 0, 1}, "lower"_a = -kInfinity,
           "upper"_a = kInfinity, "effort"_a = kInfinity, "velocity"_a = kInfinity, "damping"_a = 0.0,
-          "friction"_a = 0.0, "armature"_a = 0.0, "initial"_a = std::vector<double>{},
+          "friction"_a = 0.0, "armature"_a = 0.0, "initial"_a = std::vector<double>{}, "stiffness"_a = 0.0,
+          "spring_reference"_a = std::vector<double>{},
           nb::sig("def add_joint(self, name: str, type: str, parent: str, child: str, *, "
                   "position: numpy.typing.ArrayLike = (0, 0, 0), quaternion: numpy.typing.ArrayLike = (0, 0, 0, 1), "
                   "axis: numpy.typing.ArrayLike = (0, 0, 1), lower: float = ..., upper: float = ..., "
                   "effort: float = ..., velocity: float = ..., damping: float = 0.0, friction: float = 0.0, "
-                  "armature: float = 0.0, initial: numpy.typing.ArrayLike = ()) -> None"),
+                  "armature: float = 0.0, initial: numpy.typing.ArrayLike = (), stiffness: float = 0.0, "
+                  "spring_reference: numpy.typing.ArrayLike = ()) -> None"),
           "Joins two links. type: as `Joint.type`; position (3) [m] and quaternion xyzw (4): the joint frame F in the "
-          "parent; axis in F (3); initial: where it starts, in q.");
+          "parent; axis in F (3); initial: where it starts, in q; spring_reference: where its spring is at rest.");
 }
 
 void bind_shapes(nb::class_<ModelBuilder>& builder) {
@@ -324,8 +335,10 @@ void bind_whole(nb::class_<ModelBuilder>& builder) {
       .def(
           "add_keyframe",
           [](ModelBuilder& self, const std::string& name, std::vector<double> q, std::vector<double> v,
-             std::vector<double> ctrl,
-             double time) { self.add_keyframe({name, time, std::move(q), std::move(v), std::move(ctrl)}); },
+             std::vector<double> ctrl, double time) {
+            self.add_keyframe(
+                {.name = name, .time = time, .q = std::move(q), .v = std::move(v), .ctrl = std::move(ctrl)});
+          },
           "name"_a, nb::kw_only(), "q"_a = std::vector<double>{}, "v"_a = std::vector<double>{},
           "ctrl"_a = std::vector<double>{}, "time"_a = 0.0,
           nb::sig(

@@ -40,6 +40,7 @@ void bind_links(nb::module_& m) {
       .def_prop_ro(
           "inertia", [](const Link& link) { return matrix(link.inertial.inertia); },
           nb::sig(returns_array("inertia").c_str()), "About the centre of mass in L's axes, (3, 3) [kg m^2].")
+      .def_ro("gravity_compensation", &Link::gravity_compensation, "Share of its weight that is carried for it.")
       .def_prop_ro(
           "parent", [](const Link& link) { return link.parent.value(); }, "Index of the parent link; -1 for the world.")
       .def_prop_ro(
@@ -55,7 +56,7 @@ void bind_links(nb::module_& m) {
       .def("__repr__", [](const Joint& joint) { return "<Joint '" + joint.name + "': " + to_string(joint.type) + ">"; })
       .def_prop_ro(
           "type", [](const Joint& joint) { return to_string(joint.type); },
-          "'fixed', 'revolute', 'continuous', 'prismatic', 'spherical', 'planar' or 'floating'.")
+          "'fixed', 'revolute', 'continuous', 'prismatic', 'spherical', 'planar', 'floating' or 'mocap'.")
       .def_prop_ro(
           "parent", [](const Joint& joint) { return joint.parent.value(); }, "Index of the parent link.")
       .def_prop_ro(
@@ -79,6 +80,7 @@ void bind_links(nb::module_& m) {
           "velocity", [](const Joint& joint) { return joint.limits.velocity; }, "[rad/s or m/s]; inf without a limit.")
       .def_ro("damping", &Joint::damping, "[N m s/rad or N s/m]")
       .def_ro("friction", &Joint::friction, "Dry friction [N m or N].")
+      .def_ro("stiffness", &Joint::stiffness, "Of its spring [N m/rad or N/m]; 0 without one.")
       .def_ro("armature", &Joint::armature, "Rotor inertia seen at the joint [kg m^2 or kg].")
       .def_prop_ro(
           "nq", [](const Joint& joint) { return configuration_size(joint.type); }, "Coordinates in q.")
@@ -87,6 +89,10 @@ void bind_links(nb::module_& m) {
       .def_prop_ro(
           "initial", [](const Joint& joint) { return numbers(joint.initial); },
           nb::sig(returns_array("initial").c_str()), "Where it starts, in q; empty: at 0, or unturned.")
+      .def_prop_ro(
+          "spring_reference", [](const Joint& joint) { return numbers(joint.spring_reference); },
+          nb::sig(returns_array("spring_reference").c_str()),
+          "Where its spring is at rest, in q; empty: at 0, or unturned.")
       .def_ro("iq", &Joint::iq, "Where they start in q; -1 for fixed joints.")
       .def_ro("iv", &Joint::iv, "Where they start in v; -1 for fixed joints.");
 
@@ -251,6 +257,9 @@ void bind_couplings(nb::module_& m) {
           "q", [](const Keyframe& key) { return numbers(key.q); }, nb::sig(returns_array("q").c_str()), "(nq)")
       .def_prop_ro(
           "v", [](const Keyframe& key) { return numbers(key.v); }, nb::sig(returns_array("v").c_str()), "(nv)")
+      .def_prop_ro(
+          "mocap", [](const Keyframe& key) { return copied(key.mocap.data(), {key.mocap.size() / 7, 7}); },
+          nb::sig(returns_array("mocap").c_str()), "Of the mocap bodies: x y z [m], quaternion xyzw, (n, 7).")
       .def_prop_ro(
           "ctrl", [](const Keyframe& key) { return numbers(key.ctrl); }, nb::sig(returns_array("ctrl").c_str()),
           "(nu)");

@@ -54,7 +54,7 @@ nb::object bindings::take_pictures(Renderer& renderer, std::vector<Shot> shots, 
     const nb::gil_scoped_release release;
     renderer.render(shots, {colour, depth, segmentation, normals});
     for (Shot& shot : shots) {
-      picture.poses.push_back(renderer.camera_pose(shot.camera, shot.q));
+      picture.poses.push_back(renderer.camera_pose(shot));
       picture.cameras.push_back(std::move(shot.camera));
     }
   }
@@ -223,7 +223,8 @@ void bind_renderer(nb::module_& m) {
           "num_threads: 0 takes the variable MANYHANDS_THREADS, or as many as the machine has cores.")
       .def(
           "render",
-          [](Renderer& self, const bindings::Numbers& q, const Cameras& camera, const Looks& look, const Marks& marks,
+          [](Renderer& self, const bindings::Numbers& q, const Cameras& camera,
+             const std::optional<bindings::Numbers>& mocap, const Looks& look, const Marks& marks,
              const Textures& textures, const Tints& rgba, bool colour, bool depth, bool segmentation, bool normals) {
             const Model& model = self.scene().model();
             const std::size_t nq = static_cast<std::size_t>(model.nq());
@@ -231,15 +232,22 @@ void bind_renderer(nb::module_& m) {
             auto shots = shots_of(model, n, camera, look, marks, textures, rgba, [&](std::size_t i) {
               return std::vector<double>(q.data() + i * nq, q.data() + (i + 1) * nq);
             });
+            for (Shot& shot : shots) {
+              if (mocap) shot.mocap.assign(mocap->data(), mocap->data() + mocap->size());
+            }
             return bindings::take_pictures(self, std::move(shots), {colour, depth, segmentation, normals},
                                            q.ndim() == 1);
           },
-          "q"_a, "camera"_a, nb::kw_only(), "look"_a = Look{}, "marks"_a = Marks{}, "textures"_a = NamedTextures{},
-          "rgba"_a = nb::none(), "colour"_a = true, "depth"_a = true, "segmentation"_a = true, "normals"_a = false,
-          nb::sig(
-              signature_of(std::string("q: numpy.typing.NDArray[numpy.floating], ") + kCameras + kTints, true).c_str()),
+          "q"_a, "camera"_a, nb::kw_only(), "mocap"_a = nb::none(), "look"_a = Look{}, "marks"_a = Marks{},
+          "textures"_a = NamedTextures{}, "rgba"_a = nb::none(), "colour"_a = true, "depth"_a = true,
+          "segmentation"_a = true, "normals"_a = false,
+          nb::sig(signature_of(std::string("q: numpy.typing.NDArray[numpy.floating], ") + kCameras + kTints +
+                                   ", mocap: numpy.typing.NDArray[numpy.float64] | None = None",
+                               true)
+                      .c_str()),
           (std::string("One picture at q (nq), or n at rows (n, nq): one camera, look and dict of textures for all, or "
-                       "one each. rgba (n, geoms, 4): other colours for the model's geoms. ") +
+                       "one each. mocap (mocap bodies, 7): where these are, by default where the model has them. rgba "
+                       "(n, geoms, 4): other colours for the model's geoms. ") +
            kWanted)
               .c_str());
 }
@@ -253,6 +261,7 @@ void bind_world_render(nb::module_& m) {
         const std::shared_ptr<Renderer> renderer = renderer_of(self.shared_model(), read_image);
         auto shots = shots_of(self.model(), 1, camera, look, marks, textures, {},
                               [&](std::size_t) { return std::vector<double>(self.q().begin(), self.q().end()); });
+        shots[0].mocap.assign(self.mocap().begin(), self.mocap().end());
         shots[0].guise.patterns = with_dice(self.model(), dice);
         return bindings::take_pictures(*renderer, std::move(shots), {colour, depth, segmentation, normals}, true);
       },
@@ -269,14 +278,19 @@ void bind_world_render(nb::module_& m) {
       [](Batch& self, const Cameras& camera, const std::optional<std::vector<std::size_t>>& worlds, const Looks& look,
          const Marks& marks, const Textures& textures, const Tints& rgba, bool colour, bool depth, bool segmentation,
          bool normals) {
-        const std::vector<float> q = self.q();
+        const std::vector<float> q = self.q(), mocap = self.mocap();
         const std::size_t nq = static_cast<std::size_t>(self.model().nq()),
+                          poses = 7 * self.model().mocap_bodies().size(),
                           all = static_cast<std::size_t>(self.num_worlds()), n = worlds ? worlds->size() : all;
         auto shots = shots_of(self.model(), n, camera, look, marks, textures, rgba, [&](std::size_t i) {
           const std::size_t row = worlds ? (*worlds)[i] : i;
           if (row >= all) throw std::out_of_range("there is no world " + std::to_string(row));
           return std::vector<double>(q.data() + row * nq, q.data() + (row + 1) * nq);
         });
+        for (std::size_t i = 0; i < n; ++i) {
+          const float* const first = mocap.data() + poses * (worlds ? (*worlds)[i] : i);
+          shots[i].mocap.assign(first, first + poses);
+        }
         return bindings::take_pictures(*renderer_of(self.shared_model(), read_image), std::move(shots),
                                        {colour, depth, segmentation, normals}, false);
       },

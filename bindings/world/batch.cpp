@@ -92,6 +92,14 @@ void bind_state(nb::class_<Batch>& batch) {
   bind_rows(batch, "ctrl", &Model::nu, &Batch::ctrl, &Batch::set_ctrl,
             "Commands of the actuators (n, nu), each kept within its range: a copy; assign the whole.");
   batch
+      .def_prop_ro(
+          "mocap",
+          [](const Batch& self) {
+            const std::size_t count = self.model().mocap_bodies().size();
+            return bindings::copied(self.mocap().data(), {static_cast<std::size_t>(self.num_worlds()), count, 7});
+          },
+          nb::sig("def mocap(self) -> numpy.typing.NDArray[numpy.float32]"),
+          "Poses of the mocap bodies (n, mocap bodies, 7): x y z [m], quaternion xyzw; see `Model.mocap_bodies`.")
       .def(
           "snapshot", [](const Batch& self) { return bindings::as_bytes(self.snapshot()); },
           "All that the worlds continue from, bit for bit, whatever the lanes and threads.")
@@ -198,6 +206,19 @@ void bind_bodies(nb::class_<Batch>& batch) {
           "name"_a, nb::sig(pair("def body_velocity(self, name: str)").c_str()),
           "Of a link or frame: angular (n, 3) [rad/s], and that of its origin (n, 3) [m/s], in world axes.")
       .def(
+          "set_mocap",
+          [](Batch& self, const std::string& link, const nb::object& position, const nb::object& quaternion,
+             const Bytes& mask) {
+            const Rows p(self, position, 3), r(self, quaternion, 4);
+            self.set_mocap(link, p.span(), r.span(), bytes(mask));
+          },
+          "link"_a, "position"_a, "quaternion"_a, "mask"_a = nb::none(),
+          nb::sig(
+              "def set_mocap(self, link: str, position: numpy.typing.ArrayLike, quaternion: numpy.typing.ArrayLike, "
+              "mask: numpy.typing.ArrayLike | None = None) -> None"),
+          "Puts a mocap body, at rest, at positions (n, 3) [m] and quaternions xyzw (n, 4); one row stands for all. "
+          "Raises ValueError for other links.")
+      .def(
           "apply_force",
           [](Batch& self, const std::string& link, const nb::object& force_rows, const nb::object& torque,
              const nb::object& point) {
@@ -271,6 +292,7 @@ void bind_parameters(nb::class_<Batch>& batch) {
   bind_parameter(batch, "set_rolling_friction", "name", &Batch::set_rolling_friction, "The same [m].");
   bind_parameter(batch, "set_restitution", "name", &Batch::set_restitution, "The same.");
   bind_parameter(batch, "set_damping", "joint", &Batch::set_damping, "Of a joint [N m s/rad or N s/m].");
+  bind_parameter(batch, "set_stiffness", "joint", &Batch::set_stiffness, "Of a joint's spring [N m/rad or N/m].");
   bind_parameter(batch, "set_joint_friction", "joint", &Batch::set_joint_friction, "Dry friction [N m or N].");
   bind_parameter(batch, "set_armature", "joint", &Batch::set_armature, "Rotor inertia [kg m^2 or kg].");
   batch

@@ -97,6 +97,10 @@ void bind_state(nb::class_<World>& world) {
           nb::for_getter(nb::sig(getter("ctrl").c_str())), nb::for_setter(nb::sig(setter("ctrl").c_str())),
           "Commands of the actuators (nu), each kept within its range: a read-only copy; assign the whole.")
       .def(
+          "set_keyframe", [](World& self, const std::string& name) { self.set_keyframe(name); }, "name"_a,
+          "Sets q, v, ctrl and the poses of mocap bodies as the model's keyframe has them. Raises KeyError where there "
+          "is none of that name; a world has none any more when parts have come or gone.")
+      .def(
           "snapshot", [](const World& self) { return bindings::as_bytes(self.snapshot()); },
           "All that a run continues from, bit for bit, in the middle of contact too: state, contact cache, "
           "commands, forces applied, parameters and clock; not the solver's settings.")

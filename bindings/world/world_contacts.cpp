@@ -136,9 +136,12 @@ void bind_world_contacts(nb::module_& m, nb::class_<World>& world) {
 
 void bind_world_bodies(nb::class_<World>& world) {
   static const std::string pose = pair_of_arrays("def body_pose(self, name: str)");
+  static const std::string all_poses = pair_of_arrays("def link_poses(self)");
   static const std::string velocity = pair_of_arrays("def body_velocity(self, name: str)");
   static const std::string set_pose = std::string("def set_body_pose(self, name: str, position: ") + kLike +
                                       ", quaternion: " + kLike + " = (0, 0, 0, 1)) -> None";
+  static const std::string set_mocap = std::string("def set_mocap(self, link: str, position: ") + kLike +
+                                       ", quaternion: " + kLike + " = (0, 0, 0, 1)) -> None";
   static const std::string set_velocity = std::string("def set_body_velocity(self, name: str, omega: ") + kLike +
                                           " = (0, 0, 0), velocity: " + kLike + " = (0, 0, 0)) -> None";
   static const std::string apply = std::string("def apply_force(self, name: str, force: ") + kLike +
@@ -151,6 +154,21 @@ void bind_world_bodies(nb::class_<World>& world) {
             return std::pair{vector3(X.p), bindings::quaternion(X.R)};
           },
           "name"_a, nb::sig(pose.c_str()), "Of a link or frame in the world: position (3) [m], quaternion xyzw (4).")
+      .def(
+          "link_poses",
+          [](const World& self) {
+            const std::span<const Link> links = self.model().links();
+            std::vector<double> positions, quaternions;
+            for (const Link& link : links) {
+              const Transform<double> X = self.body_pose(link.name);
+              const Quat<double> r = to_quat(X.R);
+              positions.insert(positions.end(), {X.p.x, X.p.y, X.p.z});
+              quaternions.insert(quaternions.end(), {r.x, r.y, r.z, r.w});
+            }
+            return std::pair{bindings::copied(positions.data(), {links.size(), 3}),
+                             bindings::copied(quaternions.data(), {links.size(), 4})};
+          },
+          nb::sig(all_poses.c_str()), "Of all links of the model: positions (n, 3) [m], quaternions xyzw (n, 4).")
       .def(
           "body_velocity",
           [](const World& self, const std::string& name) {
@@ -167,6 +185,23 @@ void bind_world_bodies(nb::class_<World>& world) {
           "name"_a, "position"_a, "quaternion"_a = Numbers4{0, 0, 0, 1}, nb::sig(set_pose.c_str()),
           "Puts a free body, or a link that is fixed to the world, at position (3) [m] and quaternion xyzw (4). Raises "
           "ValueError for a link that hangs on another joint.")
+      .def_prop_ro(
+          "mocap",
+          [](const World& self) {
+            const std::span<const double> poses = self.mocap();
+            return bindings::copied(poses.data(), {poses.size() / 7, 7});
+          },
+          nb::sig("def mocap(self) -> numpy.typing.NDArray[numpy.float64]"),
+          "Poses of the mocap bodies (n, 7): x y z [m], quaternion xyzw; see `Model.mocap_bodies`.")
+      .def(
+          "set_mocap",
+          [](World& self, const std::string& link, const Numbers3& position, const Numbers4& quaternion) {
+            self.set_mocap(link, bindings::transform("link '" + link + "'", position, quaternion));
+          },
+          "link"_a, "position"_a, "quaternion"_a = Numbers4{0, 0, 0, 1}, nb::sig(set_mocap.c_str()),
+          "Puts a mocap body, at rest, at position (3) [m] and quaternion xyzw (4): it pushes what touches it, and "
+          "pulls "
+          "what is welded to it. Raises ValueError for other links.")
       .def(
           "set_body_velocity",
           [](World& self, const std::string& name, const Numbers3& w, const Numbers3& v) {

@@ -216,6 +216,8 @@ void bind_parameters(nb::class_<World>& world) {
   bind_parameter(world, "restitution", "name", &World::restitution, &World::set_restitution,
                  "Of a geom, or of all colliding geoms of a link.");
   bind_parameter(world, "damping", "joint", &World::damping, &World::set_damping, "Of a joint [N m s/rad or N s/m].");
+  bind_parameter(world, "stiffness", "joint", &World::stiffness, &World::set_stiffness,
+                 "Of a joint's spring [N m/rad or N/m].");
   bind_parameter(world, "joint_friction", "joint", nullptr, &World::set_joint_friction,
                  "Dry friction of a joint [N m or N].");
   bind_parameter(world, "armature", "joint", nullptr, &World::set_armature,

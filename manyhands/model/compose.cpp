@@ -95,14 +95,15 @@ class Appender {
       joint.X_PF = moved() * joint.X_PF;
       return;
     }
+    for (std::vector<double>* const q : {&joint.initial, &joint.spring_reference}) move_pose(joint.X_PF, *q);
+  }
+
+  void move_pose(const Transform<double>& X_PF, std::vector<double>& q) const {
     Transform<double> X_FB = Transform<double>::identity();
-    if (!joint.initial.empty()) {
-      const std::vector<double>& q = joint.initial;
-      X_FB = {to_matrix(normalized(Quat<double>{q[3], q[4], q[5], q[6]})), {q[0], q[1], q[2]}};
-    }
-    X_FB = inverse(joint.X_PF) * (moved() * (joint.X_PF * X_FB));
+    if (!q.empty()) X_FB = {to_matrix(normalized(Quat<double>{q[3], q[4], q[5], q[6]})), {q[0], q[1], q[2]}};
+    X_FB = inverse(X_PF) * (moved() * (X_PF * X_FB));
     const Quat<double> r = to_quat(X_FB.R);
-    joint.initial = {X_FB.p.x, X_FB.p.y, X_FB.p.z, r.x, r.y, r.z, r.w};
+    q = {X_FB.p.x, X_FB.p.y, X_FB.p.z, r.x, r.y, r.z, r.w};
   }
 
   void add_geoms() {

@@ -67,6 +67,7 @@ struct ContactRules {
   CombineRule friction = CombineRule::kGeometricMean;
   CombineRule restitution = CombineRule::kMaximum;
   bool self_collision = true;  ///< between links of one tree, joint neighbours excepted
+  bool contacts = true;        ///< whether anything touches at all
 };
 
 }  // namespace manyhands

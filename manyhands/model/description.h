@@ -23,6 +23,7 @@ enum class JointType {
   kSpherical,   ///< nq 4, nv 3: quaternion xyzw; angular velocity in the joint frame F [rad/s]
   kPlanar,      ///< nq 3, nv 3: (x, y) in the plane across the axis and the angle about it; v is their rate
   kFloating,    ///< nq 7, nv 6: position and quaternion xyzw; (omega, velocity of the origin), both in F
+  kMocap,       ///< nq 0, nv 0: on the world only; the child stands, at rest, where World::set_mocap puts it
 };
 
 [[nodiscard]] const char* to_string(JointType type);
@@ -42,9 +43,10 @@ struct Inertial {
 struct Link {
   std::string name{};
   Inertial inertial{};
-  LinkId parent{};                                         ///< invalid for a root
-  JointId joint{};                                         ///< the joint to the parent; invalid for a root
-  BodyId body{};                                           ///< the moving body that carries the link (set by build)
+  double gravity_compensation = 0;  ///< share of its weight that is carried for it: 1, and it floats
+  LinkId parent{};                  ///< invalid for a root
+  JointId joint{};                  ///< the joint to the parent; invalid for a root
+  BodyId body{};                    ///< the moving body that carries the link (set by build)
   Transform<double> X_BL = Transform<double>::identity();  ///< pose on that body (set by build)
 };
 
@@ -71,13 +73,15 @@ struct Joint {
   Transform<double> X_PF = Transform<double>::identity();
   Vec3<double> axis{0, 0, 1};  ///< unit, in F; of revolute, continuous, prismatic; the normal of planar
   JointLimits limits{};
-  double damping = 0;   ///< [N m s/rad or N s/m]
-  double friction = 0;  ///< dry friction [N m or N]
-  double armature = 0;  ///< rotor inertia seen at the joint [kg m^2 or kg]
+  double damping = 0;    ///< [N m s/rad or N s/m]
+  double friction = 0;   ///< dry friction [N m or N]
+  double armature = 0;   ///< rotor inertia seen at the joint [kg m^2 or kg]
+  double stiffness = 0;  ///< of a spring at each dof [N m/rad or N/m]
   std::optional<Mimic> mimic{};
-  std::vector<double> initial{};  ///< where it starts, in q; empty: at 0, or unturned
-  int iq = -1;                    ///< first index in q; -1 for fixed joints (set by build)
-  int iv = -1;                    ///< first index in v; -1 for fixed joints (set by build)
+  std::vector<double> initial{};           ///< where it starts, in q; empty: at 0, or unturned
+  std::vector<double> spring_reference{};  ///< where the spring is at rest, in q; empty: at 0, or unturned
+  int iq = -1;                             ///< first index in q; -1 for fixed joints (set by build)
+  int iv = -1;                             ///< first index in v; -1 for fixed joints (set by build)
 };
 
 /// A triangle mesh, shared by the geoms that show or use it.
@@ -165,10 +169,11 @@ struct Geom {
 /// A state that a scene was given a name for.
 struct Keyframe {
   std::string name{};
-  double time = 0;             ///< [s]
-  std::vector<double> q{};     ///< (nq)
-  std::vector<double> v{};     ///< (nv)
-  std::vector<double> ctrl{};  ///< (nu)
+  double time = 0;              ///< [s]
+  std::vector<double> q{};      ///< (nq)
+  std::vector<double> v{};      ///< (nv)
+  std::vector<double> ctrl{};   ///< (nu)
+  std::vector<double> mocap{};  ///< of the mocap bodies: x y z [m] and quaternion xyzw each
 };
 
 }  // namespace manyhands

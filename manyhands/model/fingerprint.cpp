@@ -42,13 +42,13 @@ class Fingerprint {
     std::apply([this](const auto&... fields) { add(fields...); }, surface.fields());
   }
   void add(const Link& link) {
-    add(link.name, link.inertial.mass, link.inertial.com, link.inertial.inertia, link.parent.value(),
-        link.body.value());
+    add(link.name, link.inertial.mass, link.inertial.com, link.inertial.inertia, link.parent.value(), link.body.value(),
+        link.gravity_compensation);
     if (link.body.value() != 0) add(link.X_BL);
   }
   void add(const Joint& joint) {
     add(joint.name, joint.type, joint.parent.value(), joint.child.value(), joint.X_PF, joint.axis, joint.iq, joint.iv);
-    add(joint.limits.lower, joint.limits.upper, joint.damping, joint.friction, joint.armature);
+    add(joint.limits.lower, joint.limits.upper, joint.damping, joint.friction, joint.armature, joint.stiffness);
   }
   void add(const Geom& geom) {
     add(geom.name, geom.link.value(), geom.X_LG, geom.shape.type, geom.shape.size, geom.shape.mesh.value());
@@ -102,9 +102,16 @@ std::uint64_t fingerprint(const Model& model) {
   sum.add(model.exclusions());
   sum.add(model.contact_pairs());
   const ContactRules& rules = model.contact_rules();
-  sum.add(rules.friction, rules.restitution, rules.self_collision);
+  sum.add(rules.friction, rules.restitution, rules.self_collision, rules.contacts);
   sum.add(model.gravity());
   for (const double q : model.initial_configuration()) sum.add(q);
+  const std::vector<double> reference = model.spring_reference();
+  for (const Joint& joint : model.joints()) {
+    const auto first = static_cast<std::size_t>(std::max(joint.iq, 0));
+    for (std::size_t i = 0; joint.stiffness > 0 && i < static_cast<std::size_t>(configuration_size(joint.type)); ++i) {
+      sum.add(reference[first + i]);
+    }
+  }
   return sum.value();
 }
 

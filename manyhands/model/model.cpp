@@ -20,6 +20,8 @@ const char* to_string(JointType type) {
       return "planar";
     case JointType::kFloating:
       return "floating";
+    case JointType::kMocap:
+      return "mocap";
   }
   return "unknown";
 }
@@ -27,6 +29,7 @@ const char* to_string(JointType type) {
 int configuration_size(JointType type) {
   switch (type) {
     case JointType::kFixed:
+    case JointType::kMocap:
       return 0;
     case JointType::kRevolute:
     case JointType::kContinuous:
@@ -72,6 +75,12 @@ template <class Part>
 }
 
 }  // namespace
+
+const Keyframe& Model::keyframe(std::string_view name) const {
+  const auto found = std::ranges::find(keyframes_, name, &Keyframe::name);
+  if (found == keyframes_.end()) throw_unknown(keyframes_, name, name_, "keyframe");
+  return *found;
+}
 
 LinkId Model::root_link(LinkId id) const {
   while (link(id).parent.value() > 0) id = link(id).parent;
@@ -135,12 +144,36 @@ void Model::index_parts() {
   }
 }
 
+std::size_t Model::mocap_index(std::string_view name) const {
+  const Link& found = link(link_id(name));
+  const auto place = std::ranges::find(mocap_bodies_, found.body);
+  const bool is_root = found.joint.is_valid() && joint(found.joint).type == JointType::kMocap;
+  if (is_root && place != mocap_bodies_.end()) return static_cast<std::size_t>(place - mocap_bodies_.begin());
+  throw std::invalid_argument("link '" + found.name + "' is no mocap body: expected one that a mocap joint carries");
+}
+
 std::vector<double> Model::neutral_configuration() const {
   std::vector<double> q(static_cast<std::size_t>(nq_), 0.0);
   for (const Body& body : bodies_) {
     const bool has_quaternion = body.type == JointType::kSpherical || body.type == JointType::kFloating;
     if (has_quaternion) q[static_cast<std::size_t>(body.iq + body.nq - 1)] = 1.0;
   }
+  return q;
+}
+
+std::vector<double> Model::initial_mocap() const {
+  std::vector<double> poses;
+  for (const BodyId id : mocap_bodies_) {
+    const Transform<double>& X = body(id).X_PF;
+    const Quat<double> r = to_quat(X.R);
+    poses.insert(poses.end(), {X.p.x, X.p.y, X.p.z, r.x, r.y, r.z, r.w});
+  }
+  return poses;
+}
+
+std::vector<double> Model::spring_reference() const {
+  std::vector<double> q = neutral_configuration();
+  for (const Joint& joint : joints_) std::ranges::copy(joint.spring_reference, q.begin() + std::max(joint.iq, 0));
   return q;
 }
 

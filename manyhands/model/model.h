@@ -28,6 +28,13 @@ struct Body {
   RigidInertia<double> inertia = RigidInertia<double>::zero();  ///< of all its links about B's origin, in B's axes
 };
 
+/// A body part of whose weight gravity compensation carries.
+struct Lift {
+  BodyId body;
+  double mass = 0;        ///< that is carried [kg]
+  Vec3<double> moment{};  ///< its first moment about B's origin, in B's axes [kg m]
+};
+
 /// A named pose fixed on a body. Every link is a frame of the same name and index.
 struct Frame {
   std::string name{};
@@ -74,6 +81,10 @@ class Model {
   [[nodiscard]] const Joint& joint(JointId id) const { return joints_[id.index()]; }
   [[nodiscard]] const Body& body(BodyId id) const { return bodies_[id.index()]; }
   [[nodiscard]] const Frame& frame(FrameId id) const { return frames_[id.index()]; }
+  [[nodiscard]] std::span<const Lift> lifts() const { return lifts_; }
+  [[nodiscard]] std::span<const BodyId> mocap_bodies() const { return mocap_bodies_; }  ///< that a user moves
+  /// Which of them carries the link of that name. Throws std::invalid_argument for other links.
+  [[nodiscard]] std::size_t mocap_index(std::string_view link) const;
   [[nodiscard]] int num_bodies() const { return static_cast<int>(bodies_.size()); }
 
   /// Finds a part by name. Throws std::out_of_range that lists the names there are.
@@ -100,13 +111,17 @@ class Model {
   [[nodiscard]] std::span<const double> dof_damping() const { return dof_damping_; }
   [[nodiscard]] std::span<const double> dof_armature() const { return dof_armature_; }
   [[nodiscard]] std::span<const double> dof_friction() const { return dof_friction_; }
+  [[nodiscard]] std::span<const double> dof_stiffness() const { return dof_stiffness_; }
   /// The index in q that a velocity index integrates, for dofs with a single coordinate; else -1.
   [[nodiscard]] std::span<const int> dof_q() const { return dof_q_; }
 
   [[nodiscard]] Vec3<double> gravity() const { return gravity_; }   ///< [m/s^2], in the world frame
   [[nodiscard]] std::vector<double> neutral_configuration() const;  ///< q with joints at 0, quaternions at identity
   [[nodiscard]] std::vector<double> initial_configuration() const;  ///< the same but for joints that start elsewhere
+  [[nodiscard]] std::vector<double> initial_mocap() const;  ///< poses of the mocap bodies: x y z, quaternion xyzw each
+  [[nodiscard]] std::vector<double> spring_reference() const;  ///< q at which the joints' springs are at rest
   [[nodiscard]] std::span<const Keyframe> keyframes() const { return keyframes_; }
+  [[nodiscard]] const Keyframe& keyframe(std::string_view name) const;  ///< as `link_id`
   [[nodiscard]] std::optional<double> time_step() const {
     return time_step_;
   }  ///< [s], if the description asks for one
@@ -124,6 +139,8 @@ class Model {
   std::vector<Link> links_;
   std::vector<Joint> joints_;
   std::vector<Body> bodies_;
+  std::vector<Lift> lifts_;
+  std::vector<BodyId> mocap_bodies_;
   std::vector<Frame> frames_;
   std::vector<Geom> geoms_;
   std::vector<Mesh> meshes_;
@@ -136,7 +153,7 @@ class Model {
   ContactRules contact_rules_;
   std::vector<int> dof_parent_, dof_joint_, dof_q_;
   std::vector<JointLimits> dof_limits_;
-  std::vector<double> dof_damping_, dof_armature_, dof_friction_;
+  std::vector<double> dof_damping_, dof_armature_, dof_friction_, dof_stiffness_;
   std::vector<Keyframe> keyframes_;
   std::optional<double> time_step_;
   Vec3<double> gravity_{0, 0, -9.81};

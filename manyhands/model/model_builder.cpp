@@ -22,6 +22,13 @@ Mat3<double> rotation_from_z_to(const Vec3<double>& axis) {
   return {{1.0 - k * axis.x * axis.x, xy, -axis.x}, {xy, 1.0 - k * axis.y * axis.y, -axis.y}, axis};
 }
 
+/// Throws unless the coordinates are none, or those of a joint of this type.
+void require_coordinates(const std::string& what, JointType type, const std::vector<double>& q) {
+  if (q.empty() || std::ssize(q) == configuration_size(type)) return;
+  throw ModelError(what + " has " + std::to_string(q.size()) + " numbers; expected " +
+                   std::to_string(configuration_size(type)));
+}
+
 }  // namespace
 
 ModelBuilder::ModelBuilder(std::string name) : name_(std::move(name)) {
@@ -62,10 +69,16 @@ JointId ModelBuilder::add_joint(Joint joint) {
   if (!(joint.damping >= 0) || !(joint.friction >= 0) || !(joint.armature >= 0)) {
     throw ModelError(what + ": damping, friction and armature must be 0 or more");
   }
-  if (!joint.initial.empty() && std::ssize(joint.initial) != configuration_size(joint.type)) {
-    throw ModelError(what + ": its initial configuration has " + std::to_string(joint.initial.size()) +
-                     " numbers; expected " + std::to_string(configuration_size(joint.type)));
+  if (!finite(joint.stiffness) || joint.stiffness < 0) {
+    throw ModelError(what + ": its stiffness is " + std::to_string(joint.stiffness) +
+                     "; expected a finite number of 0 or more");
   }
+  if (joint.type == JointType::kMocap && joint.parent != world()) {
+    throw ModelError(what + ": a mocap joint carries a link in the world; its parent is '" +
+                     links_[joint.parent.index()].name + "'");
+  }
+  require_coordinates(what + ": its initial configuration", joint.type, joint.initial);
+  require_coordinates(what + ": its spring reference", joint.type, joint.spring_reference);
   const JointId id(joints_.size());
   if (!joint_names_.emplace(joint.name, id.value()).second) throw ModelError("there is a " + what + " already");
   child.parent = joint.parent;
@@ -239,7 +252,8 @@ void ModelBuilder::compile_link(Model& model, LinkId id) {
       link.body = parent.body;
       link.X_BL = X_BF;
     } else {
-      const bool has_axis = joint.type != JointType::kSpherical && joint.type != JointType::kFloating;
+      const bool has_axis =
+          joint.type != JointType::kSpherical && joint.type != JointType::kFloating && joint.type != JointType::kMocap;
       const Mat3<double> R_FZ = has_axis ? rotation_from_z_to(joint.axis) : Mat3<double>::identity();
       Body body{.parent = parent.body, .joint = link.joint, .type = joint.type, .X_PF = {X_BF.R * R_FZ, X_BF.p}};
       body.iq = joint.iq = model.nq_;
@@ -247,12 +261,23 @@ void ModelBuilder::compile_link(Model& model, LinkId id) {
       model.nq_ += body.nq = configuration_size(joint.type);
       model.nv_ += body.nv = velocity_size(joint.type);
       link.body = BodyId(model.bodies_.size());
+      if (joint.type == JointType::kMocap) model.mocap_bodies_.push_back(link.body);
       link.X_BL = {transpose(R_FZ), Vec3<double>::zero()};
       model.bodies_.push_back(body);
     }
   }
   Body& body = model.bodies_[link.body.index()];
   body.inertia = body.inertia + transformed(link.X_BL, link.inertial.about_origin());
+  compile_lift(model, link);
+}
+
+void ModelBuilder::compile_lift(Model& model, const Link& link) {
+  const double mass = link.gravity_compensation * link.inertial.mass;
+  if (mass == 0) return;
+  auto lift = std::ranges::find(model.lifts_, link.body, &Lift::body);
+  if (lift == model.lifts_.end()) lift = model.lifts_.insert(lift, {.body = link.body});
+  lift->mass += mass;
+  lift->moment = lift->moment + mass * (link.X_BL * link.inertial.com);
 }
 
 void ModelBuilder::compile_dofs(Model& model) {
@@ -269,6 +294,7 @@ void ModelBuilder::compile_dofs(Model& model) {
       model.dof_damping_.push_back(joint.damping);
       model.dof_armature_.push_back(joint.armature);
       model.dof_friction_.push_back(joint.friction);
+      model.dof_stiffness_.push_back(joint.stiffness);
       previous = body.iv + k;
     }
     last_dof[b] = previous;
@@ -304,7 +330,7 @@ std::vector<JointId> joints_that_move_nothing(const Model& model) {
     composite[b] = composite[b] + body.inertia;
     composite[body.parent.index()] = composite[body.parent.index()] + transformed(body.X_PF, composite[b]);
     const double inertia = least_inertia(body.type, composite[b]) + model.joint(body.joint).armature;
-    if (inertia < 1e-12) found.push_back(body.joint);
+    if (body.nv > 0 && inertia < 1e-12) found.push_back(body.joint);
   }
   std::ranges::reverse(found);
   return found;
@@ -335,8 +361,12 @@ void ModelBuilder::add_keyframes(Model& model) const {
     if (key.q.empty()) key.q = model.initial_configuration();
     if (key.v.empty()) key.v.resize(static_cast<std::size_t>(model.nv()), 0.0);
     if (key.ctrl.empty()) key.ctrl.resize(static_cast<std::size_t>(model.nu()), 0.0);
+    if (key.mocap.empty()) key.mocap = model.initial_mocap();
     if (std::ssize(key.q) != model.nq() || std::ssize(key.v) != model.nv() || std::ssize(key.ctrl) != model.nu()) {
       throw ModelError("keyframe '" + key.name + "' does not have nq, nv and nu numbers");
+    }
+    if (key.mocap.size() != 7 * model.mocap_bodies().size()) {
+      throw ModelError("keyframe '" + key.name + "' does not have 7 numbers for each mocap body");
     }
     model.keyframes_.push_back(std::move(key));
   }

@@ -54,6 +54,7 @@ class ModelBuilder {
   [[nodiscard]] const std::vector<Joint>& joints() const { return joints_; }
   [[nodiscard]] Link& link(LinkId id) { return links_[id.index()]; }
   [[nodiscard]] Joint& joint(JointId id) { return joints_[id.index()]; }
+  [[nodiscard]] Actuator& actuator(ActuatorId id) { return actuators_[id.index()]; }
   [[nodiscard]] const std::vector<Geom>& geoms() const { return geoms_; }
   [[nodiscard]] Geom& geom(GeomId id) { return geoms_[id.index()]; }
 
@@ -79,6 +80,7 @@ class ModelBuilder {
   void require_single_dof(const std::string& what, JointId joint) const;
   void add_mimic_equalities(Model& model) const;
   static void compile_link(Model& model, LinkId id);
+  static void compile_lift(Model& model, const Link& link);
   static void compile_dofs(Model& model);
 
   std::string name_;

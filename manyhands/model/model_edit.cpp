@@ -60,7 +60,9 @@ Insertion ModelEdit::places_for(const Model& part) const {
           .geoms = count_of(model_.geoms_),
           .actuators = count_of(model_.actuators_),
           .meshes = count_of(model_.meshes_),
-          .height_fields = count_of(model_.height_fields_)};
+          .height_fields = count_of(model_.height_fields_),
+          .lifts = count_of(model_.lifts_),
+          .mocaps = count_of(model_.mocap_bodies_)};
 }
 
 Insertion ModelEdit::insert(const Model& part) {
@@ -96,6 +98,8 @@ void ModelEdit::shift_old(const Insertion& at) {
   for (std::size_t i = model_.links_.size(); i < model_.frames_.size(); ++i) {
     model_.frames_[i].body = BodyId(at.bodies.of_old(model_.frames_[i].body.value()));
   }
+  for (Lift& lift : model_.lifts_) lift.body = BodyId(at.bodies.of_old(lift.body.value()));
+  for (BodyId& body : model_.mocap_bodies_) body = BodyId(at.bodies.of_old(body.value()));
   for (int i = at.v.old_first; i < model_.nv_; ++i) {
     model_.dof_parent_[index(i)] = at.v.of_old(model_.dof_parent_[index(i)]);
     model_.dof_q_[index(i)] = at.q.of_old(model_.dof_q_[index(i)]);
@@ -145,6 +149,11 @@ void ModelEdit::insert_joints_and_bodies(const Model& part, const Insertion& at)
     body.iv = at.v.of_new(body.iv);
   }
   at.bodies.apply(model_.bodies_, bodies);
+  for (Lift lift : part.lifts_) {
+    lift.body = BodyId(at.new_body(lift.body.value()));
+    model_.lifts_.push_back(lift);
+  }
+  for (const BodyId body : part.mocap_bodies_) model_.mocap_bodies_.push_back(BodyId(at.new_body(body.value())));
 }
 
 void ModelEdit::insert_frames(const Model& part, const Insertion& at) {
@@ -203,6 +212,7 @@ void ModelEdit::insert_couplings(const Model& part, const Insertion& at) {
   at.v.apply(model_.dof_damping_, part.dof_damping_);
   at.v.apply(model_.dof_armature_, part.dof_armature_);
   at.v.apply(model_.dof_friction_, part.dof_friction_);
+  at.v.apply(model_.dof_stiffness_, part.dof_stiffness_);
   for (Actuator actuator : part.actuators_) {
     actuator.joint = JointId(at.joints + actuator.joint.value());
     model_.actuators_.push_back(std::move(actuator));

@@ -139,6 +139,7 @@ Renderer::Renderer(std::shared_ptr<const Scene> scene, int num_threads, const Im
     : scene_(std::move(scene)),
       textures_(own_textures(scene_->model().geoms(), read)),
       tree_(scene_->model()),
+      mocap_(scene_->model().initial_mocap()),
       pool_(choose_num_threads(num_threads)) {
   for (int i = 0; i < pool_.num_threads(); ++i) {
     workers_.push_back({Workspace<double>(tree_), std::vector<Transform<double>>(size(tree_.nb))});
@@ -151,6 +152,10 @@ void Renderer::require_fit(std::span<const Shot> shots, const Pictures& pictures
     if (shot.q.size() != size(model.nq())) {
       throw std::invalid_argument("a configuration has " + std::to_string(shot.q.size()) +
                                   " numbers; expected nq = " + std::to_string(model.nq()));
+    }
+    if (!shot.mocap.empty() && shot.mocap.size() != mocap_.size()) {
+      throw std::invalid_argument("the poses of mocap bodies have " + std::to_string(shot.mocap.size()) +
+                                  " numbers; expected " + std::to_string(mocap_.size()) + ", 7 each, or none");
     }
     const Guise& guise = shot.guise;
     for (const std::size_t given :
@@ -175,18 +180,20 @@ void Renderer::require_fit(std::span<const Shot> shots, const Pictures& pictures
   require_size("normals", pictures.normals.size(), 3 * pixels);
 }
 
-void Renderer::place_bodies(std::span<const double> q, Worker& worker) const {
-  forward_kinematics(tree_, q.data(), worker.bodies);
+void Renderer::place_bodies(const Shot& shot, Worker& worker) const {
+  place_mocap(tree_, shot.mocap.empty() ? mocap_.data() : shot.mocap.data(), worker.bodies);
+  forward_kinematics(tree_, shot.q.data(), worker.bodies);
   worker.X_WB[0] = Transform<double>::identity();
   for (std::size_t b = 1; b < worker.X_WB.size(); ++b) {
     worker.X_WB[b] = {worker.bodies.R_WB[b], worker.bodies.p_OB[b] + worker.bodies.p_WO[b]};
   }
 }
 
-Transform<double> Renderer::camera_pose(const Camera& camera, std::span<const double> q) {
+Transform<double> Renderer::camera_pose(const Shot& shot) {
+  const Camera& camera = shot.camera;
   if (camera.frame.empty()) return camera.X_FC;
   const std::scoped_lock lock(mutex_);
-  place_bodies(q, workers_[0]);
+  place_bodies(shot, workers_[0]);
   const Frame& mount = scene_->model().frame(scene_->model().frame_id(camera.frame));
   return workers_[0].X_WB[mount.body.index()] * mount.X_BF * camera.X_FC;
 }
@@ -200,7 +207,7 @@ void Renderer::render(std::span<const Shot> shots, const Pictures& pictures) {
   pool_.for_each(n, [&](int shot, int worker) {
     Worker& own = workers_[size(worker)];
     const Shot& of = shots[size(shot)];
-    place_bodies(of.q, own);
+    place_bodies(of, own);
     set_frame(frames_[size(shot)], *scene_, of.camera, of.look, own.X_WB, of.marks, of.guise, textures_);
   });
 

@@ -13,9 +13,10 @@ namespace manyhands {
 struct Shot {
   Camera camera;
   Look look{};
-  std::vector<double> q;      ///< (nq)
-  std::vector<Mark> marks{};  ///< drawn over it
-  Guise guise{};              ///< what differs from the model
+  std::vector<double> q;        ///< (nq)
+  std::vector<Mark> marks{};    ///< drawn over it
+  Guise guise{};                ///< what differs from the model
+  std::vector<double> mocap{};  ///< poses of mocap bodies, as in a Keyframe; empty: where the model has them
 };
 
 /// Where n pictures of (height, width) pixels go; rows from the top. Spans that are empty are not wanted.
@@ -43,8 +44,8 @@ class Renderer {
   /// Throws std::invalid_argument if cameras differ in size, a configuration, a camera, a look or a span has numbers
   /// that do not fit; std::out_of_range on a camera's frame that the model does not have.
   void render(std::span<const Shot> shots, const Pictures& pictures);
-  /// X_WC of a shot's camera.
-  [[nodiscard]] Transform<double> camera_pose(const Camera& camera, std::span<const double> q);
+  /// X_WC of the shot's camera.
+  [[nodiscard]] Transform<double> camera_pose(const Shot& shot);
 
  private:
   struct Worker {
@@ -53,7 +54,7 @@ class Renderer {
   };
 
   void require_fit(std::span<const Shot> shots, const Pictures& pictures) const;
-  void place_bodies(std::span<const double> q, Worker& worker) const;
+  void place_bodies(const Shot& shot, Worker& worker) const;
   void draw(std::size_t shot, int first_row, int end_row, const Pictures& pictures) const;
   void smooth(std::size_t shot, int first_row, int end_row, std::span<const std::uint8_t> from,
               std::span<std::uint8_t> to) const;
@@ -61,6 +62,7 @@ class Renderer {
   std::shared_ptr<const Scene> scene_;
   std::vector<Texture> textures_;  // the geoms' own
   Tree<double> tree_;
+  std::vector<double> mocap_;  // where the model has these bodies
   ThreadPool pool_;
   std::vector<Worker> workers_;
   std::vector<PictureFrame> frames_;

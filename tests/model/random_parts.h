@@ -25,6 +25,7 @@ inline Model random_parts(std::mt19937& random, const std::string& prefix) {
     const std::string name = prefix + std::to_string(i);
     const LinkId parent = links[static_cast<std::size_t>(below(2) * below(static_cast<int>(links.size())))];
     const LinkId link = builder.add_link(name, {.mass = 1, .com = {x(), x(), x()}, .inertia = {1, 1, 1, 0, 0, 0}});
+    builder.link(link).gravity_compensation = i == 1 ? 0.3 : 0;
     links.push_back(link);
     if (below(4) == 0) {
       builder.place_root(link, pose());
@@ -39,6 +40,7 @@ inline Model random_parts(std::mt19937& random, const std::string& prefix) {
         }
       }
       joint.damping = below(2);
+      joint.stiffness = 3 * joint.damping;
       const JointId id = builder.add_joint(joint);
       if (velocity_size(type) == 1) single.push_back(id);
     }

@@ -287,12 +287,12 @@ TEST(MjcfRules, RelativePosesOfWeldsCount) {
   EXPECT_EQ(loop.X_LA.R.y.y, -1);
 }
 
-TEST(MjcfRules, SpringsAndRangesOfBallsAreNoted) {
+TEST(MjcfRules, NonlinearSpringsAndRangesOfBallsAreNoted) {
   const LoadReport report =
-      load_scene(one_body("<joint name=\"j\" stiffness=\"3\" damping=\"-1\"/>" +
+      load_scene(one_body("<joint name=\"j\" stiffness=\"3 1\" damping=\"-1\"/>" +
                           body("c", std::string("<joint name=\"k\" type=\"ball\" range=\"0 30\"/>") + kMjcfInertial)))
           .report;
-  EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "joint 'j'", "a spring of stiffness 3"), 1);
+  EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "joint 'j'", "the nonlinear part of 'stiffness'"), 1);
   EXPECT_EQ(count_notes(report, LoadAction::kRepaired, "joint 'j'", "damping -1 is negative"), 1);
   EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "joint 'k'", "the range of a ball"), 1);
 }

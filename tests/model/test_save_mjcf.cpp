@@ -41,7 +41,7 @@ std::string numbers_of(std::span<const Keyframe> keys) {
   std::string text;
   for (const Keyframe& key : keys) {
     text += key.name + " " + std::to_string(key.time);
-    for (const auto* list : {&key.q, &key.v, &key.ctrl}) {
+    for (const auto* list : {&key.q, &key.v, &key.ctrl, &key.mocap}) {
       for (const double x : *list) text += " " + std::to_string(x);
     }
   }
@@ -65,11 +65,13 @@ std::string every_part() {
   <geom name="ground" type="plane" size="0 0 1" material="floor" friction="0.7"/>
   <site name="mark" pos="0.1 0.2 0.3" quat="0.3 0.1 0.7 0.2"/>
   <body name="terrain" pos="3 0.1 0"><geom name="hills" type="hfield" hfield="hills"/></body>
+  <body name="led" mocap="true" pos="1.1 0.3 2.7" quat="0.9 0.1 -0.3 0.2"><geom name="light" size="0.1"/></body>
   <body name="free" pos="0.1 0.2 1.3" quat="0.9 0.1 -0.3 0.2"><freejoint name="fly"/>)" +
                 inertial + R"(<geom name="ball" size="0.13" condim="4" friction="0.9 0.01 0.001"/></body>
   <body name="base" pos="-0.3 0.1 0.7" euler="0.1 0.2 0.3"><geom name="foot" type="box" size="0.1 0.2 0.3"/>
-    <body name="arm" pos="0.2 0 0.1" quat="0.8 0.2 0.1 -0.4">
-      <joint name="shoulder" axis="0.6 0.7 -0.3" range="-1.1 2.3" damping="0.3" frictionloss="0.07" armature="0.01"/>)" +
+    <body name="arm" pos="0.2 0 0.1" quat="0.8 0.2 0.1 -0.4" gravcomp="0.7">
+      <joint name="shoulder" axis="0.6 0.7 -0.3" range="-1.1 2.3" damping="0.3" frictionloss="0.07" armature="0.01"
+        stiffness="7.3" springref="0.21"/>)" +
                 inertial + R"(<geom name="upper" type="capsule" size="0.05 0.2" euler="0.4 0.1 0.2" pos="0 0.1 0.07"/>
       <site name="tip" pos="0.11 0 0.3" euler="0.3 0.2 0.1"/>
       <body name="slider" pos="0.1 0.2 0.3" euler="1 0.3 0.2">
@@ -82,7 +84,7 @@ std::string every_part() {
                 R"(<geom name="fist" type="mesh" mesh="wedge" contype="2" conaffinity="3" pos="0.1 0 0"/></body>
       <body name="bent" pos="0 0.1 0.4"><joint name="elbow" axis="0 1 0.3" pos="0.1 0.2 0.05" ref="0.3"/>)" +
                 inertial + R"(<geom name="shell" type="cylinder" size="0.1 0.2" contype="0" conaffinity="0"/></body>
-      <body name="socket" pos="0.1 0.1 0.1"><joint name="ball" type="ball" damping="0.2"/>)" +
+      <body name="socket" pos="0.1 0.1 0.1"><joint name="ball" type="ball" damping="0.2" stiffness="1.3"/>)" +
                 inertial + R"(</body></body></body>
 </worldbody>
 <contact>
@@ -99,7 +101,7 @@ std::string every_part() {
   <velocity name="v" joint="tilt" kv="2.3" ctrlrange="-1e10 3"/>
 </actuator>
 <keyframe><key name="home" time="0.3" qpos="0.1 0.2 0.3 0.9 0.1 0.2 0.3 0.4 0.13 0.1 0.2 0.3 0.5 1 0.2 0.1 0.3"
-  qvel="1 2 3 4 5 6 7 8 9 10 11 12 13 14 15" ctrl="0.1 0.2 0.3"/></keyframe>)");
+  qvel="1 2 3 4 5 6 7 8 9 10 11 12 13 14 15" ctrl="0.1 0.2 0.3" mpos="0.1 0.7 0.9" mquat="0 0 1 0"/></keyframe>)");
 }
 
 TEST(SaveMjcf, EveryPartIsReadBackToTheBit) {

@@ -216,7 +216,7 @@ TEST(Renderer, ACameraOnALinkMovesWithIt) {
   EXPECT_EQ(picture.segmentation[40], 0);
   EXPECT_NEAR(static_cast<double>(picture.depth[40]), 1.4, 1e-5);
   EXPECT_NEAR(static_cast<double>(picture.normals[3 * 40 + 1]), -1, 1e-6);
-  EXPECT_NEAR(renderer.camera_pose(shot.camera, shot.q).p.y, 0.5, 1e-12);
+  EXPECT_NEAR(renderer.camera_pose(shot).p.y, 0.5, 1e-12);
 }
 
 TEST(Renderer, RefusesWhatDoesNotFit) {

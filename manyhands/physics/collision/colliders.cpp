@@ -63,7 +63,9 @@ template <Real R>
 void add_place(const Model& model, Collider<R>& collider) {
   const Body& body = model.bodies()[collider.body];
   collider.root = model.root_link(LinkId(static_cast<int>(collider.link))).index();
+  collider.is_still = collider.body == 0;
   if (collider.body == 0) return;
+  collider.is_still = body.type == JointType::kMocap;
   collider.neighbour = body.parent.index();
   if (body.type != JointType::kFloating) collider.base = model.joint(body.joint).parent.index();
 }
@@ -87,11 +89,12 @@ bool Colliders<R>::may_touch(std::size_t i, std::size_t j) const {
     const Collider<R>&moving = a.body == 0 ? b : a, &fixed = a.body == 0 ? a : b;
     return fixed.link == 0 || moving.neighbour != 0 || moving.base != fixed.link;
   }
-  return a.neighbour != b.body && b.neighbour != a.body;
+  return a.is_still || b.is_still || (a.neighbour != b.body && b.neighbour != a.body);
 }
 
 template <Real R>
 std::optional<ColliderPair> Colliders<R>::pair_of(std::size_t a, std::size_t b) const {
+  if (!rules.contacts || (geoms[a].is_still && geoms[b].is_still)) return std::nullopt;
   int surface = -1;
   const std::uint64_t key = unordered(a, b);
   const auto own = std::ranges::lower_bound(explicit_, key, {}, &std::pair<std::uint64_t, int>::first);

@@ -23,7 +23,8 @@ struct Collider {
   std::size_t link{};
   std::size_t base{};  ///< on a body that hangs on the world: the link it is mounted on, 0 where it floats
   CollisionFilter filter{};
-  bool turned{};  ///< whether the shape's axes differ from the body's
+  bool is_still{};  ///< whether no joint moves it: on the world, or on a body that a user moves
+  bool turned{};    ///< whether the shape's axes differ from the body's
   Transform<R> X_BG = Transform<R>::identity();
   R offset{};  ///< of its origin from the body's [m]
   SurfaceMaterial surface{};

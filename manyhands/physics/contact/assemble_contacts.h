@@ -36,15 +36,22 @@ MANYHANDS_INLINE T gap_acceleration(const Workspace<T>& ws, const ContactPatch<T
   return gap;
 }
 
+/// How fast surfaces that overlap part at most [m/s]. A body that a user moves enters others at any speed: it has none.
+template <Real R, Number T>
+[[nodiscard]] double fastest_parting(const Tree<R>& tree, const ContactPatch<T>& patch) {
+  const auto is_mocap = [&](std::size_t body) { return tree.bodies[body].type == JointType::kMocap; };
+  return is_mocap(patch.body_a()) || is_mocap(patch.body_b()) ? contact_settings::kMaxMocapRecovery
+                                                              : contact_settings::kMaxPenetrationRecovery;
+}
+
 /// The normal velocity that the point asks for at the step's end: not to go through a surface ahead, to leave one that
-/// it has entered, slowly, or what restitution gives back (Moreau's law, gravity acting on during the step). `arc` is
-/// what the gap's own curvature in time adds to its mean velocity. Tells the point whether it bounces.
+/// it has entered, no faster than `fastest`, or what restitution gives back (Moreau's law, gravity acting on during the
+/// step). `arc` is what the gap's own curvature in time adds to its mean velocity. Tells the point whether it bounces.
 template <Number T>
 MANYHANDS_INLINE T target_velocity(const CombinedSurface<T>& surface, T inverse_h, T u_n, T free_change, T arc,
-                                   ContactPoint<T>& point) {
+                                   T fastest, ContactPoint<T>& point) {
   const T zero = constant<T>(0), one = constant<T>(1), phi = point.phi;
-  const T slack = constant<T>(contact_settings::kTouching),
-          fastest = constant<T>(contact_settings::kMaxPenetrationRecovery);
+  const T slack = constant<T>(contact_settings::kTouching);
   const T depth = max(-phi - slack, zero), gap = select(phi > slack, phi, zero);
   const T out = min(constant<T>(contact_settings::kPenetrationRecovery) * (depth * inverse_h), fastest);
   const T hard = fma(-gap, inverse_h, out) - arc;
@@ -122,7 +129,8 @@ MANYHANDS_INLINE void add_point(const Workspace<T>& ws, T inverse_h, const Combi
        [&] { free_change = point_velocity(problem, point, problem.free_dv.data()).x; });
   const T half_h = constant<T>(0.5) / inverse_h;
   const T curvature = gap_acceleration(ws, patch, surface, point.p, dot(patch.normal, gamma));
-  point.target = target_velocity(surface, inverse_h, u_n, free_change, bounded_arc(half_h * curvature), point);
+  const T arc = bounded_arc(half_h * curvature), fastest = constant<T>(fastest_parting(*problem.tree, patch));
+  point.target = target_velocity(surface, inverse_h, u_n, free_change, arc, fastest, point);
   // Points that stick shall stay together along the arcs on which the step carries them: u + h / 2 gamma = 0.
   const Vec3<T> slip =
       u + Vec3<T>{bounded_arc(half_h * gamma.x), bounded_arc(half_h * gamma.y), bounded_arc(half_h * gamma.z)};

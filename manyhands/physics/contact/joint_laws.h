@@ -6,7 +6,9 @@
 
 #include "manyhands/math/control_flow.h"
 #include "manyhands/physics/contact/settings.h"
+#include "manyhands/physics/dynamics/gravity_compensation.h"
 #include "manyhands/physics/dynamics/ltdl.h"
+#include "manyhands/physics/dynamics/springs.h"
 #include "manyhands/physics/dynamics/state.h"
 #include "manyhands/physics/dynamics/workspace.h"
 
@@ -33,7 +35,7 @@ struct JointLaws {
         last_impulse(smooth),
         first_state(smooth) {}
 
-  std::vector<T> smooth;              ///< h (tau - bias - damping v): the impulse that acts without constraints
+  std::vector<T> smooth;              ///< h (tau - bias + passive forces): the impulse that acts without constraints
   std::vector<T> max_impulse;         ///< F = h max_force
   std::vector<T> slope;               ///< of a drive: impulse = slope (target - dv); 0 where the law is vertical
   std::vector<T> target;              ///< dv that brings the dof to its motor's velocity, kept within the limits
@@ -87,6 +89,20 @@ MANYHANDS_INLINE void assemble_actuators(const Tree<real_t<T>>& tree, const Para
   }
 }
 
+/// The springs, with the force in the middle of the change of velocity: h k (reference - q - h dv / 4). Then q+ = q + h
+/// v+ is the trapezoidal rule's: it gains and loses nothing, and is stable however stiff the spring is.
+template <Number T, Number P>
+MANYHANDS_INLINE void assemble_springs(const Tree<real_t<T>>& tree, const Params<P>& params, real_t<T> h,
+                                       const State<T>& state, Workspace<T>& dynamics, JointLaws<T>& laws) {
+  const T step(h), quarter(real_t<T>(0.25) * h * h);
+  visit_springs<T>(tree, params, state.q(), [&](std::size_t i, T stiffness, T stretch) {
+    const auto acts = stiffness > constant<T>(0);
+    laws.smooth[i] = select(acts, fma(-step * stiffness, stretch, laws.smooth[i]), laws.smooth[i]);
+    T& inertia = tree_row(tree, dynamics.M.data(), i)[i];
+    inertia = fma(quarter, stiffness, inertia);
+  });
+}
+
 /// Limits, and where the motor, the drive or dry friction would have the dof. `free_dv`: what it gains without them.
 template <Number T, Number P>
 MANYHANDS_INLINE void assemble_targets(const Tree<real_t<T>>& tree, const Params<P>& params, T inverse_h,
@@ -130,7 +146,8 @@ MANYHANDS_INLINE T first_state(const State<T>& state, std::size_t i, const Joint
 
 }  // namespace internal
 
-/// Fills the laws from the state, after bias_and_mass_matrix, and adds h damping to M's diagonal: damping is implicit.
+/// Fills the laws from the state, after bias_and_mass_matrix, and adds h damping + h^2 stiffness / 4 to M's diagonal:
+/// damping and springs are implicit.
 /// A motor wants v* = kp (target_q - q) / h + v' + kd (target_v - v'), where v' is the velocity that the step would
 /// reach without constraints, and pushes with at most max_force (PyBullet's position and velocity control).
 /// `free_change(dv)` writes M^-1 smooth (nv), and is called only where some kd is not 1.
@@ -151,6 +168,9 @@ MANYHANDS_INLINE void assemble_joint_laws(const Tree<real_t<T>>& tree, const Par
     laws.last_impulse[i] = state.joint_impulse()[i];
     free_dv[i] = zero;
   }
+  visit_gravity_compensation(tree, params, dynamics,
+                             [&](std::size_t i, T force) { laws.smooth[i] = fma(step, force, laws.smooth[i]); });
+  internal::assemble_springs(tree, params, h, state, dynamics, laws);
   internal::assemble_actuators(tree, params, h, state, laws);
   when(needs_free_velocity, [&] { free_change(free_dv); });
   for (std::size_t i = 0; i < index(tree.nv); ++i) {

@@ -66,6 +66,8 @@ inline constexpr double kLimitRecovery = 0.2;
 /// How much of a penetration a step removes, and the fastest that it pushes surfaces apart [m/s].
 inline constexpr double kPenetrationRecovery = 0.2;
 inline constexpr double kMaxPenetrationRecovery = 0.1;
+/// The same of what a mocap body pushes, which is all that moves it [m/s].
+inline constexpr double kMaxMocapRecovery = 1;
 /// Surfaces this near count as touching [m], all alike. Without it the corners of a resting or gripped box, whose
 /// distances differ by microns, would take turns in carrying it: on one corner a thing turns.
 inline constexpr double kTouching = 3e-5;
@@ -77,8 +79,8 @@ inline constexpr double kMaxArc = 0.1;
 inline constexpr double kMaxClosing = 1;
 /// Where joints move so much less than they do in other directions, as at a singular arm, or while something holds
 /// them, errors close more slowly: by what joints can do without racing.
-inline constexpr double kYielding = 0.1;
-/// How often what that leaves open is looked at again: where joints move well, a tenth to this power stays open.
+inline constexpr double kYielding = 0.03;
+/// How often what that leaves open is looked at again: of a free body's error 1e-5 stays open.
 inline constexpr int kClosingPasses = 6;
 
 /// The mobility of a row that no joint moves, as a part of what joints move in other directions there: the square of

@@ -3,15 +3,17 @@
 
 #include "manyhands/physics/dynamics/measures.h"
 #include "manyhands/physics/dynamics/rnea.h"
+#include "manyhands/physics/dynamics/springs.h"
 
 namespace manyhands {
 
-/// Total energy in the state q (nq), v (nv).
+/// Total energy in the state q (nq), v (nv); springs and gravity compensation included.
 template <Number T, Number P>
 Energy<T> energy(const Tree<real_t<T>>& tree, const Params<P>& params, const T* q, const T* v, Workspace<T>& ws) {
   const T half(real_t<T>(0.5));
   Energy<T> sum{T(real_t<T>(0)), T(real_t<T>(0))};
   for (std::size_t b = 1; b < tree.bodies.size(); ++b) {
+    if (tree.bodies[b].type == JointType::kMocap) continue;  // no dynamics moves it
     place(tree, b, q, ws);
     move(tree, b, v, ws);
     internal::place_inertia(b, params, ws);
@@ -19,9 +21,19 @@ Energy<T> energy(const Tree<real_t<T>>& tree, const Params<P>& params, const T* 
     const Vec3<T> first_moment = fma(ws.I[b].m, ws.p_WO[b], ws.I[b].h);
     sum.potential = sum.potential - dot(broadcast<T>(params.gravity[0]), first_moment);
   }
+  for (std::size_t i = 0; i < tree.lifted_bodies.size(); ++i) {
+    const std::size_t b = tree.lifted_bodies[i];
+    if (tree.bodies[b].nv == 0) continue;
+    const Vec3<T> moment = fma(broadcast<T>(params.lifted_mass[i]), ws.p_OB[b] + ws.p_WO[b],
+                               ws.R_WB[b] * broadcast<T>(params.lifted_moment[i]));
+    sum.potential = sum.potential + dot(broadcast<T>(params.gravity[0]), moment);
+  }
   for (std::size_t i = 0; i < static_cast<std::size_t>(tree.nv); ++i) {
     sum.kinetic = fma(half * broadcast<T>(params.armature[i]), v[i] * v[i], sum.kinetic);
   }
+  visit_springs<T>(tree, params, q, [&](std::size_t, T stiffness, T stretch) {
+    sum.potential = fma(half * stiffness, stretch * stretch, sum.potential);
+  });
   return sum;
 }
 
@@ -31,6 +43,7 @@ MassProperties<T> mass_properties(const Tree<real_t<T>>& tree, const Params<P>& 
                                   Workspace<T>& ws) {
   MassProperties<T> sum{T(real_t<T>(0)), Vec3<T>::zero(), Force<T>::zero()};
   for (std::size_t b = 1; b < tree.bodies.size(); ++b) {
+    if (tree.bodies[b].type == JointType::kMocap) continue;  // no dynamics moves it
     place(tree, b, q, ws);
     move(tree, b, v, ws);
     internal::place_inertia(b, params, ws);

@@ -25,8 +25,10 @@ enum class Each : std::uint8_t {
   kBody,           ///< the world included
   kGeom,           ///<
   kLink,           ///< the world included
+  kLift,           ///< see Model::lifts
+  kMocapNumber,    ///< seven for every body that a user moves: x y z, quaternion xyzw
 };
-inline constexpr std::size_t kKindsOfEach = 9;
+inline constexpr std::size_t kKindsOfEach = 11;
 
 /// What the numbers of a field may be; a snapshot with others is refused.
 enum class Range : std::uint8_t {

@@ -52,6 +52,19 @@ MANYHANDS_INLINE void set_origin(const TreeBody<real_t<T>>& body, std::size_t b,
 
 }  // namespace internal
 
+/// Puts the bodies that a user moves where the state has them, at rest: `poses`, x y z and quaternion xyzw each. A
+/// workspace keeps them there; a new one has them where the model does.
+template <Number T>
+MANYHANDS_INLINE void place_mocap(const Tree<real_t<T>>& tree, const T* poses, Workspace<T>& ws) {
+  for (const std::size_t b : tree.mocap_bodies) {
+    ws.p_WO[b] = {poses[0], poses[1], poses[2]};
+    ws.R_WB[b] = to_matrix(Quat<T>{poses[3], poses[4], poses[5], poses[6]});
+    ws.p_OB[b] = Vec3<T>::zero();
+    ws.V[b] = Motion<T>::zero();
+    poses += kPoseNumbers;
+  }
+}
+
 /// R_WB, p_OB, p_WO and the joint axes S of body b from the configuration q (nq).
 template <Number T>
 MANYHANDS_INLINE void place(const Tree<real_t<T>>& tree, std::size_t b, const T* q, Workspace<T>& ws) {
@@ -63,9 +76,10 @@ MANYHANDS_INLINE void place(const Tree<real_t<T>>& tree, std::size_t b, const T*
   const Mat3<T> R_WF = on_world ? broadcast<T>(body.X_PF.R) : internal::turned(ws.R_WB[parent], body);
   const Vec3<T> p_F = on_world ? p_PF : body.shifted ? ws.R_WB[parent] * p_PF + ws.p_OB[parent] : ws.p_OB[parent];
   const T* qj = q + body.iq;
-  Motion<T>* S = &ws.S[static_cast<std::size_t>(body.iv)];
+  Motion<T>* S = ws.S.data() + body.iv;
   switch (body.type) {
     case JointType::kFixed:
+    case JointType::kMocap:  // see `place_mocap`
       break;
     case JointType::kRevolute:
     case JointType::kContinuous: {
@@ -115,6 +129,7 @@ MANYHANDS_INLINE void place(const Tree<real_t<T>>& tree, std::size_t b, const T*
 template <Number T>
 MANYHANDS_INLINE Motion<T> move(const Tree<real_t<T>>& tree, std::size_t b, const T* v, Workspace<T>& ws) {
   const TreeBody<real_t<T>>& body = tree.bodies[b];
+  if (body.type == JointType::kMocap) return Motion<T>::zero();
   const auto parent = static_cast<std::size_t>(body.parent);
   const auto iv = static_cast<std::size_t>(body.iv);
   Motion<T> V_J = v[iv] * ws.S[iv];

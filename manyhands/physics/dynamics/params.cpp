@@ -16,7 +16,9 @@ Layout::Layout(const Model& model, std::size_t contact_numbers)
               contact_numbers,
               model.bodies().size(),
               model.geoms().size(),
-              model.links().size()} {}
+              model.links().size(),
+              model.lifts().size(),
+              kPoseNumbers * model.mocap_bodies().size()} {}
 
 bool Layout::has_room(const FieldInsertion& at) const {
   for (std::size_t k = 0; k < kKindsOfEach; ++k) {
@@ -41,9 +43,15 @@ void Params<T>::take(const Model& model) {
   const auto number = [](double value) { return T(static_cast<real_t<T>>(value)); };
   gravity[0] = broadcast<T>(model.gravity());
   std::ranges::transform(model.bodies(), inertia.begin(), [](const Body& body) { return broadcast<T>(body.inertia); });
+  for (std::size_t i = 0; i < lifted_mass.size(); ++i) {
+    lifted_mass[i] = number(model.lifts()[i].mass);
+    lifted_moment[i] = broadcast<T>(model.lifts()[i].moment);
+  }
   std::ranges::transform(model.dof_damping(), damping.begin(), number);
   std::ranges::transform(model.dof_armature(), armature.begin(), number);
   std::ranges::transform(model.dof_friction(), friction.begin(), number);
+  std::ranges::transform(model.dof_stiffness(), stiffness.begin(), number);
+  std::ranges::transform(model.spring_reference(), spring_reference.begin(), number);
   for (std::size_t i = 0; i < lower.size(); ++i) {
     lower[i] = number(model.dof_limits()[i].lower);
     upper[i] = number(model.dof_limits()[i].upper);

@@ -15,9 +15,13 @@ namespace manyhands {
 #define MANYHANDS_PARAMS_FIELDS(field)                                                                                \
   field(gravity,          Vec3<T>,         kWorld,    kFinite)      /* [m/s^2], in the world frame */                 \
   field(inertia,          RigidInertia<T>, kBody,     kFinite)      /* about the body's origin, in its axes */        \
+  field(lifted_mass,      T,               kLift,     kFinite)      /* that gravity compensation carries [kg] */     \
+  field(lifted_moment,    Vec3<T>,         kLift,     kFinite)      /* its first moment, in the body's axes [kg m] */ \
   field(damping,          T,               kDof,      kNotNegative) /* [N m s/rad or N s/m] */                        \
   field(armature,         T,               kDof,      kNotNegative) /* [kg m^2 or kg] */                              \
   field(friction,         T,               kDof,      kForceLimit)  /* dry friction of the joint [N m or N] */        \
+  field(stiffness,        T,               kDof,      kNotNegative) /* of the joint's spring [N m/rad or N/m] */      \
+  field(spring_reference, T,               kCoordinate, kFinite)    /* q at which it is at rest */                    \
   field(lower,            T,               kDof,      kLimit)       /* [rad or m]; infinite where there is none */    \
   field(upper,            T,               kDof,      kLimit)       /* likewise */                                    \
   field(motor_kp,         T,               kDof,      kNotNegative) /* per step, dimensionless: World::set_motors */  \

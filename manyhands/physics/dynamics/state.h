@@ -20,6 +20,7 @@ namespace manyhands {
   array(target_q,         kDof,           kFinite) /* motor target [rad or m] */                                      \
   array(target_v,         kDof,           kFinite) /* motor target [rad/s or m/s] */                                  \
   array(ctrl,             kActuator,      kFinite) /* commands of the actuators */                                    \
+  array(mocap,            kMocapNumber,   kFinite) /* poses of the bodies that a user moves */                         \
   array(active_set,       kDof,           kFinite) /* where each dof is on its force law, see JointConstraintState */   \
   array(dv,               kDof,           kFinite) /* change of v in the last step: a hint to the next */             \
   array(joint_impulse,    kDof,           kFinite) /* impulse of motor and limit in the last step */                  \
@@ -93,10 +94,12 @@ class State {
     };
   }
 
-  /// Sets q to where the model's joints begin.
+  /// Sets q to where the model's joints begin, and the bodies that a user moves to where the model has them.
   void take(const Model& model) {
     const std::vector<double> initial = model.initial_configuration();
-    for (std::size_t i = 0; i < initial.size(); ++i) q_[i] = T(static_cast<real_t<T>>(initial[i]));
+    const auto number = [](double x) { return T(static_cast<real_t<T>>(x)); };
+    std::ranges::transform(initial, q_.begin(), number);
+    std::ranges::transform(model.initial_mocap(), mocap_.begin(), number);
   }
 
   /// Makes room for another number of contacts, of large worlds that list no pairs; the old ones are forgotten.

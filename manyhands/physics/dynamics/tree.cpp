@@ -110,6 +110,11 @@ Tree<R>::Tree(const Model& model)
                       .gyration = static_cast<R>(gyration(body.inertia))});
     set_turn(body.X_PF.R, bodies.back());
   }
+  for (const BodyId body : model.mocap_bodies()) mocap_bodies.push_back(body.index());
+  for (const Lift& lift : model.lifts()) {
+    bodies[lift.body.index()].lift = static_cast<int>(lifted_bodies.size());
+    lifted_bodies.push_back(lift.body.index());
+  }
   for (int k = nv - 1; k >= 0; --k) dofs_from_leaves.push_back(k);
   for (int k = 0; k < nv; ++k) {
     const auto i = static_cast<std::size_t>(k);

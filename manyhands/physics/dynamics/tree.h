@@ -10,6 +10,9 @@
 
 namespace manyhands {
 
+/// Numbers of a mocap body's pose: x y z [m], quaternion xyzw.
+inline constexpr std::size_t kPoseNumbers = 7;
+
 /// How a joint frame is turned in its parent: robots are full of quarter turns, which cost no products.
 enum class Turn {
   kNone,
@@ -29,6 +32,7 @@ struct TreeBody {
       axes{};  ///< for kQuarters, F's x, y and z: 1, 2, 3 for the parent's x, y, z, minus if reversed
   Transform<R> X_PF = Transform<R>::identity();
   R gyration{};  ///< square of its radius of gyration about the centre of mass [m^2]
+  int lift = -1;  ///< index of its part that gravity compensation carries; -1 without one
 };
 
 /// A drive of the model as kernels read it.
@@ -64,20 +68,22 @@ struct Tree {
 
   int nb{};  ///< bodies, the world included
   int nq{}, nv{};
-  std::vector<TreeBody<R>> bodies;        ///< (nb)
-  std::vector<int> dof_parent;            ///< (nv) next dof towards the root, or -1
-  std::vector<int> root_dof;              ///< (nv) first dof of the dof's tree; trees take consecutive dofs
-  std::vector<int> end_dof;               ///< (nv) one past the last dof of the dof's tree
-  std::vector<int> last_dof;              ///< (nb) the body's last dof, or its next ancestor's; -1 if it never moves
-  std::vector<int> path;                  ///< of each body: the dofs that move it, leaves first
-  std::vector<std::size_t> path_begin;    ///< (nb + 1) where that begins
-  std::vector<std::ptrdiff_t> M_row;      ///< (nv) M[M_row[i] + j] is entry (i, j <= i) within a tree; trees follow
-                                          ///< each other, and nothing is stored between them
-  std::size_t M_size{};                   ///< numbers in M
-  std::vector<int> dofs_from_leaves;      ///< (nv) nv - 1, ..., 0
-  std::vector<int> dof_q;                 ///< (nv) the coordinate that the dof integrates, or -1
-  std::vector<std::uint8_t> dof_limited;  ///< (nv) whether the joint has position limits
-  std::vector<TreeActuator> actuators;    ///< (nu)
+  std::vector<TreeBody<R>> bodies;         ///< (nb)
+  std::vector<int> dof_parent;             ///< (nv) next dof towards the root, or -1
+  std::vector<int> root_dof;               ///< (nv) first dof of the dof's tree; trees take consecutive dofs
+  std::vector<int> end_dof;                ///< (nv) one past the last dof of the dof's tree
+  std::vector<int> last_dof;               ///< (nb) the body's last dof, or its next ancestor's; -1 if it never moves
+  std::vector<int> path;                   ///< of each body: the dofs that move it, leaves first
+  std::vector<std::size_t> path_begin;     ///< (nb + 1) where that begins
+  std::vector<std::ptrdiff_t> M_row;       ///< (nv) M[M_row[i] + j] is entry (i, j <= i) within a tree; trees follow
+                                           ///< each other, and nothing is stored between them
+  std::size_t M_size{};                    ///< numbers in M
+  std::vector<int> dofs_from_leaves;       ///< (nv) nv - 1, ..., 0
+  std::vector<int> dof_q;                  ///< (nv) the coordinate that the dof integrates, or -1
+  std::vector<std::uint8_t> dof_limited;   ///< (nv) whether the joint has position limits
+  std::vector<TreeActuator> actuators;     ///< (nu)
+  std::vector<std::size_t> lifted_bodies;  ///< that gravity compensation acts on, in the order of Model::lifts
+  std::vector<std::size_t> mocap_bodies;   ///< that a user moves
   std::vector<TreeEquality<R>> equalities;
   std::size_t equality_rows{};  ///< three for every equality constraint, six where it holds rotations
   std::vector<int>

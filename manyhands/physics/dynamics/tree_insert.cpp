@@ -127,6 +127,20 @@ void insert_actuators(const Tree<R>& part, const Insertion& at, Tree<R>& tree) {
   at.v.apply(tree.dof_drive, drives);
 }
 
+/// Bodies that are carried, and those that a user moves.
+template <Real R>
+void insert_special_bodies(const Tree<R>& part, const Insertion& at, Tree<R>& tree) {
+  const auto insert = [&](const std::vector<std::size_t>& bodies, std::vector<std::size_t>& into) {
+    for (std::size_t& body : into) body = index(at.bodies.of_old(static_cast<int>(body)));
+    for (const std::size_t body : bodies) into.push_back(index(at.new_body(static_cast<int>(body))));
+  };
+  insert(part.mocap_bodies, tree.mocap_bodies);
+  insert(part.lifted_bodies, tree.lifted_bodies);
+  for (std::size_t i = 0; i < tree.lifted_bodies.size(); ++i) {
+    tree.bodies[tree.lifted_bodies[i]].lift = static_cast<int>(i);
+  }
+}
+
 /// A list over dofs whose items are dofs.
 void insert_dofs(const std::vector<int>& part, const ListInsertion& list, const ListInsertion& v,
                  std::vector<int>& into) {
@@ -158,6 +172,7 @@ void Tree<R>::insert(const Tree& part, const Insertion& at) {
     bodies[b].iv = at.v.of_old(bodies[b].iv);
   }
   at.bodies.apply(bodies, added);
+  insert_special_bodies(part, at, *this);
   insert_dofs({part.last_dof.begin() + 1, part.last_dof.end()}, at.bodies, at.v, last_dof);
 
   insert_dofs(part.dof_parent, at.v, at.v, dof_parent);

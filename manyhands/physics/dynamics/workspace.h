@@ -26,7 +26,9 @@ struct Workspace {
         D_inverse(size(tree.nv)),
         u(size(tree.nv)),
         bias(size(tree.nv)),
-        M(tree.M_size, T(real_t<T>(0))) {}
+        M(tree.M_size, T(real_t<T>(0))) {
+    take_mocap(tree);
+  }
 
   /// As many of everything as the tree has now; what is new is not placed.
   void resize(const Tree<real_t<T>>& tree) {
@@ -51,6 +53,12 @@ struct Workspace {
   std::vector<T> M;                        ///< (nv, nv) lower triangle of each tree, packed by rows (see Tree::M_row)
 
  private:
+  void take_mocap(const Tree<real_t<T>>& tree) {
+    for (const std::size_t b : tree.mocap_bodies) {
+      R_WB[b] = broadcast<T>(tree.bodies[b].X_PF.R);
+      p_WO[b] = broadcast<T>(tree.bodies[b].X_PF.p);
+    }
+  }
   static std::size_t size(int n) { return static_cast<std::size_t>(n); }
 };
 

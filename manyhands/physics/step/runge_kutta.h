@@ -4,6 +4,8 @@
 #include <array>
 
 #include "manyhands/physics/dynamics/aba.h"
+#include "manyhands/physics/dynamics/gravity_compensation.h"
+#include "manyhands/physics/dynamics/springs.h"
 #include "manyhands/physics/step/step.h"
 
 namespace manyhands {
@@ -27,7 +29,7 @@ struct RungeKutta {
   std::vector<T> phi;             ///< the way from the step's first q to the stage's
   std::vector<T> d_phi, d_v;      ///< rates at a stage
   std::vector<T> sum_phi, sum_v;  ///< weighted rates so far
-  std::vector<T> tau;             ///< applied less damping
+  std::vector<T> tau;             ///< applied, and passive
 };
 
 namespace internal {
@@ -47,13 +49,15 @@ MANYHANDS_INLINE void rotation_vector_rate(const T* phi, const T* omega, T* rate
 
 }  // namespace internal
 
-/// Advances the state by h [s] under its tau and the joints' damping. Joint motors and limits do not act.
+/// Advances the state by h [s] under its tau and passive forces: damping, springs, gravity compensation. Joint motors
+/// and limits do not act.
 template <Number T, Number P>
 void runge_kutta_step(const Tree<real_t<T>>& tree, const Params<P>& params, real_t<T> h, State<T>& state,
                       RungeKutta<T>& rk) {
   using R = real_t<T>;
   const auto nq = static_cast<std::size_t>(tree.nq), nv = static_cast<std::size_t>(tree.nv);
   constexpr std::array<double, 4> kReach{0.0, 0.5, 0.5, 1.0}, kWeight{1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
+  place_mocap(tree, state.mocap(), rk.dynamics);
   for (std::size_t stage = 0; stage < 4; ++stage) {
     const T reach(static_cast<R>(kReach[stage]) * h), weight(static_cast<R>(kWeight[stage]));
     for (std::size_t i = 0; i < nq; ++i) rk.q[i] = state.q()[i];
@@ -63,6 +67,12 @@ void runge_kutta_step(const Tree<real_t<T>>& tree, const Params<P>& params, real
       rk.tau[i] = fma(T(-params.damping[i]), rk.v[i], state.tau()[i]);
     }
     integrate_configuration(tree, rk.phi.data(), T(R(1)), rk.q.data());
+    if (!tree.lifted_bodies.empty()) {
+      forward_kinematics(tree, rk.q.data(), rk.dynamics);
+      visit_gravity_compensation(tree, params, rk.dynamics, [&](std::size_t i, T force) { rk.tau[i] += force; });
+    }
+    visit_springs<T>(tree, params, rk.q.data(),
+                     [&](std::size_t i, T stiffness, T stretch) { rk.tau[i] = fma(-stiffness, stretch, rk.tau[i]); });
     aba(tree, params, rk.q.data(), rk.v.data(), rk.tau.data(), rk.d_v.data(), rk.dynamics);
     rk.d_phi = rk.v;
     for (const TreeBody<R>& body : tree.bodies) {

@@ -98,22 +98,25 @@ MANYHANDS_INLINE void find_resting(const ContactSolver<T>& contact, std::vector<
 }
 
 /// Free bodies fall on parabolas: takes back the h^2 / 2 a by which the last velocity of a step overshoots, except for
-/// bodies that rest on something.
+/// bodies that rest on something or hang on springs.
 template <Number T, Number P>
 MANYHANDS_INLINE void correct_free_fall(const Tree<real_t<T>>& tree, const Params<P>& params, real_t<T> h,
                                         const ContactSolver<T>& contact, std::vector<T>& resting, State<T>& state) {
   using R = real_t<T>;
-  const T one = constant<T>(1), overshoot(R(-0.5) * h * h);
+  const T zero = constant<T>(0), one = constant<T>(1), overshoot(R(-0.5) * h * h);
   find_resting(contact, resting);
   for (std::size_t b = 1; b < tree.bodies.size(); ++b) {
     const TreeBody<R>& body = tree.bodies[b];
     const bool free = body.type == JointType::kFloating && body.parent == 0 &&
                       tree.end_dof[static_cast<std::size_t>(body.iv)] == body.iv + body.nv;
     if (!free) continue;
-    const Vec3<T> gravity = transpose_times(broadcast<T>(body.X_PF.R), broadcast<T>(params.gravity[0]));
+    Vec3<T> gravity = transpose_times(broadcast<T>(body.X_PF.R), broadcast<T>(params.gravity[0]));
     const T* force = state.tau() + body.iv + 3;
     const T inverse_mass = one / broadcast<T>(params.inertia[b].m);
-    const T share = overshoot * (one - resting[b]);
+    if (body.lift >= 0)
+      gravity = fma(-inverse_mass * broadcast<T>(params.lifted_mass[index(body.lift)]), gravity, gravity);
+    const auto hangs = broadcast<T>(params.stiffness[index(body.iv + 3)]) > zero;
+    const T share = select(hangs, zero, overshoot * (one - resting[b]));
     T* p = state.q() + body.iq;
     p[0] = fma(share, fma(inverse_mass, force[0], gravity.x), p[0]);
     p[1] = fma(share, fma(inverse_mass, force[1], gravity.y), p[1]);
@@ -167,6 +170,7 @@ void step(const System<real_t<T>>& system, const Params<P>& params, real_t<T> h,
     MANYHANDS_ASSERT(internal::are_quaternions_unit(tree, state.q()));
   }
   const Colliders<real_t<T>>& colliders = system.colliders;
+  place_mocap(tree, state.mocap(), ws.dynamics);
   bias_and_mass_matrix(tree, params, state.q(), state.v(), ws.dynamics);                      // 1 dynamics
   const std::span<const ColliderPair> pairs = find_touches(colliders, params, h, state, ws);  // 2 collision
   ContactSolver<T>& contact = ws.contact;

@@ -145,6 +145,7 @@ std::vector<float> Batch::q() const { return impl_->rows(&StateView<float>::q); 
 std::vector<float> Batch::v() const { return impl_->rows(&StateView<float>::v); }
 std::vector<float> Batch::tau() const { return impl_->rows(&StateView<float>::tau); }
 std::vector<float> Batch::ctrl() const { return impl_->rows(&StateView<float>::ctrl); }
+std::vector<float> Batch::mocap() const { return impl_->rows(&StateView<float>::mocap); }
 
 void Batch::set_q(std::span<const float> q, std::span<const std::uint8_t> mask) {
   const FloatEnvironment floats;

@@ -64,6 +64,8 @@ class Batch {
   [[nodiscard]] std::vector<float> v() const;     ///< (n, nv)
   [[nodiscard]] std::vector<float> tau() const;   ///< (n, nv) [N m or N]
   [[nodiscard]] std::vector<float> ctrl() const;  ///< (n, nu)
+  /// Poses of the model's mocap bodies, in its order: x y z [m] and quaternion xyzw each, (n, mocap bodies, 7).
+  [[nodiscard]] std::vector<float> mocap() const;
   void set_q(std::span<const float> q, std::span<const std::uint8_t> mask = {});
   void set_v(std::span<const float> v, std::span<const std::uint8_t> mask = {});
   void set_tau(std::span<const float> tau, std::span<const std::uint8_t> mask = {});
@@ -88,6 +90,9 @@ class Batch {
   void body_pose(std::string_view name, std::span<float> position, std::span<float> quaternion);
   /// Angular (n, 3) [rad/s], and that of the origin (n, 3) [m/s], in world axes.
   void body_velocity(std::string_view name, std::span<float> omega, std::span<float> velocity);
+  /// Puts a body that a mocap joint carries at position (n, 3) [m] and quaternion xyzw (n, 4): see World::set_mocap.
+  void set_mocap(std::string_view link, std::span<const float> position, std::span<const float> quaternion,
+                 std::span<const std::uint8_t> mask = {});
   /// Forces (n, 3) [N] at the points (n, 3) [m] (empty: the link's centre of mass) and torques (n, 3) [N m] (empty:
   /// none), in world axes; they act in the next step only, and add up.
   void apply_force(std::string_view link, std::span<const float> force, std::span<const float> torque = {},
@@ -108,6 +113,7 @@ class Batch {
   void set_rolling_friction(std::string_view name, std::span<const float> value);
   void set_restitution(std::string_view name, std::span<const float> value);
   void set_damping(std::string_view joint, std::span<const float> value);
+  void set_stiffness(std::string_view joint, std::span<const float> value);
   void set_joint_friction(std::string_view joint, std::span<const float> value);
   void set_armature(std::string_view joint, std::span<const float> value);
   void set_geom_size(std::string_view geom, std::span<const float> size);  ///< (n, 3), see Shape [m]

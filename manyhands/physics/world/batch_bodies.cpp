@@ -48,6 +48,27 @@ void Batch::body_velocity(std::string_view name, std::span<float> omega, std::sp
   }
 }
 
+void Batch::set_mocap(std::string_view name, std::span<const float> position, std::span<const float> quaternion,
+                      std::span<const std::uint8_t> mask) {
+  const FloatEnvironment floats;
+  impl_->require_mask(mask);
+  const std::size_t n = impl_->steps.size(), first = kPoseNumbers * impl_->model->mocap_index(name);
+  require_rows("position", position, n, 3);
+  require_rows("quaternion", quaternion, n, 4);
+  for (std::size_t i = 0; i < n; ++i) {
+    (void)internal::require_unit_quaternion<float>(quaternion, 4 * i, "quaternion[");
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!chosen(mask, i)) continue;
+    const Quat<float> r =
+        normalized(Quat<float>{quaternion[4 * i], quaternion[4 * i + 1], quaternion[4 * i + 2], quaternion[4 * i + 3]});
+    const Strided<float> pose = impl_->world(i).state.mocap;
+    const std::array<float, kPoseNumbers> numbers{
+        position[3 * i], position[3 * i + 1], position[3 * i + 2], r.x, r.y, r.z, r.w};
+    for (std::size_t k = 0; k < kPoseNumbers; ++k) pose[first + k] = numbers[k];
+  }
+}
+
 void Batch::apply_force(std::string_view name, std::span<const float> force, std::span<const float> torque,
                         std::span<const float> point) {
   const FloatEnvironment floats;
@@ -123,6 +144,10 @@ void Batch::set_restitution(std::string_view name, std::span<const float> value)
 
 void Batch::set_damping(std::string_view joint, std::span<const float> value) {
   impl_->parameters().set_damping(joint, value);
+}
+
+void Batch::set_stiffness(std::string_view joint, std::span<const float> value) {
+  impl_->parameters().set_stiffness(joint, value);
 }
 
 void Batch::set_joint_friction(std::string_view joint, std::span<const float> value) {

@@ -59,6 +59,7 @@ class BatchLanesOf final : public BatchLanes {
       block.keep_moved(worker.kept);
       const bool pushed = any(block.extras.pushed[0] > zero());
       if (pushed) {
+        place_mocap(system_.tree, block.state.mocap(), worker.step.dynamics);
         forward_kinematics(system_.tree, block.state.q(), worker.step.dynamics);
         block.push(system_.tree, frames_, worker.step.dynamics);
       }
@@ -129,6 +130,7 @@ class BatchLanesOf final : public BatchLanes {
   void write_frame(std::size_t index, Workspace<T>& ws, BodyId body, const Transform<float>& X_BF,
                    std::span<float> pose, std::span<float> velocity) {
     const State<T>& state = blocks_[index].state;
+    place_mocap(system_.tree, state.mocap(), ws);
     for (std::size_t b = 1; b < system_.tree.bodies.size(); ++b) {
       place(system_.tree, b, state.q(), ws);
       move(system_.tree, b, state.v(), ws);

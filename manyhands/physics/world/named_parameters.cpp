@@ -94,6 +94,11 @@ void NamedParameters<R>::set_damping(std::string_view joint, std::span<const R> 
 }
 
 template <Real R>
+void NamedParameters<R>::set_stiffness(std::string_view joint, std::span<const R> values) const {
+  set_dofs(joint, "stiffness", &ParamsView<R>::stiffness, values);
+}
+
+template <Real R>
 void NamedParameters<R>::set_joint_friction(std::string_view joint, std::span<const R> values) const {
   set_dofs(joint, "friction", &ParamsView<R>::friction, values);
 }

@@ -25,6 +25,7 @@ class NamedParameters {
   void set_rolling_friction(std::string_view name, std::span<const R> values) const;   ///< [m]
   void set_restitution(std::string_view name, std::span<const R> values) const;
   void set_damping(std::string_view joint, std::span<const R> values) const;         ///< [N m s/rad or N s/m]
+  void set_stiffness(std::string_view joint, std::span<const R> values) const;       ///< [N m/rad or N/m]
   void set_joint_friction(std::string_view joint, std::span<const R> values) const;  ///< dry [N m or N]
   void set_armature(std::string_view joint, std::span<const R> values) const;        ///< [kg m^2 or kg]
   void set_geom_size(std::string_view geom, std::span<const R> size) const;          ///< (n, 3), see Shape [m]

@@ -96,6 +96,7 @@ void set_link_mass(const Model& model, LinkId link, double mass, const Strided<R
   link_mass[link.index()] = static_cast<R>(mass);
   const BodyId body = model.link(link).body;
   RigidInertia<double> sum = RigidInertia<double>::zero();
+  Lift lifted{.body = body};
   for (const LinkId id : model.links_of(body)) {
     const std::size_t i = id.index();
     const Link& part = model.links()[i];
@@ -107,12 +108,21 @@ void set_link_mass(const Model& model, LinkId link, double mass, const Strided<R
       inertial.mass = static_cast<double>(link_mass[i]);
     }
     sum = sum + transformed(part.X_BL, inertial.about_origin());
+    const double carried = part.gravity_compensation * inertial.mass;
+    lifted.mass += carried;
+    lifted.moment = lifted.moment + carried * (part.X_BL * inertial.com);
   }
   const std::array<double, 10> numbers{sum.m,    sum.h.x,  sum.h.y,  sum.h.z,  sum.I.xx,
                                        sum.I.yy, sum.I.zz, sum.I.xy, sum.I.xz, sum.I.yz};
   for (std::size_t k = 0; k < numbers.size(); ++k) {
     params.inertia[10 * body.index() + k] = static_cast<R>(numbers[k]);
   }
+  const auto lift = std::ranges::find(model.lifts(), body, &Lift::body);
+  if (lift == model.lifts().end()) return;
+  const auto i = static_cast<std::size_t>(lift - model.lifts().begin());
+  const std::array<double, 3> moment{lifted.moment.x, lifted.moment.y, lifted.moment.z};
+  params.lifted_mass[i] = static_cast<R>(lifted.mass);
+  for (std::size_t k = 0; k < moment.size(); ++k) params.lifted_moment[3 * i + k] = static_cast<R>(moment[k]);
 }
 
 template void set_link_mass(const Model&, LinkId, double, const Strided<double>&, const ParamsView<double>&);

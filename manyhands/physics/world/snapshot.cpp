@@ -202,13 +202,15 @@ void SnapshotReader::finish() const {
 
 template <Real R>
 void require_sound(const Model& model, const StateView<R>& state) {
-  internal::for_each_quaternion(model, [&](std::size_t i) {
+  const auto check = [](const char* array, const Strided<R>& numbers, std::size_t i) {
     try {
-      (void)internal::require_unit_quaternion<R>(state.q, i, "");
+      (void)internal::require_unit_quaternion<R>(numbers, i, array);
     } catch (const std::invalid_argument& error) {
       refuse(std::string("cannot be: ") + error.what());
     }
-  });
+  };
+  internal::for_each_quaternion(model, [&](std::size_t i) { check("q[", state.q, i); });
+  for (std::size_t i = 3; i < state.mocap.size(); i += kPoseNumbers) check("mocap[", state.mocap, i);
 }
 
 namespace {

@@ -195,6 +195,14 @@ void World::set_ctrl(std::span<const double> ctrl) {
   }
 }
 
+void World::set_keyframe(std::string_view name) {
+  const Keyframe key = core().model->keyframe(name);
+  set_q(key.q);
+  set_v(key.v);
+  set_ctrl(key.ctrl);
+  std::ranges::copy(key.mocap, core().state.mocap());
+}
+
 void World::set_motors(const MotorCommands& commands) {
   WorldCore& now = core();
   const std::size_t nv = now.nv();

@@ -97,6 +97,9 @@ class World {
   void set_tau(std::span<const double> tau);  ///< acts in every step until it is set again
   /// Commands of the actuators, see ActuatorType; each is kept within its actuator's range.
   void set_ctrl(std::span<const double> ctrl);
+  /// q, v, ctrl and the poses of mocap bodies as the model's keyframe has them. Throws std::out_of_range where there is
+  /// none of that name; a world loses its model's keyframes when parts come or go.
+  void set_keyframe(std::string_view name);
 
   /// Motors at the velocity level, as PyBullet's: per step a dof is driven towards the velocity
   /// kp (target_q - q) / h + v' + kd (target_v - v') with at most max_force, where v' is what it would reach without.
@@ -125,6 +128,11 @@ class World {
   void set_body_pose(std::string_view name, const Transform<double>& X_WL);
   /// Of a free body: of the link's origin, in world axes. Throws std::invalid_argument for other links.
   void set_body_velocity(std::string_view name, const Motion<double>& V_WL);
+  /// Puts a body that a mocap joint carries at X_WL, at rest. It pushes what touches it, and pulls what is welded to
+  /// it. Throws std::invalid_argument for other links.
+  void set_mocap(std::string_view link, const Transform<double>& X_WL);
+  /// Poses of the model's mocap bodies, in its order: x y z [m] and quaternion xyzw each.
+  [[nodiscard]] std::span<const double> mocap() const;
   /// A force [N] at `point` (world, default: the link's centre of mass) and a torque [N m], in world axes; acts in the
   /// next step only. Forces add up.
   void apply_force(std::string_view name, const Vec3<double>& force, const Vec3<double>& torque = Vec3<double>::zero(),
@@ -196,6 +204,8 @@ class World {
   void set_restitution(std::string_view name, double restitution);
   [[nodiscard]] double damping(std::string_view joint) const;  ///< [N m s/rad or N s/m]
   void set_damping(std::string_view joint, double damping);
+  [[nodiscard]] double stiffness(std::string_view joint) const;  ///< of its spring [N m/rad or N/m]
+  void set_stiffness(std::string_view joint, double stiffness);
   void set_joint_friction(std::string_view joint, double friction);   ///< dry [N m or N]
   void set_armature(std::string_view joint, double armature);         ///< [kg m^2 or kg]
   [[nodiscard]] Vec3<double> geom_size(std::string_view geom) const;  ///< see Shape [m]

@@ -27,9 +27,10 @@ const Body& World::free_body(const WorldCore& core, const Link& link, const char
   const Body& body = core.model->body(link.body);
   if (body.type == JointType::kFloating && body.parent.value() == 0) return body;
   const bool welded = link.body.value() == 0;
-  throw std::invalid_argument(
-      "link '" + link.name + "' has no " + what + " of its own to set: it " +
-      (welded ? "is fixed to the world" : "hangs on joint '" + core.model->joint(body.joint).name + "'; set q and v"));
+  throw std::invalid_argument("link '" + link.name + "' has no " + what + " of its own to set: it " +
+                              (body.type == JointType::kMocap ? "is a mocap body; use set_mocap"
+                               : welded ? "is fixed to the world"
+                                        : "hangs on joint '" + core.model->joint(body.joint).name + "'; set q and v"));
 }
 
 void World::set_body_pose(std::string_view name, const Transform<double>& X_WL) {
@@ -48,6 +49,21 @@ void World::set_body_pose(std::string_view name, const Transform<double>& X_WL) 
   const std::array<double, 7> q{X_FB.p.x, X_FB.p.y, X_FB.p.z, r.x, r.y, r.z, r.w};
   std::copy(q.begin(), q.end(), now.state.q() + body.iq);
   now.moved();
+}
+
+void World::set_mocap(std::string_view name, const Transform<double>& X_WL) {
+  const FloatEnvironment floats;
+  require_pose("link '" + std::string(name) + "'", X_WL);
+  WorldCore& now = loose();
+  const Quat<double> r = normalized(to_quat(X_WL.R));
+  const std::array<double, kPoseNumbers> pose{X_WL.p.x, X_WL.p.y, X_WL.p.z, r.x, r.y, r.z, r.w};
+  std::ranges::copy(pose, now.state.mocap() + kPoseNumbers * now.model->mocap_index(name));
+  now.moved();
+}
+
+std::span<const double> World::mocap() const {
+  const WorldCore& now = core();
+  return {now.state.mocap(), kPoseNumbers * now.model->mocap_bodies().size()};
 }
 
 void World::set_body_velocity(std::string_view name, const Motion<double>& V_WL) {

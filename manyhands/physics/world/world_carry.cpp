@@ -21,10 +21,18 @@ void copy_items(const Fields& from, Fields& to, Each each, int i, int k, int cou
 }
 
 void carry_joint(const WorldCore& from, const Joint& a, const Joint& b, WorldCore& to) {
+  if (a.type == JointType::kMocap) {
+    const auto first = [](const WorldCore& core, const Joint& joint) {
+      return static_cast<int>(kPoseNumbers * core.model->mocap_index(core.model->link(joint.child).name));
+    };
+    const int count = static_cast<int>(kPoseNumbers);
+    copy_items(from.state, to.state, Each::kMocapNumber, first(from, a), first(to, b), count);
+  }
   const int nq = configuration_size(a.type), nv = velocity_size(a.type);
   if (nv == 0) return;
   copy_items(from.state, to.state, Each::kCoordinate, a.iq, b.iq, nq);
   copy_items(from.state, to.state, Each::kDof, a.iv, b.iv, nv);
+  copy_items(from.params, to.params, Each::kCoordinate, a.iq, b.iq, nq);
   copy_items(from.params, to.params, Each::kDof, a.iv, b.iv, nv);
 }
 

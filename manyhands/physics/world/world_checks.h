@@ -66,13 +66,13 @@ void for_each_quaternion(const Model& model, Visit&& visit) {
   }
 }
 
-/// The length of the quaternion at q[i]; throws std::invalid_argument unless it is 1 to kQuaternionTolerance. `row`
-/// tells in the message which world's it is.
+/// The length of the quaternion at q[i]; throws std::invalid_argument unless it is 1 to kQuaternionTolerance. `array`
+/// begins its place in the message, as in "q[".
 template <Real R, class Q>
-R require_unit_quaternion(const Q& q, std::size_t i, const std::string& row) {
+R require_unit_quaternion(const Q& q, std::size_t i, const std::string& array) {
   const R length = sqrt(q[i] * q[i] + q[i + 1] * q[i + 1] + q[i + 2] * q[i + 2] + q[i + 3] * q[i + 3]);
   if (abs(length - 1) <= static_cast<R>(kQuaternionTolerance)) return length;
-  throw std::invalid_argument("the quaternion at q[" + row + std::to_string(i) + "] has length " +
+  throw std::invalid_argument("the quaternion at " + array + std::to_string(i) + "] has length " +
                               std::to_string(length) + "; expected 1 (order x, y, z, w)");
 }
 
@@ -80,7 +80,7 @@ R require_unit_quaternion(const Q& q, std::size_t i, const std::string& row) {
 template <Real R>
 void normalise_quaternions(const Model& model, std::span<R> q, const std::string& row = {}) {
   for_each_quaternion(model, [&](std::size_t i) {
-    const R length = require_unit_quaternion<R>(q, i, row);
+    const R length = require_unit_quaternion<R>(q, i, "q[" + row);
     for (std::size_t k = i; k < i + 4; ++k) q[k] /= length;
   });
 }

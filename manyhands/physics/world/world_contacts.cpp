@@ -97,7 +97,8 @@ std::vector<std::uint8_t> subtree_of(const Model& model, LinkId root) {
   return inside;
 }
 
-/// Rate of change of the links' momentum less gravity's part, about the world's origin, in the step from `before`.
+/// Rate of change of the links' momentum less gravity's part as far as nothing carries it, about the world's origin, in
+/// the step from `before`.
 Force<double> inertial_force(const WorldCore& core, const std::vector<std::uint8_t>& inside, double h) {
   const Tree<double>& tree = core.system.tree;
   const Model& model = *core.model;
@@ -114,7 +115,8 @@ Force<double> inertial_force(const WorldCore& core, const std::vector<std::uint8
     const std::size_t b = link.body.index();
     const Transform<double> X_OL = Transform<double>{ws.R_WB[b], ws.p_OB[b]} * link.X_BL;
     const RigidInertia<double> I = transformed(X_OL, link.inertial.about_origin());
-    const Force<double> F = factor * (I * ws.A[b] + cross(ws.V[b], I * ws.V[b]));
+    const Motion<double> A = fma(-link.gravity_compensation, internal::minus_gravity<double>(core.params), ws.A[b]);
+    const Force<double> F = factor * (I * A + cross(ws.V[b], I * ws.V[b]));
     sum = sum + Force<double>{F.n + cross(ws.p_WO[b], F.f), F.f};
   }
   return sum;

@@ -72,6 +72,9 @@ FieldInsertion places_of(const Insertion& at, const ListInsertion& rows, const M
   put(Each::kBody, at.bodies);
   put(Each::kGeom, behind(at.geoms, part.geoms().size()));
   put(Each::kLink, behind(at.links, part.links().size() - 1));
+  put(Each::kLift, behind(at.lifts, part.lifts().size()));
+  const auto mocaps = static_cast<int>(kPoseNumbers) * at.mocaps;
+  put(Each::kMocapNumber, behind(mocaps, kPoseNumbers * part.mocap_bodies().size()));
   return places;
 }
 
@@ -121,6 +124,7 @@ const Workspace<double>& WorldCore::placed() const {
 }
 
 void WorldCore::place_from(std::size_t body) const {
+  place_mocap(system.tree, state.mocap(), scratch);
   for (std::size_t b = body; b < system.tree.bodies.size(); ++b) {
     manyhands::place(system.tree, b, state.q(), scratch);
     move(system.tree, b, state.v(), scratch);

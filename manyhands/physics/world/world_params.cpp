@@ -63,6 +63,14 @@ void World::set_damping(std::string_view joint, double damping) {
   parameters(loose()).set_damping(joint, one(damping));
 }
 
+double World::stiffness(std::string_view joint) const {
+  return loose().params.stiffness[static_cast<std::size_t>(moving_joint(*loose().model, joint).iv)];
+}
+
+void World::set_stiffness(std::string_view joint, double stiffness) {
+  parameters(loose()).set_stiffness(joint, one(stiffness));
+}
+
 void World::set_joint_friction(std::string_view joint, double friction) {
   parameters(loose()).set_joint_friction(joint, one(friction));
 }

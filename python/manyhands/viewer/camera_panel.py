@@ -89,7 +89,9 @@ class _Eye:
                 Mark(m.shape, list(m.size), m.position.tolist(), m.quaternion.tolist(), list(m.rgba))
                 for m in source.markers()
             ]
-            picture = self._renderer.render(source.q, camera, look=_LOOK, marks=marks, depth=False, segmentation=False)
+            picture = self._renderer.render(
+                source.q, camera, mocap=source.mocap, look=_LOOK, marks=marks, depth=False, segmentation=False
+            )
             return picture.colour
 
         return take

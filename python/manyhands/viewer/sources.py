@@ -79,6 +79,11 @@ class Source(ABC):
         """(nq)"""
 
     @property
+    def mocap(self) -> Array | None:
+        """Where mocap bodies are, as `World.mocap` has them; None: where the model has them."""
+        return None
+
+    @property
     @abstractmethod
     def time(self) -> float:
         """[s]"""
@@ -149,6 +154,13 @@ class BodiesOfWorld(Source):
     @property
     def q(self) -> Array:
         return self._world.q
+
+    @property
+    def mocap(self) -> Array | None:
+        return self._world.mocap
+
+    def poses(self) -> tuple[Array, Array]:
+        return self._world.link_poses()
 
     @property
     def time(self) -> float:

@@ -179,7 +179,7 @@ def test_a_part_that_a_file_loses_is_warned_of_once(tmp_path: Path) -> None:
         (lambda: world.add(file), "the world's `report`"),
         (lambda: mh.load_urdf(file), "the report, which comes with the model"),
     ):
-        with pytest.warns(UserWarning, match=f"broken.urdf: .*no_such.stl.* first of 2 .*print {where}") as warned:
+        with pytest.warns(mh.LoadWarning, match=f"broken.urdf: .*no_such.stl.* first of 2 .*print {where}") as warned:
             load()
         assert len(warned) == 1
         assert warned[0].filename == __file__

@@ -121,3 +121,34 @@ def test_marks_are_painted_over() -> None:
     np.testing.assert_array_equal(plain.depth, marked.depth)
     with pytest.raises(ValueError, match="2 sizes"):
         mh.Mark("capsule", [1.0], [0, 0, 0])
+
+
+MOCAP = """
+<mujoco><worldbody>
+  <body name="palm" mocap="true" pos="0 0 0.1"><geom type="box" size="0.1 0.1 0.1"/>
+    <body name="tip" pos="0 0 0.3"><joint axis="1 0 0"/><geom size="0.05" mass="1"/></body></body>
+  <body name="other" mocap="true" pos="3 3 0"/>
+</worldbody></mujoco>"""
+
+
+def test_mocap_bodies_are_seen_where_they_are() -> None:
+    model, _ = mh.load_mjcf_string(MOCAP)
+    assert model.mocap_bodies == ["palm", "other"]
+    world = mh.World(model)
+    world.set_mocap("palm", [0.5, 0, 0.1])
+    batch = mh.Batch(model, 2)
+    batch.set_mocap("palm", [[0, 0, 0.1], [0.5, 0, 0.1]], [0, 0, 0, 1])
+    there = above().look_at([0.5, 0, 2], [0.5, 0, 0], up=[0, 1, 0])
+    for camera, place in ((there, 1), (above(), 0)):
+        pictures = batch.render(camera).depth
+        assert pictures[place, 16, 16] == pytest.approx(2 - 0.45, abs=1e-3)  # the tip, above the palm
+        assert pictures[1 - place, 16, 16] > 10
+        assert np.array_equal(world.render(camera).depth, pictures[1])
+    mounted = mh.Camera.perspective(9, 9, 1).at([0, 0, 0.5], [1, 0, 0, 0], frame="palm")
+    assert world.render(mounted).depth[4, 4] == pytest.approx(0.15, abs=1e-3)
+    assert np.allclose(world.render(mounted).point_cloud().mean(axis=0)[:2], [0.5, 0], atol=1e-2)
+    renderer = mh.Renderer(model, 1)
+    assert np.array_equal(renderer.render(world.q, there, mocap=world.mocap).depth, world.render(there).depth)
+    assert np.array_equal(renderer.render(world.q, there).depth, batch.render(there, worlds=[0]).depth[0])
+    with pytest.raises(ValueError, match="mocap"):
+        renderer.render(world.q, there, mocap=world.mocap[:1])

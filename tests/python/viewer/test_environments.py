@@ -15,7 +15,7 @@ from manyhands.measures import rotate
 from manyhands.panda_gym import registration
 from manyhands.viewer.environments import DropInSource, NativeSource, source_of_environment
 from manyhands.viewer.episodes import EpisodeWriter
-from manyhands.viewer.sources import Push
+from manyhands.viewer.sources import Push, WorldSource
 
 
 def test_pushes_act_in_every_time_step_of_an_environment() -> None:
@@ -135,3 +135,19 @@ def test_human_mode_opens_a_page_and_keeps_time(make: Any, capsys: pytest.Captur
     assert time.perf_counter() - start < 5.0
     with pytest.raises(OSError):
         http.client.HTTPConnection(host.replace("localhost", "127.0.0.1"), timeout=1).request("GET", "/")
+
+
+def test_mocap_bodies_are_shown_where_they_are() -> None:
+    text = """<mujoco><worldbody><body name="hand" mocap="true" pos="0 0 1"><geom size="0.1"/>
+      <body name="tip" pos="0 0 0.3"><joint/><geom size="0.05"/></body></body></worldbody></mujoco>"""
+    world = mh.World(mh.load_mjcf_string(text)[0])
+    source = WorldSource(world)
+    world.set_mocap("hand", [1, 2, 3], [0, 0, 1, 0])
+    positions, quaternions = source.poses()
+    names = [link.name for link in world.model.links]
+    assert np.allclose(positions[names.index("hand")], [1, 2, 3])
+    assert np.allclose(positions[names.index("tip")], [1, 2, 3.3])
+    assert np.allclose(quaternions[names.index("tip")], [0, 0, 1, 0])
+    assert np.array_equal(source.mocap, world.mocap)
+    source.reset()
+    assert np.allclose(source.poses()[0][names.index("hand")], [0, 0, 1])

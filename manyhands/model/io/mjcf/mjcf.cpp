@@ -58,14 +58,20 @@ void reserve_names(const MjcfElement& around, MjcfScene& scene) {
 void note_unused_sections(const MjcfElement& root) {
   static const std::set<std::string_view> kUsed{"compiler", "option",   "default",  "asset",   "worldbody",
                                                 "contact",  "equality", "actuator", "keyframe"};
+  static const std::set<std::string_view> kMoves{"tendon", "deformable", "extension"};
   root.expect({"model"},
               {"compiler", "option", "default", "asset", "worldbody", "contact", "equality", "actuator", "keyframe",
                "size", "visual", "statistic", "custom", "extension", "sensor", "tendon", "deformable"});
   for (const MjcfElement& section : root.children()) {
     if (kUsed.contains(section.tag())) continue;
     const std::size_t count = section.children().size();
-    section.note(LoadAction::kIgnored, "the section <" + std::string(section.tag()) + ">, with " +
-                                           std::to_string(count) + " elements, is not used");
+    const std::string message =
+        "the section <" + std::string(section.tag()) + ">, with " + std::to_string(count) + " elements, is not used";
+    if (kMoves.contains(section.tag()) && count > 0) {
+      section.note_serious(LoadAction::kIgnored, message);
+    } else {
+      section.note(LoadAction::kIgnored, message);
+    }
   }
 }
 
@@ -81,8 +87,9 @@ Model read_scene(MjcfSource& source, const MjcfOptions& options) {
   read_equalities(scene);
   read_actuators(scene);
   read_keyframes(scene);
+  apply_flags(scene);
   note_unused_sections(root);
-  scene.builder.set_gravity(scene.settings.has_gravity ? scene.settings.gravity : Vec3<double>::zero());
+  scene.builder.set_gravity(scene.settings.flags.gravity ? scene.settings.gravity : Vec3<double>::zero());
   scene.builder.set_time_step(scene.settings.time_step);
   for (const JointId id : scene.builder.joints_without_inertia()) {
     for (const MjcfJoint& joint : scene.joints) {

@@ -20,29 +20,11 @@ double first_number(const MjcfElement& e, const char* attribute, double fallback
   return e.has(attribute) ? e.numbers(attribute, 1, 10)[0] : fallback;
 }
 
-/// Inertia that the joint meets at qpos0, its armature included: the diagonal of the mass matrix.
-double inertia_at(const MjcfScene& scene, const MjcfJoint& joint) {
-  const Joint& described = scene.builder.joints()[joint.id.index()];
-  double mass = 0, about_axis = 0;
-  for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
-    int above = static_cast<int>(i);
-    while (above > 0 && above != joint.body) above = scene.bodies[static_cast<std::size_t>(above)].parent;
-    if (above != joint.body) continue;
-    const MjcfBody& body = scene.bodies[i];
-    const Inertial& inertial = scene.builder.links()[body.link.index()].inertial;
-    const Vec3<double> arm = cross(joint.axis_W, body.X_WB * inertial.com - joint.anchor_W);
-    mass += inertial.mass;
-    about_axis +=
-        inertial.mass * squared_norm(arm) + dot(joint.axis_W, rotated(body.X_WB.R, inertial.inertia) * joint.axis_W);
-  }
-  return described.armature + (described.type == JointType::kPrismatic ? mass : about_axis);
-}
-
 /// kd of a position servo: kv, or the damping of a ratio to critical (MuJoCo's mj_setConst).
-double damping_of(const MjcfScene& scene, const MjcfElement& e, const MjcfJoint& joint, double kp, double gear) {
+double damping_of(const MjcfElement& e, const MjcfJoint& joint, double kp, double gear) {
   if (!e.has("dampratio")) return e.positive_or("kv", 0);
   if (e.has_own("kv")) e.fail("both 'kv' and 'dampratio' are given; expected one");
-  return e.positive_or("dampratio", 1) * 2 * std::sqrt(kp * inertia_at(scene, joint) / (gear * gear));
+  return e.positive_or("dampratio", 1) * 2 * std::sqrt(kp * joint.inertia / (gear * gear));
 }
 
 /// The law of a <general>; nothing, with a note, if it is of another kind.
@@ -65,7 +47,7 @@ std::optional<Law> general_law(const MjcfElement& e) {
   return law;
 }
 
-std::optional<Law> law_of(const MjcfScene& scene, const MjcfElement& e, const MjcfJoint& joint, double gear) {
+std::optional<Law> law_of(const MjcfElement& e, const MjcfJoint& joint, double gear) {
   const std::string_view tag = e.tag();
   if (tag == "motor") return Law{};
   if (tag == "general") return general_law(e);
@@ -73,9 +55,11 @@ std::optional<Law> law_of(const MjcfScene& scene, const MjcfElement& e, const Mj
     const double kv = e.positive_or("kv", 1);
     return Law{kv, {0, 0, -kv}};
   }
-  if (e.number_or("timeconst", 0) != 0) e.note(LoadAction::kIgnored, "the filter of 'timeconst' is not used");
+  if (e.number_or("timeconst", 0) != 0) {
+    e.note_serious(LoadAction::kIgnored, "the filter of 'timeconst' is not used");
+  }
   const double kp = e.has("kp") ? e.positive_or("kp", 1) : std::abs(first_number(e, "gainprm", 1));
-  return Law{kp, {0, -kp, -damping_of(scene, e, joint, kp, gear)}};
+  return Law{kp, {0, -kp, -damping_of(e, joint, kp, gear)}};
 }
 
 /// Writes the law into the actuator; false if none of its types can hold it.
@@ -154,7 +138,7 @@ int add_actuator(MjcfScene& scene, const MjcfElement& e, const std::string& name
   const double gear = first_number(e, "gear", 1);
   if (gear == 0) e.fail("its gear is 0; expected another number");
   Actuator actuator{.name = name, .joint = joint.id, .gear = gear};
-  const std::optional<Law> law = law_of(scene, e, joint, gear);
+  const std::optional<Law> law = law_of(e, joint, gear);
   if (!law) return -1;
   if (!apply(*law, actuator)) {
     e.note_serious(LoadAction::kIgnored, "its gain and bias are neither a motor's nor a servo's; it is left out");

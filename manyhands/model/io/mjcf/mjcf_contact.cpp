@@ -130,16 +130,20 @@ void exclude_across_chains(MjcfScene& scene) {
   }
 }
 
+/// Whether one of two bodies that joints move hangs on the other.
+bool are_neighbours(const MjcfScene& scene, int a, int b) {
+  const auto body = [&](int i) -> const MjcfBody& { return scene.bodies[static_cast<std::size_t>(i)]; };
+  const auto is_parent_of = [&](int parent, int child) { return body(body(child).parent).first_moving == parent; };
+  return a != 0 && b != 0 && (is_parent_of(a, b) || is_parent_of(b, a));
+}
+
 /// MuJoCo's whole rule: kinds, bodies that move as one, parents and children, exclusions.
 bool may_touch(const MjcfScene& scene, const MjcfGeom& a, const MjcfGeom& b) {
   if (!may_touch(Kind{a.contype, a.conaffinity}, Kind{b.contype, b.conaffinity})) return false;
   const auto body = [&](int i) -> const MjcfBody& { return scene.bodies[static_cast<std::size_t>(i)]; };
   const int moving_a = body(a.body).first_moving, moving_b = body(b.body).first_moving;
   if (moving_a == moving_b) return false;
-  const auto is_parent_of = [&](int parent, int child) { return body(body(child).parent).first_moving == parent; };
-  if (moving_a != 0 && moving_b != 0 && (is_parent_of(moving_a, moving_b) || is_parent_of(moving_b, moving_a))) {
-    return false;
-  }
+  if (scene.settings.flags.filter_parent && are_neighbours(scene, moving_a, moving_b)) return false;
   const LinkId link_a = body(a.body).link, link_b = body(b.body).link;
   return !scene.exclusions.contains({std::min(link_a, link_b), std::max(link_a, link_b)});
 }
@@ -177,7 +181,12 @@ void add_pairs(MjcfScene& scene) {
       const bool is_largest = theirs.lateral_friction == std::max(own_a.lateral_friction, own_b.lateral_friction) &&
                               theirs.spinning_friction == std::max(own_a.spinning_friction, own_b.spinning_friction) &&
                               theirs.rolling_friction == std::max(own_a.rolling_friction, own_b.rolling_friction);
-      if (is_largest && !is_on_base(scene, a, b) && !is_on_base(scene, b, a)) continue;
+      const auto moving = [&](const MjcfGeom& geom) {
+        return scene.bodies[static_cast<std::size_t>(geom.body)].first_moving;
+      };
+      const bool is_filtered_here =
+          is_on_base(scene, a, b) || is_on_base(scene, b, a) || are_neighbours(scene, moving(a), moving(b));
+      if (is_largest && !is_filtered_here) continue;
       if (scene.pairs.contains({*a.id, *b.id}) || !may_touch(scene, a, b)) continue;
       pairs.emplace(std::pair{*a.id, *b.id}, is_largest ? std::nullopt : std::optional(theirs));
     }
@@ -199,9 +208,9 @@ void read_contacts(MjcfScene& scene) {
   }
   set_filters(scene);
   set_roles(scene);
-  exclude_across_chains(scene);
+  if (scene.settings.flags.filter_parent) exclude_across_chains(scene);
   add_pairs(scene);
-  scene.builder.set_contact_rules({.friction = CombineRule::kMaximum});
+  scene.builder.set_contact_rules({.friction = CombineRule::kMaximum, .contacts = scene.settings.flags.contact});
 }
 
 }  // namespace manyhands::io

@@ -69,7 +69,7 @@ bool read_joints(const MjcfScene& scene, const MjcfElement& e, EqualityConstrain
   constexpr std::array<double, 5> kDefaults{0, 1, 0, 0, 0};
   for (std::size_t i = c.size(); i < kDefaults.size(); ++i) c.push_back(kDefaults[i]);
   if (c[2] != 0 || c[3] != 0 || c[4] != 0) {
-    e.note(LoadAction::kRepaired, "the quadratic to quartic coefficients are not used; the linear ones are");
+    e.note_serious(LoadAction::kRepaired, "the quadratic to quartic coefficients are not used; the linear ones are");
   }
   equality.joint_a = driver.id;
   equality.joint_b = driven.id;
@@ -102,6 +102,7 @@ void read_equality(MjcfScene& scene, const MjcfElement& element) {
 }  // namespace
 
 void read_equalities(MjcfScene& scene) {
+  if (!scene.settings.flags.equality) return;
   for (const MjcfElement& section : scene.root.children("equality")) {
     section.named("equality").expect({}, {"connect", "weld", "joint"});
     for (const MjcfElement& element : section.children()) read_equality(scene, element);

@@ -14,6 +14,7 @@ struct Read {
   Joint joint;
   Vec3<double> anchor{};  ///< in the body frame
   double reference = 0;
+  std::array<double, 2> spring_damper{};  ///< see MjcfJoint
 };
 
 JointType type_of(const MjcfElement& e) {
@@ -36,7 +37,7 @@ void read_range(const MjcfElement& e, const MjcfSettings& settings, Joint& joint
     return;
   }
   if (joint.type == JointType::kSpherical || joint.type == JointType::kFloating) {
-    e.note(LoadAction::kIgnored, "the range of a ball or free joint is not used");
+    e.note_serious(LoadAction::kIgnored, "the range of a ball or free joint is not used");
     return;
   }
   if (!(range[0] < range[1])) {
@@ -63,7 +64,7 @@ double linear_part(const MjcfElement& e, const char* attribute) {
   if (!e.has(attribute)) return 0;
   const std::vector<double> values = e.numbers(attribute, 1, 3);
   if (std::ranges::any_of(values.begin() + 1, values.end(), [](double x) { return x != 0; })) {
-    e.note(LoadAction::kIgnored, std::string("the nonlinear part of '") + attribute + "' is not used");
+    e.note_serious(LoadAction::kIgnored, std::string("the nonlinear part of '") + attribute + "' is not used");
   }
   if (values[0] >= 0) return values[0];
   e.note_serious(LoadAction::kRepaired,
@@ -81,11 +82,12 @@ Read read_joint(const MjcfScene& scene, const MjcfElement& e, const Transform<do
   }
   e.expect({"name", "class", "type", "pos", "axis", "range", "limited", "ref", "damping", "armature", "frictionloss",
             "actuatorfrcrange", "actuatorfrclimited", "stiffness", "springref", "springdamper"});
-  e.ignore({"solreflimit", "solimplimit", "solreffriction", "solimpfriction", "margin", "springdamper",
-            "actuatorgravcomp", "user"});
+  e.ignore({"solreflimit", "solimplimit", "solreffriction", "solimpfriction", "margin", "actuatorgravcomp", "user"});
   joint.type = type_of(e);
-  if (e.has("stiffness") && e.numbers("stiffness", 1, 3)[0] != 0) {
-    e.note(LoadAction::kIgnored, "a spring of stiffness " + e.text("stiffness") + " is not used");
+  joint.stiffness = linear_part(e, "stiffness");
+  if (e.has("springdamper")) {
+    const std::vector<double> pair = e.numbers("springdamper", 2, 2);
+    result.spring_damper = {pair[0], pair[1]};
   }
   joint.damping = linear_part(e, "damping");
   joint.friction = linear_part(e, "frictionloss");
@@ -100,6 +102,7 @@ Read read_joint(const MjcfScene& scene, const MjcfElement& e, const Transform<do
   joint.axis = X_BF.R * at_unit_length(axis);
   const double unit = joint.type == JointType::kPrismatic ? 1 : scene.settings.radians(1);
   result.reference = unit * e.number_or("ref", 0);
+  joint.spring_reference = {unit * e.number_or("springref", 0)};
   return result;
 }
 
@@ -128,8 +131,8 @@ LinkId add_joints(MjcfScene& scene, MjcfBody& body, LinkId parent, const Transfo
   ModelBuilder& builder = scene.builder;
   const auto fixed = [&](LinkId to, const Transform<double>& X) {
     const LinkId link = builder.add_link(body.name);
-    builder.add_joint({.name = unused_name(scene, builder.joints(), body.name + "_fixed"),
-                       .type = JointType::kFixed,
+    builder.add_joint({.name = unused_name(scene, builder.joints(), body.name + (body.is_mocap ? "_mocap" : "_fixed")),
+                       .type = body.is_mocap ? JointType::kMocap : JointType::kFixed,
                        .parent = to,
                        .child = link,
                        .X_PF = X});
@@ -148,7 +151,7 @@ LinkId add_joints(MjcfScene& scene, MjcfBody& body, LinkId parent, const Transfo
       if (joints.size() > 1) element.fail("a free joint must be the only joint of its body");
       const Quat<double> r = to_quat(X_CB.R);
       const Vec3<double>& p = X_CB.p;
-      read.joint.initial = {p.x, p.y, p.z, r.x, r.y, r.z, r.w};
+      read.joint.initial = read.joint.spring_reference = {p.x, p.y, p.z, r.x, r.y, r.z, r.w};
     } else {
       read.joint.X_PF = joint_frame(X_CB, read.anchor, read.joint, read.reference);
       if (read.reference != 0) read.joint.initial = {read.reference};
@@ -161,7 +164,7 @@ LinkId add_joints(MjcfScene& scene, MjcfBody& body, LinkId parent, const Transfo
     read.joint.child = link;
     const JointId id = checked(element, [&] { return builder.add_joint(read.joint); });
     scene.joints.push_back({name, id, read.reference, static_cast<int>(scene.bodies.size()), body.X_WB * read.anchor,
-                            body.X_WB.R * read.joint.axis});
+                            body.X_WB.R * read.joint.axis, read.spring_damper});
     carrier = link;
     X_CB = {Mat3<double>::identity(), -read.anchor};
     if (ends_in_body) return link;

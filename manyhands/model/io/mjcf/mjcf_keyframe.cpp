@@ -35,11 +35,28 @@ void turn_joints(const MjcfScene& scene, const MjcfElement& e, std::vector<doubl
   }
 }
 
+/// mpos and mquat of the mocap bodies; where they do not say, the poses that the file gives the bodies.
+std::vector<double> read_mocap(const MjcfScene& scene, const MjcfElement& e) {
+  std::vector<double> poses;
+  const auto count = static_cast<std::size_t>(std::ranges::count_if(scene.bodies, &MjcfBody::is_mocap));
+  const std::vector<double> positions = e.numbers("mpos", 3 * count, 3 * count);
+  const std::vector<double> turns = e.numbers("mquat", 4 * count, 4 * count);
+  for (const MjcfBody& body : scene.bodies) {
+    if (!body.is_mocap) continue;
+    const std::size_t i = poses.size() / 7;
+    const Vec3<double> p =
+        positions.empty() ? body.X_WB.p : Vec3<double>{positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]};
+    const Quat<double> r = turns.empty() ? to_quat(body.X_WB.R) : quat_from_wxyz(e, &turns[4 * i]);
+    poses.insert(poses.end(), {p.x, p.y, p.z, r.x, r.y, r.z, r.w});
+  }
+  return poses;
+}
+
 void read_key(MjcfScene& scene, const MjcfElement& element, std::size_t index) {
   const std::string given = element.text_or("name", "");
   Keyframe key{.name = given.empty() ? "key_" + std::to_string(index) : given};
   const MjcfElement e = element.named("key '" + key.name + "'");
-  e.expect({"name", "time", "qpos", "qvel", "ctrl"});
+  e.expect({"name", "time", "qpos", "qvel", "ctrl", "mpos", "mquat"});
   key.time = e.number_or("time", 0);
   std::size_t nq = 0, nv = 0;
   for (const MjcfJoint& joint : scene.joints) {
@@ -59,6 +76,7 @@ void read_key(MjcfScene& scene, const MjcfElement& element, std::size_t index) {
   for (std::size_t i = 0; i < ctrl.size(); ++i) {
     if (scene.actuators[i] >= 0) key.ctrl.push_back(ctrl[i]);
   }
+  key.mocap = read_mocap(scene, e);
   scene.builder.add_keyframe(std::move(key));
 }
 

@@ -20,6 +20,7 @@ struct MjcfBody {
   int parent = -1;         ///< index of the body around it; -1 for the world
   int first_moving = 0;    ///< the body whose joints move it: itself, or one around it; 0 for what is fixed
   bool has_joints = false;
+  bool is_mocap = false;   ///< a user moves it
   bool has_chain = false;  ///< several joints, so that links without a name of their own lie between
   std::optional<MjcfElement> source{};
 };
@@ -27,9 +28,11 @@ struct MjcfBody {
 struct MjcfJoint {
   std::string name;
   JointId id;
-  double reference = 0;               ///< qpos0, where it has one coordinate
-  int body = 0;                       ///< index of the body that it moves
-  Vec3<double> anchor_W{}, axis_W{};  ///< at qpos0
+  double reference = 0;                   ///< qpos0, where it has one coordinate
+  int body = 0;                           ///< index of the body that it moves
+  Vec3<double> anchor_W{}, axis_W{};      ///< at qpos0
+  std::array<double, 2> spring_damper{};  ///< time constant [s] and ratio of damping; 0 where they do not say
+  double inertia = 0;                     ///< that it meets at qpos0 while other joints yield (see mjcf_inertia.h)
 };
 
 struct MjcfGeom {
@@ -97,6 +100,7 @@ void read_contacts(MjcfScene& scene);  ///< filters, pairs, exclusions and rules
 void read_equalities(MjcfScene& scene);
 void read_actuators(MjcfScene& scene);
 void read_keyframes(MjcfScene& scene);
+void apply_flags(MjcfScene& scene);  ///< takes away what <flag> turns off
 
 /// A geom's part in the mass of its body, about the body's frame.
 struct MjcfGeomMass {

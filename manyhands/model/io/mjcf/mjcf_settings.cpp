@@ -54,17 +54,45 @@ void read_compiler(const MjcfElement& e, MjcfSettings& settings) {
   }
 }
 
+/// Turns off what the flag disables, and on what an earlier one disabled.
+void read_flag(const MjcfElement& e, MjcfFlags& flags) {
+  const std::array<std::pair<const char*, std::vector<bool*>>, 12> known{
+      {{"contact", {&flags.contact}},
+       {"equality", {&flags.equality}},
+       {"frictionloss", {&flags.friction_loss}},
+       {"limit", {&flags.limit}},
+       {"constraint", {&flags.contact, &flags.equality, &flags.friction_loss, &flags.limit}},
+       {"gravity", {&flags.gravity}},
+       {"spring", {&flags.spring}},
+       {"damper", {&flags.damper}},
+       {"passive", {&flags.spring, &flags.damper}},  // of older files
+       {"actuation", {&flags.actuation}},
+       {"clampctrl", {&flags.clamp_ctrl}},
+       {"filterparent", {&flags.filter_parent}}}};
+  e.expect({"contact", "equality", "frictionloss", "limit", "constraint", "gravity", "spring", "damper", "passive",
+            "actuation", "clampctrl", "filterparent", "override"});
+  for (const auto& [name, targets] : known) {
+    if (!e.has(name)) continue;
+    const bool is_on = e.word_or(name, {"enable", "disable"}, "enable") == "enable";
+    const bool is_sum = targets.size() > 1;
+    for (bool* const target : targets) *target = is_sum ? *target && is_on : is_on;
+  }
+  if (e.word_or("override", {"enable", "disable"}, "disable") == "enable") {
+    e.note_serious(LoadAction::kIgnored, "'override' and what it asks of all contacts are not used");
+  }
+}
+
 void read_option(const MjcfElement& e, MjcfSettings& settings) {
-  e.expect({"timestep", "gravity"}, {"flag"});
+  e.expect({"timestep", "gravity", "density", "viscosity", "wind"}, {"flag"});
   settings.time_step = e.number_or("timestep", settings.time_step);
   if (!(settings.time_step > 0)) e.fail("the time step must be above 0");
   settings.gravity = e.vec3_or("gravity", settings.gravity);
-  for (const MjcfElement& child : e.children("flag")) {
-    const MjcfElement flag = child.named("option flag");
-    flag.expect({"gravity"});
-    settings.has_gravity =
-        flag.word_or("gravity", {"enable", "disable"}, settings.has_gravity ? "enable" : "disable") == "enable";
+  for (const char* const medium : {"density", "viscosity"}) {
+    if (e.number_or(medium, 0) == 0) continue;
+    e.note_serious(LoadAction::kIgnored,
+                   std::string("the drag of a medium is not built: ") + medium + " " + e.text(medium) + " is not used");
   }
+  for (const MjcfElement& child : e.children("flag")) read_flag(child.named("option flag"), settings.flags);
 }
 
 constexpr std::string_view kActuators[] = {"general",  "motor",  "position", "velocity", "intvelocity", "damper",

@@ -12,6 +12,12 @@ namespace manyhands::io {
 /// A limit that is none, where a range needs both: MuJoCo's largest number (mjMAXVAL).
 inline constexpr double kMjcfUnlimited = 1e10;
 
+/// What <flag> turns off, of what is there by default.
+struct MjcfFlags {
+  bool contact = true, equality = true, friction_loss = true, limit = true, gravity = true;
+  bool spring = true, damper = true, actuation = true, clamp_ctrl = true, filter_parent = true;
+};
+
 struct MjcfSettings {
   bool degrees = true;
   std::string euler_sequence = "xyz";
@@ -25,7 +31,7 @@ struct MjcfSettings {
   double total_mass = -1;  ///< negative: as it comes
   double time_step = 0.002;
   Vec3<double> gravity{0, 0, -9.81};
-  bool has_gravity = true;
+  MjcfFlags flags;
 
   [[nodiscard]] double radians(double angle) const;
 };

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "manyhands/model/io/inertia_repair.h"
+#include "manyhands/model/io/mjcf/mjcf_inertia.h"
 #include "manyhands/model/io/mjcf/mjcf_scene.h"
 #include "manyhands/model/io/text_numbers.h"
 #include "manyhands/model/part_checks.h"
@@ -106,10 +107,6 @@ class WorldReader {
     const MjcfElement element = placed.element.named("body '" + name + "'");
     element.expect({"name", "childclass", "pos", "quat", "axisangle", "euler", "xyaxes", "zaxis", "mocap", "gravcomp"},
                    kContents);
-    if (element.boolean_or("mocap", false)) {
-      element.note(LoadAction::kIgnored, "mocap: the body stays where the file places it");
-    }
-    if (element.number_or("gravcomp", 0) != 0) element.note(LoadAction::kIgnored, "gravcomp is not used");
     Contents contents;
     collect(element, Transform<double>::identity(), contents);
 
@@ -119,7 +116,12 @@ class WorldReader {
     body.has_joints = !contents.joints.empty();
     body.has_chain = contents.joints.size() > 1;
     body.first_moving = body.has_joints ? static_cast<int>(index) : around.first_moving;
+    body.is_mocap = element.boolean_or("mocap", false);
+    if (body.is_mocap && (parent != 0 || body.has_joints)) {
+      element.fail("a mocap body belongs to <worldbody> and has no joints");
+    }
     body.link = add_joints(scene_, body, around.link, X_PB, contents.joints);
+    scene_.builder.link(body.link).gravity_compensation = element.number_or("gravcomp", 0);
     scene_.bodies.push_back(std::move(body));
     read_contents(index, contents);
     --depth_;
@@ -229,11 +231,25 @@ void scale_total_mass(MjcfScene& scene) {
   }
 }
 
+/// Stiffness and damping of joints that ask for a time constant and a ratio of damping (mjCModel::AutoSpringDamper).
+void settle_springs(MjcfScene& scene) {
+  const std::vector<double> inertias = yielding_inertias(scene);
+  for (std::size_t i = 0; i < inertias.size(); ++i) {
+    const double inertia = scene.joints[i].inertia = inertias[i];
+    const auto [time, ratio] = scene.joints[i].spring_damper;
+    if (!(time > 0 && ratio > 0)) continue;
+    Joint& joint = scene.builder.joint(scene.joints[i].id);
+    joint.stiffness = inertia / std::max(time * time * ratio * ratio, 1e-15);
+    joint.damping = 2 * inertia / std::max(time, 1e-15);
+  }
+}
+
 }  // namespace
 
 void read_world(MjcfScene& scene) {
   WorldReader(scene).read();
   scale_total_mass(scene);
+  settle_springs(scene);
 }
 
 }  // namespace manyhands::io

@@ -153,6 +153,20 @@ void write_actuator(MjcfWriter& writer, pugi::xml_node section, const Actuator& 
   set(node, "forcerange", std::array{-most, most});
 }
 
+/// Poses of mocap bodies, in the order in which these are written: that of their joints.
+void write_mocap(const MjcfWriter& writer, pugi::xml_node node, const std::vector<double>& poses) {
+  std::vector<double> positions, turns;
+  for (const Joint& joint : writer.model.joints()) {
+    if (joint.type != JointType::kMocap || joint.name.empty()) continue;
+    const double* const pose = &poses[7 * writer.model.mocap_index(writer.model.link(joint.child).name)];
+    positions.insert(positions.end(), pose, pose + 3);
+    const std::array<double, 4> turn = wxyz({pose[3], pose[4], pose[5], pose[6]});
+    turns.insert(turns.end(), turn.begin(), turn.end());
+  }
+  set(node, "mpos", positions);
+  set(node, "mquat", turns);
+}
+
 /// q and v as MuJoCo's qpos and qvel, joint by joint in the order of q.
 void write_key(MjcfWriter& writer, pugi::xml_node section, const Keyframe& key) {
   pugi::xml_node node = section.append_child("key");
@@ -177,6 +191,7 @@ void write_key(MjcfWriter& writer, pugi::xml_node section, const Keyframe& key) 
   set(node, "qpos", qpos);
   if (std::ranges::any_of(qvel, [](double x) { return x != 0; })) set(node, "qvel", qvel);
   if (std::ranges::any_of(key.ctrl, [](double x) { return x != 0; })) set(node, "ctrl", key.ctrl);
+  if (key.mocap != writer.model.initial_mocap()) write_mocap(writer, node, key.mocap);
 }
 
 }  // namespace

@@ -111,7 +111,7 @@ void write_joint(MjcfWriter& writer, pugi::xml_node body, const MjcfChain& chain
   const MjcfStep& step = chain.steps[i];
   const Joint& joint = *step.joint;
   const bool is_free = step.type == JointType::kFloating;
-  const bool is_bare = joint.damping == 0 && joint.friction == 0 && joint.armature == 0;
+  const bool is_bare = joint.damping == 0 && joint.friction == 0 && joint.armature == 0 && joint.stiffness == 0;
   pugi::xml_node node = body.append_child(is_free && is_bare ? "freejoint" : "joint");
   set(node, "name", writer.names.claim("joint", step.name, "joint", writer.notes));
   if (std::isfinite(joint.limits.velocity)) {
@@ -132,6 +132,8 @@ void write_joint(MjcfWriter& writer, pugi::xml_node body, const MjcfChain& chain
   set_unless(node, "damping", joint.damping, 0);
   set_unless(node, "frictionloss", joint.friction, 0);
   set_unless(node, "armature", joint.armature, 0);
+  set_unless(node, "stiffness", joint.stiffness, 0);
+  if (joint.stiffness > 0 && !is_free && !is_ball) set_unless(node, "springref", step.spring_reference, 0);
 }
 
 }  // namespace manyhands::io

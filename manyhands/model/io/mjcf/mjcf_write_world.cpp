@@ -40,13 +40,16 @@ class WorldWriter {
     return id.is_valid() ? &model_.joint(id) : nullptr;
   }
 
+  /// Whether bodies on such joints have none in MJCF.
+  static bool is_jointless(JointType type) { return type == JointType::kFixed || type == JointType::kMocap; }
+
   /// Whether a link is nothing but the place where one joint ends and the next begins.
   [[nodiscard]] bool is_between(LinkId id) const {
     const Link& link = model_.link(id);
     const SymMat3<double>& I = link.inertial.inertia;
     const bool has_mass = link.inertial.mass != 0 || I.xx != 0 || I.yy != 0 || I.zz != 0;
     const Joint* const joint = joint_of(id);
-    if (has_mass || joint == nullptr || joint->type == JointType::kFixed) return false;
+    if (has_mass || joint == nullptr || is_jointless(joint->type)) return false;
     if (joint->type == JointType::kSpherical || joint->type == JointType::kFloating) return false;
     return model_.geoms_of(id).empty() && writer_.frames_of[id.index()].empty() && children_[id.index()].size() == 1 &&
            !pinned_.contains(id);
@@ -79,10 +82,12 @@ class WorldWriter {
     const bool is_free = joint.type == JointType::kFloating && joint.parent == LinkId(0) &&
                          same(joint.X_PF.R, Mat3<double>::identity()) && same(joint.X_PF.p, Vec3<double>::zero());
     const double reference = velocity_size(joint.type) == 1 && !joint.initial.empty() ? joint.initial[0] : 0;
-    MjcfStep step{joint.name, joint.type, joint.X_PF, joint.axis, reference, &joint};
+    const auto rest = [&](std::size_t i) { return joint.spring_reference.empty() ? 0.0 : joint.spring_reference[i]; };
+    const bool is_single = velocity_size(joint.type) == 1;
+    MjcfStep step{joint.name, joint.type, joint.X_PF, joint.axis, reference, &joint, is_single ? rest(0) : 0.0};
     if (step.type == JointType::kContinuous) step.type = JointType::kRevolute;
-    const auto add = [&](const char* suffix, JointType type, const Vec3<double>& axis, double at) {
-      chain.steps.push_back({joint.name + suffix, type, step.X_PF, axis, at, &joint});
+    const auto add = [&](const char* suffix, JointType type, const Vec3<double>& axis, double at, double at_rest) {
+      chain.steps.push_back({joint.name + suffix, type, step.X_PF, axis, at, &joint, at_rest});
       step.X_PF = Transform<double>::identity();
     };
     const auto initial = [&](std::size_t i) { return joint.initial.empty() ? 0.0 : joint.initial[i]; };
@@ -90,20 +95,32 @@ class WorldWriter {
       const Mat3<double> R_FZ = transpose(model_.link(joint.child).X_BL.R);
       writer_.notes.changed(part("joint", joint.name),
                             "MJCF has no planar joints; two slides and a hinge, with the same q");
-      add("_x", JointType::kPrismatic, R_FZ.x, initial(0));
-      add("_y", JointType::kPrismatic, R_FZ.y, initial(1));
-      add("_angle", JointType::kRevolute, joint.axis, initial(2));
+      add("_x", JointType::kPrismatic, R_FZ.x, initial(0), rest(0));
+      add("_y", JointType::kPrismatic, R_FZ.y, initial(1), rest(1));
+      add("_angle", JointType::kRevolute, joint.axis, initial(2), rest(2));
     } else if (joint.type == JointType::kFloating && !is_free) {
       writer_.notes.changed(part("joint", joint.name),
                             "MJCF's free joints start from the world; three slides and a ball, with the same q");
-      add("_x", JointType::kPrismatic, {1, 0, 0}, initial(0));
-      add("_y", JointType::kPrismatic, {0, 1, 0}, initial(1));
-      add("_z", JointType::kPrismatic, {0, 0, 1}, initial(2));
-      add("_ball", JointType::kSpherical, {0, 0, 1}, 0);
+      add("_x", JointType::kPrismatic, {1, 0, 0}, initial(0), rest(0));
+      add("_y", JointType::kPrismatic, {0, 1, 0}, initial(1), rest(1));
+      add("_z", JointType::kPrismatic, {0, 0, 1}, initial(2), rest(2));
+      add("_ball", JointType::kSpherical, {0, 0, 1}, 0, 0);
     } else {
       chain.steps.push_back(std::move(step));
     }
     check_turn(joint, is_free);
+    check_spring(joint, is_free);
+  }
+
+  /// The springs of balls are at rest unturned in MJCF, and those of free joints where the file places the body.
+  void check_spring(const Joint& joint, bool is_free) const {
+    const bool has_ball = joint.type == JointType::kSpherical || joint.type == JointType::kFloating;
+    if (!has_ball || joint.stiffness == 0) return;
+    const std::vector<double>& q = joint.spring_reference;
+    const bool is_unturned = q.empty() || std::abs(q.back()) == 1;
+    if (is_free ? q == joint.initial : is_unturned) return;
+    writer_.notes.loss(LoadAction::kIgnored, part("joint", joint.name),
+                       "its spring is at rest elsewhere than such springs are in MJCF");
   }
 
   /// A ball joint starts unturned in MJCF.
@@ -123,14 +140,16 @@ class WorldWriter {
     MjcfPlace around = writer_.bodies[parent];
     pugi::xml_node body = around.node.append_child("body");
     set(body, "name", writer_.names.claim("body", model_.link(last).name, "body", writer_.notes));
+    set_unless(body, "gravcomp", model_.link(last).gravity_compensation, 0);
     for (const LinkId link : links) writer_.carried_by[link.index()] = last;
     MjcfChain chain;
     for (const LinkId link : links) {
       const Joint* const joint = joint_of(link);
-      if (joint != nullptr && joint->type != JointType::kFixed) add_steps(chain, *joint);
+      if (joint != nullptr && !is_jointless(joint->type)) add_steps(chain, *joint);
     }
     if (chain.steps.empty()) {
-      place_fixed(chain, last);
+      place_jointless(chain, last);
+      if (joint_of(last) != nullptr && joint_of(last)->type == JointType::kMocap) set(body, "mocap", "true");
     } else if (chain.steps[0].type == JointType::kFloating) {
       place_free(chain);
     } else {
@@ -146,7 +165,7 @@ class WorldWriter {
     --depth_;
   }
 
-  void place_fixed(MjcfChain& chain, LinkId link) {
+  void place_jointless(MjcfChain& chain, LinkId link) {
     const Joint* const joint = joint_of(link);
     const Transform<double>& X = joint == nullptr ? model_.link(link).X_BL : joint->X_PF;
     chain.quat = quat_for(X.R);
@@ -154,9 +173,9 @@ class WorldWriter {
     const std::string& name = model_.link(link).name;
     if (joint == nullptr) {
       writer_.notes.changed_alike("root", part("link", name), "it stands in the world; read as fixed by a joint");
-    } else if (joint->name != name + "_fixed") {
+    } else if (const std::string read = name + "_" + to_string(joint->type); joint->name != read) {
       writer_.notes.changed_alike("fixed", part("joint", joint->name),
-                                  "fixed joints have no names in MJCF; called '" + name + "_fixed' where it is read");
+                                  "such joints have no names in MJCF; called '" + read + "' where it is read");
     }
   }
 

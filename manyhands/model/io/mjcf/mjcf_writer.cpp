@@ -44,6 +44,7 @@ void write_settings(MjcfWriter& writer) {
   } else {
     writer.notes.changed("model " + in_quotes(model.name()), "it asks for no time step; readers take MJCF's, 0.002 s");
   }
+  if (!model.contact_rules().contacts) set(option.append_child("flag"), "contact", "disable");
   writer.assets = writer.root.append_child("asset");
   writer.world = writer.root.append_child("worldbody");
 }

@@ -73,6 +73,7 @@ struct MjcfStep {
   Vec3<double> axis{0, 0, 1};
   double reference = 0;
   const Joint* joint = nullptr;
+  double spring_reference = 0;  ///< where the joint's spring is at rest
 };
 
 /// Joints in turn that move one body: where the file places it, and each joint in it.

@@ -75,6 +75,9 @@ class UrdfWriter {
     const Link& link = model_.link(id);
     pugi::xml_node node = robot_.append_child("link");
     set(node, "name", names_.claim("link", link.name, "link", notes_));
+    if (link.gravity_compensation != 0) {
+      notes_.loss(LoadAction::kIgnored, part("link", link.name), "its gravity compensation is left out");
+    }
     const Inertial& inertial = link.inertial;
     const SymMat3<double>& I = inertial.inertia;
     if (id != LinkId(0)) {  // of mass 0 too: PyBullet takes 1 kg where a link has none
@@ -199,11 +202,15 @@ class UrdfWriter {
     const std::string what = part("joint", joint.name);
     pugi::xml_node node = robot_.append_child("joint");
     set(node, "name", names_.claim("joint", joint.name, "joint", notes_));
-    set(node, "type", to_string(joint.type));
+    const bool is_mocap = joint.type == JointType::kMocap;
+    set(node, "type", is_mocap ? "fixed" : to_string(joint.type));
     write_origin(node, joint.X_PF);
     set(node.append_child("parent"), "link", model_.link(joint.parent).name);
     set(node.append_child("child"), "link", model_.link(joint.child).name);
-    if (joint.type == JointType::kFixed) return;
+    if (is_mocap)
+      notes_.loss(LoadAction::kRepaired, what, "a mocap body, which nobody moves in URDF; fixed where it is");
+    if (is_mocap || joint.type == JointType::kFixed) return;
+    if (joint.stiffness != 0) notes_.loss(LoadAction::kIgnored, what, "its spring is left out");
     if (joint.type == JointType::kSpherical || joint.type == JointType::kFloating || joint.type == JointType::kPlanar) {
       notes_.loss(LoadAction::kRepaired, what,
                   std::string("a ") + to_string(joint.type) + " joint, which few readers of URDF move");
