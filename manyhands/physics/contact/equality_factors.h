@@ -52,8 +52,9 @@ template <Number T>
 MANYHANDS_INLINE void damp_closing(const ContactProblem<T>& problem, mask_t<T> asked, std::vector<T>& scratch,
                                    Factors<T>& factors) {
   const std::size_t n = problem.num_equality_rows;
+  const T yields = constant<T>(contact_settings::kClosingYields);
   for (const EqualityRows<T>& block : problem.equalities)
-    std::fill_n(&factors.damping[block.first], block.count(), yielding_of(problem, block));
+    std::fill_n(&factors.damping[block.first], block.count(), yields * mobility_of(problem, block));
   std::copy_n(factors.K.begin(), n * n, factors.K_damped.begin());
   for (std::size_t i = 0; i < n; ++i) factors.K_damped[i * n + i] += factors.damping[i];
   factor_K(n, factors.K_immovable.data(), factors.K_damped.data(), factors.K_damped_pivot_inverse.data());

@@ -45,11 +45,11 @@ struct Factors {
   std::vector<int> free_dofs;         ///< those dofs, leaves first
 
   // Of the rows.
-  std::vector<Vec3<T>> Y;                  ///< half responses of all rows; RowBlock::Y says where
-  std::vector<Vec3<T>> Y_by_dof;           ///< (nv) scratch: Y of one block
-  std::vector<PatchResponse<T>> patches;   ///< (patches)
-  std::vector<DelassusBlock<T>> points;    ///< (points)
-  std::vector<Vec3<T>> offsets;            ///< (points) J v less what their laws ask for: a velocity is offset + J dv [m/s]
+  std::vector<Vec3<T>> Y;                 ///< half responses of all rows; RowBlock::Y says where
+  std::vector<Vec3<T>> Y_by_dof;          ///< (nv) scratch: Y of one block
+  std::vector<PatchResponse<T>> patches;  ///< (patches)
+  std::vector<DelassusBlock<T>> points;   ///< (points)
+  std::vector<Vec3<T>> offsets;  ///< (points) J v less what their laws ask for: a velocity is offset + J dv [m/s]
   std::vector<DelassusBlock<T>> torsions;  ///< (torsions) of rolling alone: spinning is solved apart
   std::vector<T> spin_inverse;             ///< (torsions) [kg m^2]
 

@@ -67,29 +67,28 @@ MANYHANDS_INLINE T immovable_equality(const ContactProblem<T>& problem, const Fa
   return immovable_at(problem, factors, block.rows, held_point(*problem.dynamics, equality));
 }
 
-/// By what rows at p yield that ask joints to correct an error: a part of what the joints would do there along any
-/// direction [1/kg] while nothing holds them.
+/// What the joints would do at p along any direction [1/kg] while nothing holds them.
 template <Number T>
-MANYHANDS_INLINE T yielding_at(const ContactProblem<T>& problem, const RowBlock& rows, const Vec3<T>& p) {
+MANYHANDS_INLINE T mobility_at(const ContactProblem<T>& problem, const RowBlock& rows, const Vec3<T>& p) {
   T sum = constant<T>(0);
   visit_mobility_at(problem, rows, p,
                     [&](std::size_t i, T moving, T) { sum += moving / tree_row(*problem.tree, problem.M(), i)[i]; });
-  return constant<T>(contact_settings::kYielding) * sum;
+  return sum;
 }
 
-/// The same of the rows of an equality constraint.
+/// The same for the rows of an equality constraint.
 template <Number T>
-MANYHANDS_INLINE T yielding_of(const ContactProblem<T>& problem, const EqualityRows<T>& block) {
+MANYHANDS_INLINE T mobility_of(const ContactProblem<T>& problem, const EqualityRows<T>& block) {
   const TreeEquality<real_t<T>>& equality = problem.tree->equalities[block.equality];
   if (!block.rows.single && block.cache == equality.row)
-    return yielding_at(problem, block.rows, held_point(*problem.dynamics, equality));
+    return mobility_at(problem, block.rows, held_point(*problem.dynamics, equality));
   T sum = constant<T>(0);
   visit_J(*problem.tree, block.rows, [&](std::size_t entry, std::size_t i, real_t<T>) {
     const T moving =
         block.rows.single ? problem.rows.J[entry].x * problem.rows.J[entry].x : squared_norm(problem.dynamics->S[i].w);
     sum += moving / tree_row(*problem.tree, problem.M(), i)[i];
   });
-  return constant<T>(contact_settings::kYielding) * sum;
+  return sum;
 }
 
 /// The diagonal of Y Y^T, for the Y in Y_by_dof.

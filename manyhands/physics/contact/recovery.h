@@ -81,9 +81,10 @@ MANYHANDS_INLINE void begin_offsets(const ContactProblem<T>& problem, Recovery<T
 template <Number T>
 MANYHANDS_INLINE void limit_opening(const ContactProblem<T>& problem, Recovery<T>& recovery, Factors<T>& factors) {
   const T zero = constant<T>(0), enough = constant<T>(contact_settings::kOpeningTolerance);
+  const T yields = constant<T>(contact_settings::kOpeningYields);
   recovery.damping.clear();
   for (const ContactPatch<T>& patch : problem.patches)
-    recovery.damping.push_back(yielding_at(problem, patch.linear, patch.origin));
+    recovery.damping.push_back(yields * mobility_at(problem, patch.linear, patch.origin));
   recovery.impulse.assign(problem.points.size(), zero);
   recovery.y.assign(recovery.y.size(), zero);
   mask_t<T> active = recovery.asked;

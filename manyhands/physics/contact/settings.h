@@ -77,10 +77,11 @@ inline constexpr double kMaxArc = 0.1;
 /// An equality constraint that stands open closes no faster [m/s or rad/s], and a joint far outside its limits returns
 /// no faster: it is not shot back.
 inline constexpr double kMaxClosing = 1;
-/// Where joints move so much less than they do in other directions, as at a singular arm, or while something holds
-/// them, errors close more slowly: by what joints can do without racing.
-inline constexpr double kYielding = 0.03;
-/// How often what that leaves open is looked at again: of a free body's error 1e-5 stays open.
+/// By what part of the mobility in any direction corrections yield, of surfaces that part and of equality constraints
+/// that close: where joints move much less, as at a singular arm, or while something holds them, errors shrink more
+/// slowly, by what joints can do without racing.
+inline constexpr double kOpeningYields = 0.1, kClosingYields = 0.01;
+/// How often what equality constraints leave open is looked at again: of a free body's error 1e-7 stays.
 inline constexpr int kClosingPasses = 6;
 
 /// The mobility of a row that no joint moves, as a part of what joints move in other directions there: the square of
