@@ -20,14 +20,14 @@ struct EnergyBound {
 
 namespace internal {
 
-/// Kinetic energy at the velocity v + share dv [J].
-template <Number T>
-MANYHANDS_INLINE T kinetic_energy(const ContactProblem<T>& problem, const std::vector<T>& dv, T share,
-                                  EnergyBound<T>& scratch) {
+/// Kinetic energy [J] where dof i has velocity(i).
+template <Number T, class Velocity>
+MANYHANDS_INLINE T kinetic_energy(const ContactProblem<T>& problem, Velocity&& velocity, EnergyBound<T>& scratch) {
+  const std::size_t nv = scratch.velocity.size();
   T sum = constant<T>(0);
-  for (std::size_t i = 0; i < dv.size(); ++i) scratch.velocity[i] = fma(share, dv[i], problem.v[i]);
+  for (std::size_t i = 0; i < nv; ++i) scratch.velocity[i] = velocity(i);
   multiply_tree_matrix<T>(*problem.tree, problem.M(), scratch.velocity.data(), scratch.momentum.data());
-  for (std::size_t i = 0; i < dv.size(); ++i) sum = fma(scratch.velocity[i], scratch.momentum[i], sum);
+  for (std::size_t i = 0; i < nv; ++i) sum = fma(scratch.velocity[i], scratch.momentum[i], sum);
   return constant<T>(0.5) * sum;
 }
 
@@ -78,18 +78,21 @@ MANYHANDS_INLINE T norm_of_joints(const ContactProblem<T>& problem) {
 template <Number T, class FreeChange>
 MANYHANDS_INLINE mask_t<T> exceeds_energy(const ContactProblem<T>& problem, const Factors<T>& factors,
                                           const std::vector<T>& dv, FreeChange&& free_change, EnergyBound<T>& scratch) {
-  const T one = constant<T>(1), excess = constant<T>(contact_settings::kExcess);
-  const T has = kinetic_energy(problem, dv, one, scratch);
+  const T excess = constant<T>(contact_settings::kExcess);
+  const auto energy_with = [&](const std::vector<T>& change) {
+    return kinetic_energy(problem, [&](std::size_t i) { return problem.v[i] + change[i]; }, scratch);
+  };
+  const T has = energy_with(dv);
   const T closing = norm_of_closing(factors, problem.num_equality_rows, scratch.closing);
   const T asked = closing + norm_of_opening(problem, factors) + norm_of_joints(problem);
-  const T before = kinetic_energy(problem, dv, constant<T>(0), scratch);
+  const T before = kinetic_energy(problem, [&](std::size_t i) { return problem.v[i]; }, scratch);
   const auto allowed = [&](T energy) {
     const T norm = sqrt(energy) + asked;
     return excess * (norm * norm);
   };
   mask_t<T> exceeds = is_finite(before) & !(has <= allowed(before));
   when(exceeds, [&] {
-    const T free = kinetic_energy(problem, free_change(), one, scratch);
+    const T free = energy_with(free_change());
     exceeds = exceeds & !(has <= allowed(max(before, free)));
   });
   return exceeds;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "manyhands/model/io/mjcf/mjcf.h"
+#include "manyhands/physics/step/step.h"
 #include "manyhands/physics/world/batch.h"
 #include "manyhands/physics/world/world.h"
 
@@ -88,6 +89,26 @@ TEST(Contradictions, AnArmPulledBeyondItsReachStretches) {
   const Vec3<double> hand = world.body_pose("hand").p;
   EXPECT_GT(norm(hand), 0.95 * 0.8);  // the weld wants the hand level, too: MuJoCo's rests at 0.99
   EXPECT_GT(dot(hand, Vec3<double>{0.9, 0, 0.3}) / (norm(hand) * std::sqrt(0.9)), 0.99);
+}
+
+/// Of a box on the floor, whose step is solved: more energy than there can be, and what is no number, are found.
+TEST(Contradictions, SolutionsWithTooMuchEnergyAreFound) {
+  const ModelPointer model = scene(
+      "<geom type='plane' size='1 1 0.1'/><body pos='0 0 0.1'><freejoint/><geom type='box' size='.1 .1 .1'/></body>");
+  const System<double> system(*model);
+  const ParamsStorage<double> params(*model);
+  StateStorage<double> state(*model, system.contact_numbers());
+  StepWorkspace<double> ws(system);
+  step(system, params, 0.002, state, ws);
+  const ContactSolver<double>& contact = ws.contact;
+  const auto exceeds = [&](double dv) {
+    EnergyBound<double> scratch(6);
+    const std::vector<double> change(6, dv), rest(6, 0.0);
+    return internal::exceeds_energy(contact.problem, contact.factors, change, [&] { return rest; }, scratch);
+  };
+  EXPECT_FALSE(exceeds(1e-4));
+  EXPECT_TRUE(exceeds(1));
+  EXPECT_TRUE(exceeds(std::numeric_limits<double>::quiet_NaN()));
 }
 
 /// In batches, too: no world is put back.
