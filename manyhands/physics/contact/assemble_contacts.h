@@ -36,14 +36,6 @@ MANYHANDS_INLINE T gap_acceleration(const Workspace<T>& ws, const ContactPatch<T
   return gap;
 }
 
-/// How fast surfaces that overlap part at most [m/s]. A body that a user moves enters others at any speed: it has none.
-template <Real R, Number T>
-[[nodiscard]] double fastest_parting(const Tree<R>& tree, const ContactPatch<T>& patch) {
-  const auto is_mocap = [&](std::size_t body) { return tree.bodies[body].type == JointType::kMocap; };
-  return is_mocap(patch.body_a()) || is_mocap(patch.body_b()) ? contact_settings::kMaxMocapRecovery
-                                                              : contact_settings::kMaxPenetrationRecovery;
-}
-
 /// The normal velocity that the point asks for at the step's end: not to go through a surface ahead, to leave one that
 /// it has entered, no faster than `fastest`, or what restitution gives back (Moreau's law, gravity acting on during the
 /// step). `arc` is what the gap's own curvature in time adds to its mean velocity. Tells the point whether it bounces.
@@ -129,7 +121,9 @@ MANYHANDS_INLINE void add_point(const Workspace<T>& ws, T inverse_h, const Combi
        [&] { free_change = point_velocity(problem, point, problem.free_dv.data()).x; });
   const T half_h = constant<T>(0.5) / inverse_h;
   const T curvature = gap_acceleration(ws, patch, surface, point.p, dot(patch.normal, gamma));
-  const T arc = bounded_arc(half_h * curvature), fastest = constant<T>(fastest_parting(*problem.tree, patch));
+  const T arc = bounded_arc(half_h * curvature),
+          fastest = constant<T>(touches_mocap(*problem.tree, patch) ? contact_settings::kMaxMocapRecovery
+                                                                    : contact_settings::kMaxPenetrationRecovery);
   point.target = target_velocity(surface, inverse_h, u_n, free_change, arc, fastest, point);
   // Points that stick shall stay together along the arcs on which the step carries them: u + h / 2 gamma = 0.
   const Vec3<T> slip =

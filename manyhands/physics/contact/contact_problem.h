@@ -83,4 +83,10 @@ MANYHANDS_INLINE Vec3<T> point_velocity(const ContactProblem<T>& problem, const 
   return velocity_at(patch, point.lever, patch_motion(*problem.tree, patch, problem.rows, x));
 }
 
+/// Whether a body that a user moves takes part: it enters others at any speed, and has none itself.
+template <Number T>
+[[nodiscard]] bool touches_mocap(const Tree<real_t<T>>& tree, const ContactPatch<T>& patch) {
+  return tree.bodies[patch.body_a()].type == JointType::kMocap || tree.bodies[patch.body_b()].type == JointType::kMocap;
+}
+
 }  // namespace manyhands

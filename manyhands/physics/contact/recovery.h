@@ -32,6 +32,12 @@ MANYHANDS_INLINE mask_t<T> shall_open(const ContactPoint<T>& point) {
   return (point.target > zero) & (point.softness == zero) & (point.bounces == zero);
 }
 
+/// Whether it may open more slowly than it wants to. What a mocap body pushes may not: nothing else moves it.
+template <Number T>
+MANYHANDS_INLINE mask_t<T> may_wait(const ContactProblem<T>& problem, const ContactPoint<T>& point) {
+  return shall_open(point) & mask_t<T>(!touches_mocap(*problem.tree, problem.patches[point.patch]));
+}
+
 /// The normal impulse of a point that has the velocity u [m/s] under the present one, given all others.
 template <Number T>
 MANYHANDS_INLINE T opening_impulse(const ContactPoint<T>& point, const DelassusBlock<T>& G, T damping, T u, T impulse) {
@@ -73,7 +79,7 @@ MANYHANDS_INLINE void begin_offsets(const ContactProblem<T>& problem, Recovery<T
   for (std::size_t i = 0; i < problem.points.size(); ++i) {
     const ContactPoint<T>& point = problem.points[i];
     factors.offsets[i] = {point.offset.x - point.target, point.offset.y, point.offset.z};
-    recovery.asked = recovery.asked | (shall_open(point) & (point.target > slow));
+    recovery.asked = recovery.asked | (may_wait(problem, point) & (point.target > slow));
   }
 }
 
@@ -100,7 +106,7 @@ MANYHANDS_INLINE void limit_opening(const ContactProblem<T>& problem, Recovery<T
       const ContactPoint<T>& point = problem.points[i];
       const T attained = clamp(velocity_at(patch, point.lever, motion).x, zero, point.target);
       T& offset = factors.offsets[i].x;
-      offset = select(recovery.asked & shall_open(point), max(point.offset.x - attained, offset), offset);
+      offset = select(recovery.asked & may_wait(problem, point), max(point.offset.x - attained, offset), offset);
     }
   }
 }

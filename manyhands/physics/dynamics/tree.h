@@ -31,7 +31,7 @@ struct TreeBody {
   std::array<std::int8_t, 3>
       axes{};  ///< for kQuarters, F's x, y and z: 1, 2, 3 for the parent's x, y, z, minus if reversed
   Transform<R> X_PF = Transform<R>::identity();
-  R gyration{};  ///< square of its radius of gyration about the centre of mass [m^2]
+  R gyration{};   ///< square of its radius of gyration about the centre of mass [m^2]
   int lift = -1;  ///< index of its part that gravity compensation carries; -1 without one
 };
 

@@ -163,7 +163,8 @@ TEST(Step, NothingPassesALimit) {
   }
 }
 
-/// A step removes a fifth of a violation, at up to 1 rad/s, while something pushes the joint outwards, and never lets it grow.
+/// A step removes a fifth of a violation, at up to 1 rad/s, while something pushes the joint outwards, and never lets
+/// it grow.
 TEST(Step, AJointBeyondItsLimitReturns) {
   World world(chain(1, 5, {.lower = -0.5, .upper = 0.5}), 0.002);
   const std::vector<double> outside{0.8, -0.9, 0.7, -0.6, 1.2};
