@@ -63,7 +63,7 @@ MANYHANDS_INLINE T norm_of_joints(const ContactProblem<T>& problem) {
   T sum = zero, inertia = zero;
   for (std::size_t i = 0; i < index(problem.tree->nv); ++i) {
     const T v = problem.v[i], M = tree_row(*problem.tree, problem.M(), i)[i];
-    const T driven = v + laws.target[i], returns = max(max(v + laws.lower[i], -(v + laws.upper[i])), zero);
+    const T driven = v + laws.target[i], returns = max(return_speed(v, i, laws), zero);
     const T reaches = half * M * (driven * driven), works = laws.max_impulse[i] * abs(driven);
     const T motor = select(laws.max_impulse[i] > zero, min(works, reaches), zero);
     sum += sqrt(motor) + sqrt(half * M) * returns;
@@ -73,8 +73,7 @@ MANYHANDS_INLINE T norm_of_joints(const ContactProblem<T>& problem) {
 }
 
 /// Worlds in which dv leaves more energy than there can be. A world that was beyond all numbers before is none of them:
-/// it is reported. `free_change()` is the change of v without constraints, and
-/// called only where it matters.
+/// it is reported. `free_change()` is the change of v without constraints, and called only where it matters.
 template <Number T, class FreeChange>
 MANYHANDS_INLINE mask_t<T> exceeds_energy(const ContactProblem<T>& problem, const Factors<T>& factors,
                                           const std::vector<T>& dv, FreeChange&& free_change, EnergyBound<T>& scratch) {

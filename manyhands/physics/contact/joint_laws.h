@@ -53,6 +53,12 @@ MANYHANDS_INLINE T held_change(T state, std::size_t i, const JointLaws<T>& laws)
   return select(state == zero, laws.target[i], select(state > zero, laws.lower[i], laws.upper[i]));
 }
 
+/// How fast dof i, whose velocity is v, shall return from beyond its limits; not above 0 where it is within them.
+template <Number T>
+MANYHANDS_INLINE T return_speed(T v, std::size_t i, const JointLaws<T>& laws) {
+  return max(v + laws.lower[i], -(v + laws.upper[i]));
+}
+
 namespace internal {
 
 /// dv that brings the dof from `gap` outside (> 0) or inside (< 0) its limit to the limit, or part of the way.

@@ -73,7 +73,7 @@ MANYHANDS_INLINE void relax_opening(const ContactProblem<T>& problem, const Fact
 /// What the points' velocities start from, less what their laws ask for.
 template <Number T>
 MANYHANDS_INLINE void begin_offsets(const ContactProblem<T>& problem, Recovery<T>& recovery, Factors<T>& factors) {
-  const T slow = constant<T>(contact_settings::kSlowCorrection);
+  const T slow = constant<T>(contact_settings::kSlowCorrection), yields = constant<T>(contact_settings::kOpeningYields);
   recovery.asked = mask_t<T>(false);
   factors.offsets.resize(problem.points.size());
   for (std::size_t i = 0; i < problem.points.size(); ++i) {
@@ -81,16 +81,17 @@ MANYHANDS_INLINE void begin_offsets(const ContactProblem<T>& problem, Recovery<T
     factors.offsets[i] = {point.offset.x - point.target, point.offset.y, point.offset.z};
     recovery.asked = recovery.asked | (may_wait(problem, point) & (point.target > slow));
   }
+  recovery.damping.clear();
+  when(recovery.asked, [&] {
+    for (const ContactPatch<T>& patch : problem.patches)
+      recovery.damping.push_back(yields * mobility_at(problem, patch.linear, patch.origin));
+  });
 }
 
 /// Lowers the demands of what shall open to what it attains under the present active set. After `factor_contacts`.
 template <Number T>
 MANYHANDS_INLINE void limit_opening(const ContactProblem<T>& problem, Recovery<T>& recovery, Factors<T>& factors) {
   const T zero = constant<T>(0), enough = constant<T>(contact_settings::kOpeningTolerance);
-  const T yields = constant<T>(contact_settings::kOpeningYields);
-  recovery.damping.clear();
-  for (const ContactPatch<T>& patch : problem.patches)
-    recovery.damping.push_back(yields * mobility_at(problem, patch.linear, patch.origin));
   recovery.impulse.assign(problem.points.size(), zero);
   recovery.y.assign(recovery.y.size(), zero);
   mask_t<T> active = recovery.asked;

@@ -6,6 +6,7 @@
 // energy, what contacts and constraints act on stands still for a step.
 #pragma once
 
+#include "manyhands/physics/contact/active_set_search.h"
 #include "manyhands/physics/contact/joint_solver.h"
 #include "manyhands/physics/contact/recovery.h"
 
@@ -17,8 +18,7 @@ MANYHANDS_INLINE mask_t<T> demands_much(const ContactProblem<T>& problem, const 
                                         const Factors<T>& factors) {
   const JointLaws<T>& laws = problem.joints;
   T fastest = constant<T>(0);
-  for (std::size_t i = 0; i < laws.lower.size(); ++i)
-    fastest = max(fastest, max(problem.v[i] + laws.lower[i], -(problem.v[i] + laws.upper[i])));
+  for (std::size_t i = 0; i < laws.lower.size(); ++i) fastest = max(fastest, return_speed(problem.v[i], i, laws));
   for (std::size_t i = 0; i < problem.num_equality_rows; ++i) fastest = max(fastest, abs(factors.closing[i]));
   return recovery.asked | (fastest > constant<T>(contact_settings::kSlowCorrection));
 }
@@ -67,9 +67,7 @@ MANYHANDS_INLINE void keep_others(mask_t<T> changed, const Iterate<T>& before, I
 /// No impulse of contacts and equality constraints.
 template <Number T>
 MANYHANDS_INLINE void clear_impulses(Iterate<T>& iterate) {
-  for (PointImpulse<T>& point : iterate.points) point.impulse = Vec3<T>::zero();
-  for (PointImpulse<T>& torsion : iterate.torsions) torsion.impulse = Vec3<T>::zero();
-  for (Vec3<T>& impulse : iterate.equalities) impulse = Vec3<T>::zero();
+  visit_impulses(iterate, [](std::size_t, Vec3<T>& impulse) { impulse = Vec3<T>::zero(); });
 }
 
 /// The solution under the joints' laws alone.
