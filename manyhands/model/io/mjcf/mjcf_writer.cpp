@@ -69,11 +69,8 @@ SavedText saved(const Model& model, const std::string& file, AssetFiles* files, 
 }  // namespace io
 
 LoadReport save_mjcf(const Model& model, const std::filesystem::path& path, const SaveOptions& options) {
-  io::AssetFiles files(path);
-  SavedText saved = io::saved(model, path.string(), &files, options);
-  files.write();
-  io::save_file(path, saved.text);
-  return std::move(saved.report);
+  return io::save_with_assets(path,
+                              [&](io::AssetFiles& files) { return io::saved(model, path.string(), &files, options); });
 }
 
 SavedText save_mjcf_string(const Model& model, const SaveOptions& options) {

@@ -7,11 +7,23 @@
 
 #include "manyhands/base/whole_file.h"
 #include "manyhands/model/io/save/exact.h"
-#include "manyhands/model/io/save/save.h"
 
 namespace manyhands::io {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+/// Writes a whole file; what hinders it becomes a SaveError.
+void save_file(const fs::path& path, const std::string& bytes) {
+  try {
+    write_whole_file(path, bytes);
+  } catch (const std::system_error& error) {
+    throw SaveError("cannot write " + path.string() + ": " + error.code().message());
+  }
+}
+
+}  // namespace
 
 std::string obj_text(const Mesh& mesh) {
   std::string text;
@@ -85,12 +97,12 @@ std::string read_asset(const fs::path& path) {
   return bytes.str();
 }
 
-void save_file(const fs::path& path, const std::string& bytes) {
-  try {
-    write_whole_file(path, bytes);
-  } catch (const std::system_error& error) {
-    throw SaveError("cannot write " + path.string() + ": " + error.code().message());
-  }
+LoadReport save_with_assets(const fs::path& path, const std::function<SavedText(AssetFiles&)>& text) {
+  AssetFiles files(path);
+  SavedText saved = text(files);
+  files.write();
+  save_file(path, saved.text);
+  return std::move(saved.report);
 }
 
 }  // namespace manyhands::io

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
 
 #include "manyhands/model/description.h"
+#include "manyhands/model/io/save/save.h"
 
 namespace manyhands::io {
 
@@ -42,7 +44,8 @@ class AssetFiles {
 /// The bytes of a file that a model shows. Throws SaveError if it is not there or has more than 128 MiB.
 [[nodiscard]] std::string read_asset(const std::filesystem::path& path);
 
-/// Writes a whole file; what hinders it becomes a SaveError.
-void save_file(const std::filesystem::path& path, const std::string& bytes);
+/// Writes what `text` makes of the files beside `path`, then the file: what it names is there when it appears. Throws
+/// SaveError.
+LoadReport save_with_assets(const std::filesystem::path& path, const std::function<SavedText(AssetFiles&)>& text);
 
 }  // namespace manyhands::io

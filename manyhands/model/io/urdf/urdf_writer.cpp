@@ -289,11 +289,8 @@ SavedText saved_urdf(const Model& model, const std::string& file, AssetFiles* fi
 }  // namespace io
 
 LoadReport save_urdf(const Model& model, const std::filesystem::path& path, const SaveOptions& options) {
-  io::AssetFiles files(path);
-  SavedText saved = io::saved_urdf(model, path.string(), &files, options);
-  files.write();
-  io::save_file(path, saved.text);
-  return std::move(saved.report);
+  return io::save_with_assets(
+      path, [&](io::AssetFiles& files) { return io::saved_urdf(model, path.string(), &files, options); });
 }
 
 SavedText save_urdf_string(const Model& model, const SaveOptions& options) {
