@@ -1,4 +1,7 @@
-"""Hand-written MJCF files, each about one part of the format."""
+"""MJCF files: hand-written ones, each about one part of the format, and those of other packages."""
+
+import importlib.util
+from pathlib import Path
 
 INERTIAL = '<inertial pos="0.1 -0.2 0.3" mass="1.5" diaginertia="0.02 0.03 0.04"/>'
 
@@ -199,3 +202,15 @@ SCENES = {
     <body name="body_1_joint_0" pos="2 0 0"><joint name="joint_1" pos="1 0 0"/>{INERTIAL}
       <geom name="geom_2" size="0.1"/></body></worldbody></mujoco>""",
 }
+
+
+def shipped() -> list[Path]:
+    found: list[Path] = []
+    for package, folder in (("mujoco", "testdata"), ("pybullet_data", "mjcf"), ("gymnasium", "envs/mujoco/assets")):
+        spec = importlib.util.find_spec(package)
+        if spec is not None and spec.origin is not None:
+            found += sorted((Path(spec.origin).parent / folder).glob("*.xml"))
+    return found
+
+
+ALL = [*SCENES, *shipped()]

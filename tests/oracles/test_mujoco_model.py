@@ -1,6 +1,5 @@
 """Scenes loaded from MJCF equal MuJoCo's: masses, poses, mass matrices, limits, actuators, geoms and filters."""
 
-import importlib.util
 from itertools import combinations
 from pathlib import Path
 
@@ -9,7 +8,7 @@ import pytest
 
 mujoco = pytest.importorskip("mujoco")
 
-from mujoco_scenes import SCENES  # noqa: E402
+from mujoco_scenes import ALL, SCENES  # noqa: E402
 from PIL import Image  # noqa: E402
 from scipy.spatial.transform import Rotation  # noqa: E402
 
@@ -17,23 +16,12 @@ import manyhands as mh  # noqa: E402
 from benchmarks.mujoco_map import XYZW, Array, Scene, rotation  # noqa: E402
 
 # Files as they are in the wild: some ask for parts that cannot be.
-pytestmark = pytest.mark.filterwarnings("ignore:.*; print the report:UserWarning")
+pytestmark = [
+    pytest.mark.filterwarnings("ignore:.*; print the report:UserWarning"),
+    pytest.mark.usefixtures("folder_of_its_own"),
+]
 TOLERANCE = 1e-9
 MESH_TOLERANCE = 1e-6  # vertices are float32
-
-
-def shipped() -> list[Path]:
-    found: list[Path] = []
-    for package, folder in (("mujoco", "testdata"), ("pybullet_data", "mjcf"), ("gymnasium", "envs/mujoco/assets")):
-        spec = importlib.util.find_spec(package)
-        if spec is not None and spec.origin is not None:
-            found += sorted((Path(spec.origin).parent / folder).glob("*.xml"))
-    return found
-
-
-@pytest.fixture(autouse=True)
-def in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)  # MuJoCo writes its warnings to a file there
 
 
 def scene_of(source: str | Path) -> Scene:
@@ -46,7 +34,6 @@ def scene_of(source: str | Path) -> Scene:
     return Scene.of_file(source)
 
 
-ALL = [*SCENES, *shipped()]
 every_scene = pytest.mark.parametrize("source", ALL, ids=[s if isinstance(s, str) else s.name for s in ALL])
 
 

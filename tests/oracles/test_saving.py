@@ -1,6 +1,5 @@
 """Files that are saved are read by MuJoCo, PyBullet and Pinocchio as the robots they were."""
 
-import importlib.util
 import warnings
 from pathlib import Path
 
@@ -9,32 +8,20 @@ import pytest
 
 mujoco = pytest.importorskip("mujoco")
 
-from mujoco_scenes import SCENES  # noqa: E402
+from mujoco_scenes import ALL, SCENES  # noqa: E402
 
 import manyhands as mh  # noqa: E402
 from benchmarks.mujoco_map import Scene  # noqa: E402
 
-pytestmark = pytest.mark.filterwarnings("ignore:.*; print the report:UserWarning")
+pytestmark = [
+    pytest.mark.filterwarnings("ignore:.*; print the report:UserWarning"),
+    pytest.mark.usefixtures("folder_of_its_own"),
+]
 TOLERANCE = 1e-9
 MESH_TOLERANCE = 1e-6  # vertices are float32
 
 
-def shipped() -> list[Path]:
-    found: list[Path] = []
-    for package, folder in (("mujoco", "testdata"), ("pybullet_data", "mjcf"), ("gymnasium", "envs/mujoco/assets")):
-        spec = importlib.util.find_spec(package)
-        if spec is not None and spec.origin is not None:
-            found += sorted((Path(spec.origin).parent / folder).glob("*.xml"))
-    return found
-
-
-ALL = [*SCENES, *shipped()]
 every_scene = pytest.mark.parametrize("source", ALL, ids=[s if isinstance(s, str) else s.name for s in ALL])
-
-
-@pytest.fixture(autouse=True)
-def in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)  # MuJoCo writes its warnings to a file there
 
 
 def loaded(source: str | Path) -> mh.Model:
