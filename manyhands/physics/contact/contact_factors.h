@@ -22,6 +22,13 @@ MANYHANDS_INLINE Mat3<T> respond_to(const ContactProblem<T>& problem, const RowB
   return store_Y(rows, factors);
 }
 
+/// Whether the point's target is one that might contradict others. Restitution takes no more than there was.
+template <Number T>
+MANYHANDS_INLINE mask_t<T> shall_open(const ContactPoint<T>& point) {
+  const T zero = constant<T>(0);
+  return (point.target > zero) & (point.softness == zero) & (point.bounces == zero);
+}
+
 /// Y of one patch, and the Delassus blocks of its points.
 template <Number T>
 MANYHANDS_INLINE void factor_patch(const ContactProblem<T>& problem, const ContactPatch<T>& patch, Vec3<T>*& Z,
@@ -36,12 +43,16 @@ MANYHANDS_INLINE void factor_patch(const ContactProblem<T>& problem, const Conta
   }
   const T cancelled(SolverTraits<real_t<T>>::kCancellation);
   const T immovable = immovable_at(problem, factors, patch.linear, patch.origin);
+  const T free = mobility_at(problem, patch.linear, patch.origin);
+  const T floor = constant<T>(contact_settings::kLeastMobility) * free;
+  const T opening = constant<T>(contact_settings::kOpeningSoftness) * free;
   for (std::size_t i = patch.first; i < patch.first + patch.count; ++i) {
     const ContactPoint<T>& point = problem.points[i];
     const Vec3<T>& r = point.lever;
     const T terms = fma(r.z * r.z, angular.y, fma(r.y * r.y, angular.z, linear.x));
     factors.points[i] =
-        diagonalise(point_response(patch, response, r), point.softness, fma(cancelled, terms, immovable));
+        diagonalise(point_response(patch, response, r), point.softness, fma(cancelled, terms, immovable), floor,
+                    select(shall_open(point), opening, constant<T>(0)));
   }
 }
 
@@ -63,7 +74,7 @@ MANYHANDS_INLINE void factor_contacts(const ContactProblem<T>& problem, Factors<
     const Mat3<T>& G = factors.patches[problem.torsions[i].patch].G_wn;
     // Spinning and rolling are solved apart: turn the rolling rows by their own block of G alone.
     const Mat3<T> rolling{{one, zero, zero}, {zero, G.y.y, G.y.z}, {zero, G.z.y, G.z.z}};
-    factors.torsions[i] = diagonalise(rolling, zero, zero);
+    factors.torsions[i] = diagonalise(rolling, zero, zero, zero, zero);
     factors.spin_inverse[i] = one / max(G.x.x, tiny);
   }
 }

@@ -135,6 +135,7 @@ template <Number T>
 MANYHANDS_INLINE void begin_calmly(mask_t<T> asked, ContactSolver<T>& solver) {
   solver.kept = solver.iterate;
   demand_nothing(asked, solver.problem);
+  for (T& impulse : solver.problem.joints.last_impulse) impulse = select(asked, constant<T>(0), impulse);
   solve_alone(solver.problem, solver.factors, solver.search.next_state, solver.iterate);
 }
 
@@ -153,14 +154,20 @@ template <Number T>
 MANYHANDS_INLINE void solve(const SolverSettings& settings, ContactSolver<T>& solver) {
   solver.iterations = 0;
   solver.iterate.iterations = constant<T>(0);
+  internal::stay_calm(solver.problem, solver.iterate);
   solve_joints(solver.problem, solver.factors, solver.iterate, solver.search.next_state);
   if (solver.problem.only_joints()) return;
-  mask_t<T> runs_away(true);
+  mask_t<T> runs_away(true), strained(false);
   for (bool calm = false;; calm = true) {
     const auto near = internal::solve_exactly(settings, solver);
     if (calm) internal::keep_others(runs_away, solver.kept, solver.iterate);
-    if (!calm) runs_away = (!near) | internal::demands_much(solver.problem, solver.recovery, solver.factors);
+    if (!calm) {
+      const auto demands = internal::demands_much(solver.problem, solver.recovery, solver.factors);
+      strained = demands & !near;
+      runs_away = demands | !near;
+    }
     runs_away = internal::find_runaways(runs_away, solver);
+    if (!calm) internal::calm_down(runs_away | strained, solver.iterate);
     if (none(runs_away)) return;
     if (calm) return internal::give_up(runs_away, solver);
     internal::begin_calmly(runs_away, solver);

@@ -17,6 +17,8 @@ struct DelassusBlock {
   T sigma_1, sigma_2;      ///< G_tt - g g^T / G_nn, diagonal [1/kg]
   T inverse_1, inverse_2;  ///< 1 / sigma
   T c, s;                  ///< of the angle by which the tangents are turned for that
+  T softness;              ///< what the contact yields to its normal impulse by itself, in G_nn too [1/kg]
+  T opening_softness;      ///< the same of its opening
 
   /// From the contact's tangents to those in which the above is given, and back.
   MANYHANDS_INLINE Vec3<T> turned(const Vec3<T>& a) const {
@@ -25,17 +27,23 @@ struct DelassusBlock {
   MANYHANDS_INLINE Vec3<T> turned_back(const Vec3<T>& a) const {
     return {a.x, fma(c, a.y, -(s * a.z)), fma(c, a.z, s * a.y)};
   }
+  /// The velocity by which it yields to the normal impulse n; of what it shall open, no more than all.
+  MANYHANDS_INLINE T yields(T n, T opening) const {
+    return fma(softness, n, max(min(opening_softness * n, opening), constant<T>(0)));
+  }
 };
 
 /// The block of G, where a soft surface adds `softness` to G_nn. Where G_nn is not above `immovable`, no joint can part
-/// the surfaces, and the contact does nothing.
+/// the surfaces, and the contact does nothing; where it is below `floor`, it yields as if it were as much.
 template <Number T>
-MANYHANDS_INLINE DelassusBlock<T> diagonalise(const Mat3<T>& G, T softness, T immovable) {
+MANYHANDS_INLINE DelassusBlock<T> diagonalise(const Mat3<T>& G, T softness, T immovable, T floor, T opening_softness) {
   const T zero = constant<T>(0), one = constant<T>(1), half = constant<T>(0.5),
           tiny = constant<T>(SolverTraits<real_t<T>>::kSmallest);
   DelassusBlock<T> block;
-  block.normal = G.x.x + softness;
-  const auto moves = block.normal > max(immovable, tiny);
+  const auto moves = G.x.x + softness > max(immovable, tiny);
+  block.softness = softness + max(floor - G.x.x, zero);
+  block.opening_softness = opening_softness;
+  block.normal = G.x.x + (block.softness + opening_softness);
   block.normal_inverse = select(moves, one / max(block.normal, tiny), zero);
   const T g_1 = G.x.y, g_2 = G.x.z;
   const T slope_1 = g_1 * block.normal_inverse, slope_2 = g_2 * block.normal_inverse;

@@ -6,12 +6,12 @@
 
 namespace manyhands::internal {
 
-/// Solves one point, which has the velocity u without softness, given all others: the change of its impulse. `largest`
-/// is at least how much that changed its velocity.
+/// Solves one point, which has the velocity u where it yields to nothing, given all others: the change of its impulse.
+/// `opening`: as much of u as it asks for. `largest` is at least how much the change moved it.
 template <Number T>
-MANYHANDS_INLINE Vec3<T> relax_point(mask_t<T> active, const DelassusBlock<T>& G, T softness, Vec3<T> u,
+MANYHANDS_INLINE Vec3<T> relax_point(mask_t<T> active, const DelassusBlock<T>& G, T opening, Vec3<T> u,
                                      PointImpulse<T>& point, T& largest) {
-  u.x = fma(softness, point.impulse.x, u.x);
+  u.x += G.yields(point.impulse.x, opening);
   T x = point.slide_x;
   const Vec3<T> before = G.turned(point.impulse), after = solve_coulomb(G, G.turned(u), before, x);
   point.slide_x = select(active, x, point.slide_x);
@@ -59,7 +59,8 @@ MANYHANDS_INLINE void relax_patch(const ContactProblem<T>& problem, const Factor
     const ContactPoint<T>& point = problem.points[i];
     PointImpulse<T>& impulse = iterate.points[i];
     const Vec3<T> u = factors.offsets[i] + velocity_at(patch, point.lever, motion);
-    act(force_at(patch, point.lever, relax_point(active, factors.points[i], point.softness, u, impulse, largest)));
+    const T opening = point.offset.x - factors.offsets[i].x;
+    act(force_at(patch, point.lever, relax_point(active, factors.points[i], opening, u, impulse, largest)));
     if (point.torsion < 0) continue;
     const std::size_t j = index(point.torsion);
     const Vec3<T> w = problem.torsions[j].offset + motion.w;

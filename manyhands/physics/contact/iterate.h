@@ -38,6 +38,7 @@ struct Iterate {
   std::vector<PatchIterate<T>> patches;   ///< (patches)
   std::vector<T> y;                       ///< (nv) change of dv = B y that is not yet in dv
   T iterations{};                         ///< that each world took
+  T calm{};                               ///< steps to come in which constraints demand nothing: see runaway.h
 };
 
 /// All that acts on a patch at present.

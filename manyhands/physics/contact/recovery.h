@@ -25,13 +25,6 @@ struct Recovery {
 
 namespace internal {
 
-/// Whether the point's target is one that might contradict others. Restitution takes no more than there was.
-template <Number T>
-MANYHANDS_INLINE mask_t<T> shall_open(const ContactPoint<T>& point) {
-  const T zero = constant<T>(0);
-  return (point.target > zero) & (point.softness == zero) & (point.bounces == zero);
-}
-
 /// Whether it may open more slowly than it wants to. What a mocap body pushes may not: nothing else moves it.
 template <Number T>
 MANYHANDS_INLINE mask_t<T> may_wait(const ContactProblem<T>& problem, const ContactPoint<T>& point) {

@@ -37,8 +37,22 @@ MANYHANDS_INLINE void demand_nothing(mask_t<T> asked, ContactProblem<T>& problem
     laws.lower[i] = select(returns, min(laws.lower[i], stop), laws.lower[i]);
     laws.upper[i] = select(returns, max(laws.upper[i], stop), laws.upper[i]);
     laws.target[i] = select(returns, stop, laws.target[i]);
-    laws.last_impulse[i] = select(asked, zero, laws.last_impulse[i]);
   }
+}
+
+/// Demands nothing in the worlds that have lately run away.
+template <Number T>
+MANYHANDS_INLINE void stay_calm(ContactProblem<T>& problem, Iterate<T>& iterate) {
+  const T zero = constant<T>(0);
+  const auto calm = iterate.calm > zero;
+  when(calm, [&] { demand_nothing(calm, problem); });
+  iterate.calm = max(iterate.calm - constant<T>(1), zero);
+}
+
+/// Worlds that have run away, or have found no solution to their demands, go without them for a while.
+template <Number T>
+MANYHANDS_INLINE void calm_down(mask_t<T> asked, Iterate<T>& iterate) {
+  iterate.calm = select(asked, constant<T>(contact_settings::kCalmSteps), iterate.calm);
 }
 
 /// All of the iterate but what the worlds of the mask have.

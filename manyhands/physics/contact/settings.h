@@ -88,6 +88,10 @@ inline constexpr int kClosingPasses = 6;
 /// 1e-5, to which files give their axes.
 inline constexpr double kImmovable = 1e-10;
 
+/// The least mobility of a contact, in the same measure: where joints move it less it yields, or rounding would press
+/// it beyond all digits. And what yields in the same measure is how fast surfaces that overlap part.
+inline constexpr double kLeastMobility = 1e-8, kOpeningSoftness = 1e-6;
+
 // ---- joints -------------------------------------------------------------------------------------------------------
 
 /// The impulse that no drive exceeds: finite, because a held drive multiplies it by 0.
@@ -127,6 +131,8 @@ inline constexpr double kOpeningTolerance = 1e-3;
 /// which all may move at any time.
 inline constexpr double kExcess = 1.05;
 inline constexpr double kHarmlessSpeed = 0.01;
+/// Steps without demands after one that ran away, before they are made again.
+inline constexpr int kCalmSteps = 32;
 
 // ---- sliding ------------------------------------------------------------------------------------------------------
 
@@ -141,18 +147,29 @@ inline constexpr double kMinWedge = 0.05;
 /// Softness of contacts in an outer step, relative to the response to their own impulses: first, least and most.
 inline constexpr double kFirstSoftness = 1e-4, kMinSoftness = 1e-7, kMaxSoftness = 0.1;
 /// Factorisations in an outer step; in one after a step that gained little.
-inline constexpr int kFactorisations = 10, kMaxFactorisations = 12;
+inline constexpr int kFactorisations = 4, kMaxFactorisations = 6;
+/// Outer steps one after the other that are taken back before the best is kept, if it violates the law by no more than
+/// so many times what is worth no step; and the same after more of them.
+inline constexpr int kMaxFailures = 2, kManyFailures = 4;
+inline constexpr double kNearEnough = 50, kBearable = 1000;
+/// By how much an outer step reduces the defect of its own equations.
+inline constexpr double kInnerGain = 1e-3;
 /// Gauss-Seidel iterations between outer steps; the most after steps that were taken back.
 inline constexpr int kIterationsBetween = 3, kMaxIterationsBetween = 48;
 /// Iterations that promise to do within this many times those allowed are cheaper than outer steps.
 inline constexpr double kNewtonPatience = 2;
+/// Outer steps are worth it where so many factorisations take no longer than all iterations; and what a contact takes
+/// in an iteration besides its rows [multiplications].
+inline constexpr double kNewtonWork = 8, kPointWork = 100;
 /// Iterations that reduce the logarithm of the violation by less from look to look gain too little.
 inline constexpr double kMinGain = 0.3;
+/// Iterations that reduce it by more go on until they have converged, where the violation is no longer worth it.
+inline constexpr double kFastGain = 2;
 /// An outer step that divides the violation by less gains little.
 inline constexpr double kMinNewtonGain = 3;
-/// Friction's dependence on the normal impulse makes Newton's matrix unsymmetric. Above this many unknowns LU costs too
-/// much, and the matrix goes without it: convergence is then linear where contacts slide.
-inline constexpr std::size_t kMaxUnsymmetric = 60;
+/// Friction's dependence on the normal impulse makes Newton's matrix unsymmetric. Above this many sliding contacts it
+/// costs too much, and the matrix goes without it: convergence is then linear where contacts slide.
+inline constexpr std::size_t kMaxFollowing = 60;
 
 }  // namespace contact_settings
 

@@ -48,6 +48,7 @@ template <Number T>
 MANYHANDS_INLINE void warm_start(const ContactProblem<T>& problem, std::span<const Touch<T>> touches,
                                  const State<T>& state, Iterate<T>& iterate) {
   iterate.active_set = problem.joints.first_state;
+  iterate.calm = state.calm()[0];
   iterate.patches.resize(problem.patches.size());
   iterate.points.resize(problem.points.size());
   iterate.torsions.resize(problem.torsions.size());
@@ -76,6 +77,7 @@ MANYHANDS_INLINE void store_warm_start(const ContactProblem<T>& problem, const I
     state.dv()[i] = iterate.dv[i] + zero;
     state.joint_impulse()[i] = iterate.joint_impulse[i] + zero;
   }
+  state.calm()[0] = iterate.calm;
   const std::span<T> impulses = state.equality_impulses();
   for (T& number : impulses) number = zero;
   for (std::size_t k = 0; k < problem.equalities.size(); ++k) {

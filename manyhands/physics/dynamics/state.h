@@ -24,6 +24,7 @@ namespace manyhands {
   array(active_set,       kDof,           kFinite) /* where each dof is on its force law, see JointConstraintState */   \
   array(dv,               kDof,           kFinite) /* change of v in the last step: a hint to the next */             \
   array(joint_impulse,    kDof,           kFinite) /* impulse of motor and limit in the last step */                  \
+  array(calm,             kWorld,         kNotNegative) /* steps to come in which constraints demand nothing */       \
   list(equality_impulses, kEqualityRow,   kFinite) /* warm start */                                                   \
   list(contact_cache,    kContactNumber, kFinite) /* see CachedManifold */
 // clang-format on

@@ -297,6 +297,7 @@ void World::forget() {
   WorldCore& now = core();
   State<double>& state = now.state;
   for (double* first : {state.active_set(), state.dv(), state.joint_impulse()}) std::fill_n(first, now.nv(), 0.0);
+  state.calm()[0] = 0;
   std::ranges::fill(state.equality_impulses(), 0.0);
   std::ranges::fill(state.contact_cache(), 0.0);
   steps_ = 0;

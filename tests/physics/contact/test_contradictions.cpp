@@ -66,6 +66,27 @@ ModelPointer stretched_arm() {
                "<equality><weld body1='goal' body2='hand' relpose='0 0 0 1 0 0 0'/></equality>");
 }
 
+/// A finger in a slot that is narrower by a tenth of a millimetre on either side: so little that both are asked to
+/// open.
+ModelPointer tight_slot() {
+  return scene(
+      "<geom type='box' size='0.02 0.1 0.1' pos='0.0349 0 0'/><geom type='box' size='0.02 0.1 0.1' pos='-0.0349 0 0'/>"
+      "<body><joint type='slide' axis='0 0 1'/><joint type='slide' axis='1 0 0'/><geom type='box' "
+      "size='0.015 0.01 0.05' mass='0.02' friction='1.5'/></body>");
+}
+
+/// An arm whose shoulder is beyond its limit, and whose hand is tied to where it is. Forearm and hand are nearly in
+/// line, so that the shoulder turns back only if they turn a hundred times as fast.
+ModelPointer limited_arm() {
+  const std::string rod =
+      "<geom type='capsule' size='0.02' fromto='0 0 0 0.4 0 0' mass='1' contype='0' conaffinity='0'/>";
+  return scene("<body><joint axis='0 1 0' range='-1 -0.2' limited='true'/>" + rod +
+                   "<body pos='0.4 0 0' euler='0 1 0'><joint axis='0 1 0'/>" + rod +
+                   "<body pos='0.4 0 0' euler='0 0.01 0'><joint axis='0 1 0'/>" + rod +
+                   "<body name='hand' pos='0.4 0 0'/>" + "</body></body></body>",
+               "<compiler angle='radian'/><equality><connect body1='hand' anchor='0 0 0'/></equality>");
+}
+
 TEST(Contradictions, AroundTheCentreOfABallJointNothingIsPushed) {
   const Motion motion = run(chain_of_balls(), 8);
   EXPECT_LT(motion.fastest, 20);
@@ -109,6 +130,50 @@ TEST(Contradictions, SolutionsWithTooMuchEnergyAreFound) {
   EXPECT_FALSE(exceeds(1e-4));
   EXPECT_TRUE(exceeds(1));
   EXPECT_TRUE(exceeds(std::numeric_limits<double>::quiet_NaN()));
+}
+
+TEST(Contradictions, PressNoHarderAsTimeGoesOn) {
+  for (const ModelPointer& model : {tight_slot(), wedged_finger()}) {
+    World world(model, 0.002);
+    const auto hardest = [&] {
+      double most = 0;
+      for (const Contact& contact : world.contacts()) most = std::max(most, norm(contact.force));
+      return most;
+    };
+    world.step(600);
+    const double before = hardest();
+    world.step(2400);
+    EXPECT_LT(before, 1e5);
+    EXPECT_LT(hardest(), 1.01 * before);
+  }
+}
+
+/// Demands that no motion meets are not made in every step: most are solved once.
+TEST(Contradictions, AreTriedNowAndThen) {
+  const ModelPointer model = limited_arm();
+  const System<double> system(*model);
+  const ParamsStorage<double> params(*model);
+  StateStorage<double> state(*model, system.contact_numbers());
+  StepWorkspace<double> ws(system);
+  int tries = 0;
+  for (int i = 0; i < 330; ++i) {
+    step(system, params, 0.002, state, ws);
+    tries += state.calm()[0] == contact_settings::kCalmSteps ? 1 : 0;
+  }
+  EXPECT_GT(tries, 5);
+  EXPECT_LE(tries, 10);
+}
+
+/// What a world remembers of them is in its snapshots.
+TEST(Contradictions, GoOnAsTheyWereFromASnapshot) {
+  for (const ModelPointer& model : {limited_arm(), wedged_finger()}) {
+    World world(model, 0.002), other(model, 0.002);
+    world.step(50);
+    other.restore(world.snapshot());
+    world.step(100);
+    other.step(100);
+    EXPECT_EQ(world.state_hash(), other.state_hash());
+  }
 }
 
 /// In batches, too: no world is put back.

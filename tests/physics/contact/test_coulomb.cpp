@@ -39,7 +39,7 @@ Vec3<To> as(const Vec3<From>& a) {
 template <Real R>
 Vec3<double> visit(const Point& point, int visits) {
   const Mat3<R> G{as<R>(point.G.x), as<R>(point.G.y), as<R>(point.G.z)};
-  const DelassusBlock<R> k = diagonalise(G, R(0), R(0));
+  const DelassusBlock<R> k = diagonalise(G, R(0), R(0), R(0), R(0));
   Vec3<R> impulse = Vec3<R>::zero();
   R x = 0;
   for (int n = 0; n < visits; ++n) {

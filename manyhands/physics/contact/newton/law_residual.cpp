@@ -18,18 +18,31 @@ double disc_residual(double G, double y_1, double y_2, double u_1, double u_2, d
   return length(G * y_1 - scale * a, G * y_2 - scale * b);
 }
 
-double torsion_residual(const NewtonContext& context, std::size_t j, double n) {
+double torsion_residual(const NewtonContext& context, std::size_t j, const Vec& turning, double n) {
   const ContactTorsion<double>& torsion = context.problem.torsions[j];
   const ContactPatch<double>& patch = context.problem.patches[torsion.patch];
   const DelassusBlock<double>& rolling = context.factors.torsions[j];
-  const double* dv = context.iterate.dv.data();
-  const Vec u = torsion.offset + multiply_J(context.tree(), patch.angular, context.problem.rows, dv);
+  const Vec u = torsion.offset + turning;
   const Vec& m = context.iterate.torsions[j].impulse;
   const double G = 1 / context.factors.spin_inverse[j], most = G * patch.spinning * n;
   const double spin = std::abs(G * m.x - std::clamp(G * m.x - u.x, -most, most));
   const double size = 0.5 * (rolling.sigma_1 + rolling.sigma_2);
   const double roll = disc_residual(size, m.y, m.z, u.y, u.z, patch.rolling * n);
   return std::max(patch.spinning * spin, patch.rolling * roll);
+}
+
+double point_residual(const NewtonContext& context, std::size_t i, const Motion<double>& motion) {
+  const ContactPoint<double>& point = context.problem.points[i];
+  const DelassusBlock<double>& G = context.factors.points[i];
+  if (!(G.normal_inverse > 0)) return 0;
+  const Vec& y = context.iterate.points[i].impulse;
+  const Vec moves = velocity_at(context.problem.patches[point.patch], point.lever, motion);
+  Vec u = context.factors.offsets[i] + moves;
+  u.x += G.yields(y.x, point.offset.x - context.factors.offsets[i].x);
+  const double signorini = std::abs(std::min(G.normal * y.x, u.x));
+  const double worst = std::max(signorini, disc_residual(tangent_size(G), y.y, y.z, u.y, u.z, y.x));
+  if (point.torsion < 0) return worst;
+  return std::max(worst, torsion_residual(context, index(point.torsion), motion.w, y.x));
 }
 
 }  // namespace
@@ -39,22 +52,19 @@ double tangent_size(const DelassusBlock<double>& G) {
   return 0.5 * (G.sigma_1 + G.sigma_2 + coupling);
 }
 
-double point_residual(const NewtonContext& context, std::size_t i) {
-  const ContactPoint<double>& point = context.problem.points[i];
-  const DelassusBlock<double>& G = context.factors.points[i];
-  if (!(G.normal_inverse > 0)) return 0;
-  const Vec& y = context.iterate.points[i].impulse;
-  Vec u = context.factors.offsets[i] + point_velocity(context.problem, point, context.iterate.dv.data());
-  u.x += point.softness * y.x;
-  const double signorini = std::abs(std::min(G.normal * y.x, u.x));
-  double worst = std::max(signorini, disc_residual(tangent_size(G), y.y, y.z, u.y, u.z, y.x));
-  if (point.torsion >= 0) worst = std::max(worst, torsion_residual(context, index(point.torsion), y.x));
+double patch_residual(const NewtonContext& context, const ContactPatch<double>& patch) {
+  const double* dv = context.iterate.dv.data();
+  const Motion<double> motion = patch_motion(context.tree(), patch, context.problem.rows, dv);
+  double worst = 0;
+  for (std::size_t i = patch.first; i < patch.first + patch.count; ++i)
+    worst = std::max(worst, point_residual(context, i, motion));
   return worst;
 }
 
 double law_residual(const NewtonContext& context) {
   double worst = 0;
-  for (std::size_t i = 0; i < context.problem.points.size(); ++i) worst = std::max(worst, point_residual(context, i));
+  for (const ContactPatch<double>& patch : context.problem.patches)
+    worst = std::max(worst, patch_residual(context, patch));
   return worst;
 }
 

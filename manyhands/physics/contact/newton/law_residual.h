@@ -8,11 +8,11 @@ namespace manyhands::internal {
 /// What resists an impulse along a contact's tangents: the mean of G_tt's diagonal [1 / kg].
 [[nodiscard]] double tangent_size(const DelassusBlock<double>& G);
 
-/// The violation of the law at point i [m/s]: |min(G n, u_n)|, |G y - P(G y - u_t)| with P onto the disc of radius G n,
-/// and the same of torsion, times its length.
-[[nodiscard]] double point_residual(const NewtonContext& context, std::size_t i);
+/// The worst violation of the law at a patch [m/s]: of its points |min(G n, u_n)|, |G y - P(G y - u_t)| with P onto the
+/// disc of radius G n, and the same of torsion, times its length.
+[[nodiscard]] double patch_residual(const NewtonContext& context, const ContactPatch<double>& patch);
 
-/// The worst of all points.
+/// The worst of all patches.
 [[nodiscard]] double law_residual(const NewtonContext& context);
 
 }  // namespace manyhands::internal

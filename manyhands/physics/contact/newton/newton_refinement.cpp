@@ -18,6 +18,14 @@ void run_iterations(const NewtonContext& context, int count, int& iterations) {
   iterations += count;
 }
 
+/// Multiplications of a Gauss-Seidel iteration, about.
+double iteration_work(const ContactProblem<double>& problem) {
+  double sum = cs::kPointWork * static_cast<double>(problem.points.size());
+  for (const ContactPatch<double>& patch : problem.patches)
+    sum += 6.0 * static_cast<double>(patch.linear.num_Y() + (patch.turns ? patch.angular.num_Y() : 0));
+  return sum;
+}
+
 }  // namespace
 
 struct NewtonRefinement::System : NewtonSystem {};
@@ -39,10 +47,10 @@ bool NewtonRefinement::refine(const SolverSettings& settings, const NewtonContex
   last_residual_ = residual;
   if (residual <= settings.tolerance) return true;
   const double missing = std::log(residual / settings.newton_tolerance);
-  if (gain > cs::kMinGain &&
-      gain * cs::kNewtonPatience * settings.max_iterations > missing * SolverTraits<double>::kIterationsPerLook)
-    return false;
-  if (missing <= 0) return true;
+  if (missing <= 0) return gain < cs::kFastGain;
+  const double left = cs::kNewtonPatience * settings.max_iterations / SolverTraits<double>::kIterationsPerLook;
+  if (gain > cs::kMinGain && gain * left > missing) return false;
+  if (steps_ >= settings.newton_steps) return false;
   return take_outer_steps(settings, context, residual, iterations);
 }
 
@@ -50,31 +58,47 @@ bool NewtonRefinement::take_outer_steps(const SolverSettings& settings, const Ne
                                         int& iterations) {
   if (!system_) system_ = std::make_unique<System>();
   system_->choose(context, settings.tolerance);
+  if (cs::kNewtonWork * system_->work() > settings.max_iterations * iteration_work(context.problem)) {
+    steps_ = settings.newton_steps;
+    return false;
+  }
+  system_->keep(context);
   double softness = cs::kFirstSoftness;
-  int factorisations = cs::kFactorisations, between = cs::kIterationsBetween;
-  while (steps_ < settings.newton_steps) {
-    system_->keep(context);
+  int factorisations = cs::kFactorisations, between = cs::kIterationsBetween, failures = 0;
+  const auto is_stuck = [&] {
+    const double enough = failures < cs::kManyFailures ? cs::kNearEnough : cs::kBearable;
+    return failures >= cs::kMaxFailures && residual < enough * settings.newton_tolerance;
+  };
+  while (steps_ < settings.newton_steps && !is_stuck()) {
     system_->outer_step(context, softness, factorisations);
-    run_iterations(context, 1, iterations);
     ++steps_;
     const double reached = internal::law_residual(context);
     const bool gains = reached * cs::kMinNewtonGain < residual;
     factorisations = gains ? cs::kFactorisations : cs::kMaxFactorisations;
     if (reached < residual) {
       residual = reached;
-      between = cs::kIterationsBetween;
+      system_->keep(context);
       softness = std::max(0.1 * softness, cs::kMinSoftness);
+      failures = 0;
+      between = cs::kIterationsBetween;
     } else {
       system_->take_back(context);
-      between = std::min(2 * between, cs::kMaxIterationsBetween);
       softness = std::min(10 * softness, cs::kMaxSoftness);
+      ++failures;
     }
-    if (residual <= settings.tolerance) return true;
+    if (residual <= settings.tolerance || (residual <= settings.newton_tolerance && !gains)) return true;
+    if (failures == 0) continue;
     run_iterations(context, between, iterations);
-    residual = internal::law_residual(context);
-    if (residual <= settings.tolerance) return true;
+    between = std::min(2 * between, cs::kMaxIterationsBetween);
+    const double after = internal::law_residual(context);
+    if (after < residual) {
+      residual = after;
+      system_->keep(context);
+    }
   }
-  return false;
+  system_->take_back(context);
+  steps_ = settings.newton_steps;
+  return residual < cs::kBearable * settings.newton_tolerance;
 }
 
 }  // namespace manyhands

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "manyhands/physics/contact/newton/law_residual.h"
 #include "manyhands/physics/dynamics/ltdl.h"
 
 namespace manyhands::internal {
@@ -11,41 +12,27 @@ namespace {
 
 using Vec = Vec3<double>;
 
-double length(double a, double b) { return std::sqrt(a * a + b * b); }
+/// The first dof of the clusters that rows act on, or -1.
+int first_of(const RowBlock& rows) {
+  if (rows.begin_a < rows.end_a) return rows.begin_a;
+  return rows.begin_b < rows.end_b ? rows.begin_b : -1;
+}
 
-/// Rows 2 and 3 of the law: P(trial) onto a disc of radius `ratio` n, where d n / d u_n = -give_n.
-void project(double trial_1, double trial_2, double n, double ratio, double give, double give_n, MultiplierLaw& law) {
-  const double size = length(trial_1, trial_2), radius = ratio * n;
-  if (size <= radius) {
-    law.impulse.y = trial_1;
-    law.impulse.z = trial_2;
-    law.slope.y = {0, give, 0};
-    law.slope.z = {0, 0, give};
-    return;
+/// Calls body(J_i^T slope J_j) for the dofs j <= i of a patch.
+template <class Body>
+void visit_products(const ContactProblem<double>& problem, const ContactPatch<double>& patch, const PatchSlope& slope,
+                    std::size_t count, Body&& body) {
+  const Vec* v = &problem.rows.J[patch.linear.J];
+  const Vec* w = patch.turns ? &problem.rows.J[patch.angular.J] : nullptr;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (w == nullptr) {
+      const Vec on_v = slope.vv * v[i];
+      for (std::size_t j = 0; j <= i; ++j) body(dot(on_v, v[j]));
+      continue;
+    }
+    const Vec on_v = slope.vv * v[i] + slope.vw * w[i], on_w = slope.wv * v[i] + slope.ww * w[i];
+    for (std::size_t j = 0; j <= i; ++j) body(dot(on_v, v[j]) + dot(on_w, w[j]));
   }
-  const double d_1 = trial_1 / size, d_2 = trial_2 / size, turn = give * radius / size;
-  law.impulse.y = radius * d_1;
-  law.impulse.z = radius * d_2;
-  law.slope.y = {0, turn * (1 - d_1 * d_1), -turn * d_1 * d_2};
-  law.slope.z = {0, -turn * d_1 * d_2, turn * (1 - d_2 * d_2)};
-  law.on_normal.y = ratio * give_n * d_1;
-  law.on_normal.z = ratio * give_n * d_2;
-}
-
-bool slides(const MultiplierLaw& law) { return law.on_normal.x != 0 || law.on_normal.y != 0 || law.on_normal.z != 0; }
-
-const RowBlock& rows_of_point(const ContactProblem<double>& problem, std::size_t i) {
-  return problem.patches[problem.points[i].patch].linear;
-}
-
-/// The diagonal of J A J^T of three rows.
-Vec response_diagonal(const NewtonContext& context, const RowBlock& rows) {
-  Vec G = Vec::zero();
-  visit_Y(rows, [&](std::size_t entry, std::size_t) {
-    const Vec& Y = context.factors.Y[entry];
-    G = G + Vec{Y.x * Y.x, Y.y * Y.y, Y.z * Y.z};
-  });
-  return G;
 }
 
 }  // namespace
@@ -59,8 +46,6 @@ void NewtonSystem::choose_islands(const NewtonContext& context, double tolerance
   const auto nv = index(context.tree().nv);
   island_.resize(nv);
   for (std::size_t i = 0; i < nv; ++i) island_[i] = static_cast<int>(i);
-  const auto first_of = [](const RowBlock& rows) { return rows.begin_a < rows.end_a ? rows.begin_a : rows.begin_b; };
-  const auto moves = [](const RowBlock& rows) { return rows.begin_a < rows.end_a || rows.begin_b < rows.end_b; };
   const ContactProblem<double>& problem = context.problem;
   for (const ContactPatch<double>& patch : problem.patches) {
     const RowBlock& rows = patch.linear;
@@ -69,21 +54,22 @@ void NewtonSystem::choose_islands(const NewtonContext& context, double tolerance
     island_[index(std::max(a, b))] = std::min(a, b);
   }
   island_residual_.assign(nv, 0);
-  for (std::size_t i = 0; i < problem.points.size(); ++i) {
-    const RowBlock& rows = rows_of_point(problem, i);
-    if (!moves(rows)) continue;
-    double& worst = island_residual_[index(island_of(first_of(rows)))];
-    worst = std::max(worst, point_residual(context, i));
+  for (const ContactPatch<double>& patch : problem.patches) {
+    const int first = first_of(patch.linear);
+    if (first < 0) continue;
+    double& worst = island_residual_[index(island_of(first))];
+    worst = std::max(worst, patch_residual(context, patch));
   }
-  points_.clear();
-  equalities_.clear();
+  laws_.patches.clear();
+  laws_.equalities.clear();
   const auto takes_part = [&](const RowBlock& rows) {
-    return moves(rows) && island_residual_[index(island_of(first_of(rows)))] > tolerance;
+    const int first = first_of(rows);
+    return first >= 0 && island_residual_[index(island_of(first))] > tolerance;
   };
-  for (std::size_t i = 0; i < problem.points.size(); ++i)
-    if (takes_part(rows_of_point(problem, i))) points_.push_back(i);
+  for (std::size_t i = 0; i < problem.patches.size(); ++i)
+    if (takes_part(problem.patches[i].linear)) laws_.patches.push_back(i);
   for (std::size_t i = 0; i < problem.equalities.size(); ++i)
-    if (takes_part(problem.equalities[i].rows)) equalities_.push_back(i);
+    if (takes_part(problem.equalities[i].rows)) laws_.equalities.push_back(i);
 }
 
 void NewtonSystem::find_dofs(const NewtonContext& context) {
@@ -92,8 +78,8 @@ void NewtonSystem::find_dofs(const NewtonContext& context) {
     std::fill(takes_part_.begin() + rows.begin_a, takes_part_.begin() + rows.end_a, true);
     std::fill(takes_part_.begin() + rows.begin_b, takes_part_.begin() + rows.end_b, true);
   };
-  for (const std::size_t i : points_) mark(rows_of_point(context.problem, i));
-  for (const std::size_t i : equalities_) mark(context.problem.equalities[i].rows);
+  for (const std::size_t i : laws_.patches) mark(context.problem.patches[i].linear);
+  for (const std::size_t i : laws_.equalities) mark(context.problem.equalities[i].rows);
   for (std::size_t i = 0; i < takes_part_.size(); ++i)
     if (takes_part_[i]) key_.push_back(i);
   key_.push_back(takes_part_.size());
@@ -115,14 +101,27 @@ void NewtonSystem::choose(const NewtonContext& context, double tolerance) {
   key_.clear();
   find_dofs(context);
   pair_rows_.clear();
-  point_pair_.clear();
+  patch_pair_.clear();
   equality_pair_.clear();
-  for (const std::size_t i : points_) point_pair_.push_back(pair_of(rows_of_point(context.problem, i)));
-  for (const std::size_t i : equalities_) equality_pair_.push_back(pair_of(context.problem.equalities[i].rows));
-  if (key_ == last_key_) return;
-  last_key_ = key_;
-  find_columns(context.tree());
-  find_pattern(context.tree());
+  for (const std::size_t i : laws_.patches) patch_pair_.push_back(pair_of(context.problem.patches[i].linear));
+  for (const std::size_t i : laws_.equalities) equality_pair_.push_back(pair_of(context.problem.equalities[i].rows));
+  if (key_ != last_key_) {
+    last_key_ = key_;
+    find_columns(context.tree());
+    find_pattern(context.tree());
+  }
+  make_room(context);
+}
+
+/// So that no step allocates because more contacts slide.
+void NewtonSystem::make_room(const NewtonContext& context) {
+  std::size_t points = 0;
+  for (const std::size_t i : laws_.patches) points += context.problem.patches[i].count;
+  const std::size_t most = std::min(points, contact_settings::kMaxFollowing);
+  following_.reserve(points);
+  answers_.reserve(most * dofs_.size());
+  correction_.reserve(most);
+  small_.reset(static_cast<int>(most));
 }
 
 /// Trees in the order of minimum degree, each from its leaves: within a tree that fills nothing in.
@@ -182,123 +181,6 @@ void NewtonSystem::take_back(const NewtonContext& context) const {
   for (PointImpulse<double>& torsion : context.iterate.torsions) torsion.impulse = *kept++;
 }
 
-void NewtonSystem::find_yielding(const NewtonContext& context, double softness) {
-  const ContactProblem<double>& problem = context.problem;
-  const auto inverse = [&](double size, double beside) {
-    return size > 1e-12 * beside && size > 0 ? 1 / (softness * size) : 0.0;
-  };
-  point_yield_.clear();
-  torsion_yield_.clear();
-  for (const std::size_t i : points_) {
-    const ContactPoint<double>& point = problem.points[i];
-    const DelassusBlock<double>& G = context.factors.points[i];
-    const double r = softness * (G.normal - point.softness) + point.softness;
-    point_yield_.push_back({G.normal_inverse > 0 ? 1 / r : 0.0, inverse(tangent_size(G), 1e-6 * G.normal)});
-    torsion_yield_.push_back({});
-    if (point.torsion < 0) continue;
-    const DelassusBlock<double>& rolling = context.factors.torsions[index(point.torsion)];
-    const double spin = 1 / context.factors.spin_inverse[index(point.torsion)];
-    torsion_yield_.back() = {inverse(spin, 0), inverse(0.5 * (rolling.sigma_1 + rolling.sigma_2), 1e-6 * spin)};
-  }
-  equality_yield_.clear();
-  for (const std::size_t i : equalities_) {
-    const EqualityRows<double>& block = context.problem.equalities[i];
-    const Vec size = response_diagonal(context, block.rows);
-    const double least = context.factors.K_immovable[block.first];  // of all its rows
-    const Vec G{size.x > least ? size.x : 0, size.y > least ? size.y : 0, size.z > least ? size.z : 0};
-    const double largest = std::max({G.x, G.y, G.z});
-    equality_yield_.push_back({inverse(G.x, largest), inverse(G.y, largest), inverse(G.z, largest)});
-  }
-}
-
-void NewtonSystem::evaluate(const NewtonContext& context, const std::vector<double>& x) {
-  const ContactProblem<double>& problem = context.problem;
-  point_law_.assign(points_.size(), {});
-  torsion_law_.assign(points_.size(), {});
-  equality_change_.assign(equalities_.size(), Vec::zero());
-  slides_ = false;
-  const bool follows = dofs_.size() <= contact_settings::kMaxUnsymmetric;
-  const auto note_sliding = [&](const MultiplierLaw& law) { slides_ = slides_ || (follows && slides(law)); };
-  for (std::size_t k = 0; k < points_.size(); ++k) {
-    const ContactPoint<double>& point = problem.points[points_[k]];
-    const Yield& give = point_yield_[k];
-    if (!(give.normal > 0)) continue;
-    const double* dv = context.iterate.dv.data();
-    const Vec u = context.factors.offsets[points_[k]] + point_velocity(problem, point, dv) +
-                  point_velocity(problem, point, x.data());
-    const Vec& y = context.iterate.points[points_[k]].impulse;
-    const double n = y.x - give.normal * (u.x + point.softness * y.x);
-    if (!(n > 0)) continue;
-    MultiplierLaw& law = point_law_[k];
-    law.impulse.x = n;
-    law.slope.x = {give.normal, 0, 0};
-    if (give.tangent > 0)
-      project(y.y - give.tangent * u.y, y.z - give.tangent * u.z, n, 1, give.tangent, give.normal, law);
-    note_sliding(law);
-    if (point.torsion < 0) continue;
-    const ContactTorsion<double>& torsion = problem.torsions[index(point.torsion)];
-    const Yield& turns = torsion_yield_[k];
-    const ContactPatch<double>& patch = problem.patches[point.patch];
-    const Vec w = torsion.offset + multiply_J(context.tree(), patch.angular, problem.rows, dv) +
-                  multiply_J(context.tree(), patch.angular, problem.rows, x.data());
-    const Vec& m = context.iterate.torsions[index(point.torsion)].impulse;
-    MultiplierLaw& turning = torsion_law_[k];
-    const double spin = m.x - turns.normal * w.x, most = patch.spinning * n;
-    turning.impulse.x = std::clamp(spin, -most, most);
-    if (std::abs(spin) <= most) {
-      turning.slope.x = {turns.normal, 0, 0};
-    } else {
-      turning.on_normal.x = std::copysign(patch.spinning * give.normal, spin);
-    }
-    if (patch.rolling > 0 && turns.tangent > 0)
-      project(m.y - turns.tangent * w.y, m.z - turns.tangent * w.z, n, patch.rolling, turns.tangent, give.normal,
-              turning);
-    note_sliding(turning);
-  }
-  for (std::size_t k = 0; k < equalities_.size(); ++k) {
-    const EqualityRows<double>& equality = context.problem.equalities[equalities_[k]];
-    const Vec u = multiply_J(context.tree(), equality.rows, context.problem.rows, x.data());
-    const Vec& give = equality_yield_[k];
-    equality_change_[k] = {-give.x * u.x, -give.y * u.y, -give.z * u.z};
-  }
-}
-
-double NewtonSystem::find_defect(const NewtonContext& context, const std::vector<double>& x) {
-  evaluate(context, x);
-  const ContactProblem<double>& problem = context.problem;
-  defect_.resize(x.size());
-  multiply_tree_matrix<double>(context.tree(), context.problem.M(), x.data(), defect_.data());
-  for (std::size_t i = 0; i < x.size(); ++i) defect_[i] = -(defect_[i] + context.factors.penalty[i] * x[i]);
-  for (std::size_t k = 0; k < points_.size(); ++k) {
-    const ContactPoint<double>& point = problem.points[points_[k]];
-    const ContactPatch<double>& patch = problem.patches[point.patch];
-    add_patch_JT(context.tree(), patch, problem.rows,
-                 force_at(patch, point.lever, point_law_[k].impulse - context.iterate.points[points_[k]].impulse),
-                 defect_.data());
-    if (point.torsion < 0) continue;
-    const Vec& old = context.iterate.torsions[index(point.torsion)].impulse;
-    add_JT(context.tree(), patch.angular, problem.rows, torsion_law_[k].impulse - old, defect_.data());
-  }
-  for (std::size_t k = 0; k < equalities_.size(); ++k)
-    add_JT(context.tree(), context.problem.equalities[equalities_[k]].rows, context.problem.rows, equality_change_[k],
-           defect_.data());
-  double square = 0;
-  for (const std::size_t i : dofs_) square += defect_[i] * defect_[i];
-  return std::sqrt(square);
-}
-
-/// J of one point's own rows, by dofs; valid until the next call.
-const Vec* NewtonSystem::rows_of(const ContactProblem<double>& problem, const ContactPoint<double>& point,
-                                 std::size_t count) {
-  const ContactPatch<double>& patch = problem.patches[point.patch];
-  rows_.resize(std::max(rows_.size(), count));
-  for (std::size_t i = 0; i < count; ++i) {
-    const Vec w = patch.turns ? problem.rows.J[patch.angular.J + i] : Vec::zero();
-    rows_[i] = velocity_at(patch, point.lever, {w, problem.rows.J[patch.linear.J + i]});
-  }
-  return rows_.data();
-}
-
 void NewtonSystem::assemble(const NewtonContext& context) {
   const Tree<double>& tree = context.tree();
   const ContactProblem<double>& problem = context.problem;
@@ -310,106 +192,142 @@ void NewtonSystem::assemble(const NewtonContext& context) {
     H[*slot++] = row[i] + context.factors.penalty[i];
     for (int j = tree.dof_parent[i]; j >= 0; j = tree.dof_parent[index(j)]) H[*slot++] = row[j];
   }
-  const auto add = [&](const Pair& pair, const Vec* J, const Mat3<double>& A) {
+  for (std::size_t k = 0; k < laws_.patches.size(); ++k) {
+    if (!laws_.presses(k)) continue;
+    const Pair& pair = pairs_[patch_pair_[k]];
+    const std::size_t* to = &slots_[pair.first_slot];
+    visit_products(problem, problem.patches[laws_.patches[k]], laws_.patch_slope(context, k), pair.count,
+                   [&](double value) { H[*to++] += value; });
+  }
+  for (std::size_t k = 0; k < laws_.equalities.size(); ++k) {
+    const Vec& give = laws_.equality_slope(k);
+    const Vec* J = &problem.rows.J[problem.equalities[laws_.equalities[k]].rows.J];
+    const Pair& pair = pairs_[equality_pair_[k]];
     const std::size_t* to = &slots_[pair.first_slot];
     for (std::size_t i = 0; i < pair.count; ++i) {
-      const Vec row = J[i].x * A.x + J[i].y * A.y + J[i].z * A.z;
+      const Vec row{give.x * J[i].x, give.y * J[i].y, give.z * J[i].z};
       for (std::size_t j = 0; j <= i; ++j) H[*to++] += dot(row, J[j]);
     }
-  };
-  for (std::size_t k = 0; k < points_.size(); ++k) {
-    if (!(point_law_[k].impulse.x > 0)) continue;
-    const ContactPoint<double>& point = problem.points[points_[k]];
-    const Pair& pair = pairs_[point_pair_[k]];
-    add(pair, rows_of(problem, point, pair.count), point_law_[k].slope);
-    if (point.torsion >= 0) add(pair, &problem.rows.J[problem.patches[point.patch].angular.J], torsion_law_[k].slope);
-  }
-  for (std::size_t k = 0; k < equalities_.size(); ++k) {
-    const Vec& give = equality_yield_[k];
-    add(pairs_[equality_pair_[k]], &context.problem.rows.J[context.problem.equalities[equalities_[k]].rows.J],
-        {{give.x, 0, 0}, {0, give.y, 0}, {0, 0, give.z}});
   }
 }
 
-/// H with all that friction follows.
-void NewtonSystem::assemble_general(const NewtonContext& context) {
-  general_.reset(static_cast<int>(dofs_.size()));
-  H_.visit([&](int i, int j, double value) { general_.at(i, j) = general_.at(j, i) = value; });
-  const ContactProblem<double>& problem = context.problem;
-  const auto follow = [&](const Pair& pair, const Vec* J, const Vec* normal, const Vec& on_normal) {
-    const int* columns = &pair_columns_[pair.first_column];
-    for (std::size_t i = 0; i < pair.count; ++i) {
-      const double row = dot(J[i], on_normal);
-      for (std::size_t j = 0; j < pair.count; ++j) general_.at(columns[i], columns[j]) += row * normal[j].x;
-    }
-  };
-  for (std::size_t k = 0; k < points_.size(); ++k) {
-    if (!(point_law_[k].impulse.x > 0)) continue;
-    const ContactPoint<double>& point = problem.points[points_[k]];
-    const Pair& pair = pairs_[point_pair_[k]];
-    const Vec* J = rows_of(problem, point, pair.count);
-    if (slides(point_law_[k])) follow(pair, J, J, point_law_[k].on_normal);
-    if (point.torsion >= 0 && slides(torsion_law_[k]))
-      follow(pair, &problem.rows.J[problem.patches[point.patch].angular.J], J, torsion_law_[k].on_normal);
-  }
-}
-
+/// step_ := the step of Newton's method from the present defect; false where there is none.
 bool NewtonSystem::solve(const NewtonContext& context) {
   assemble(context);
-  step_.resize(dofs_.size());
-  for (std::size_t i = 0; i < dofs_.size(); ++i) step_[i] = defect_[dofs_[i]];
-  if (slides_) {
-    assemble_general(context);
-    return general_.solve(step_);
-  }
   if (!H_.factor()) return false;
-  H_.solve(step_);
-  return std::all_of(step_.begin(), step_.end(), [](double x) { return std::isfinite(x); });
+  solution_.resize(dofs_.size());
+  for (std::size_t i = 0; i < dofs_.size(); ++i) solution_[i] = defect_[dofs_[i]];
+  H_.solve(solution_);
+  laws_.find_following(context, following_);
+  if (!following_.empty() && following_.size() <= contact_settings::kMaxFollowing) follow_normals(context);
+  if (!std::ranges::all_of(solution_, [](double x) { return std::isfinite(x); })) return false;
+  for (std::size_t i = 0; i < dofs_.size(); ++i) step_[dofs_[i]] = solution_[i];
+  return true;
+}
+
+/// Adds to H what makes it unsymmetric, A B^T with a column for each contact that slides, and to the solution what that
+/// changes (Sherman, Morrison and Woodbury): x - Z (1 + B^T Z)^-1 B^T x, Z = H^-1 A. Without it where that has none.
+void NewtonSystem::follow_normals(const NewtonContext& context) {
+  const std::size_t m = following_.size(), n = dofs_.size();
+  answers_.assign(m * n, 0);
+  correction_.resize(m);
+  small_.reset(static_cast<int>(m));
+  const auto visit_dofs = [&](const Following& one, auto&& body) {
+    const ContactPatch<double>& patch = context.problem.patches[laws_.patches[one.patch]];
+    const Pair& pair = pairs_[patch_pair_[one.patch]];
+    const Vec* v = &context.problem.rows.J[patch.linear.J];
+    const Vec* w = patch.turns ? &context.problem.rows.J[patch.angular.J] : nullptr;
+    for (std::size_t i = 0; i < pair.count; ++i)
+      body(index(pair_columns_[pair.first_column + i]), v[i], w != nullptr ? w[i] : Vec::zero());
+  };
+  for (std::size_t k = 0; k < m; ++k) {
+    const std::span<double> Z = std::span(answers_).subspan(k * n, n);
+    const Force<double>& force = following_[k].force;
+    visit_dofs(following_[k],
+               [&](std::size_t i, const Vec& v, const Vec& w) { Z[i] += dot(force.f, v) + dot(force.n, w); });
+    H_.solve(Z);
+  }
+  for (std::size_t k = 0; k < m; ++k) {
+    const Motion<double>& normal = following_[k].normal;
+    const int row = static_cast<int>(k);
+    correction_[k] = 0;
+    small_.at(row, row) = 1;
+    visit_dofs(following_[k], [&](std::size_t i, const Vec& v, const Vec& w) {
+      const double b = dot(normal.v, v) + dot(normal.w, w);
+      correction_[k] += b * solution_[i];
+      for (std::size_t j = 0; j < m; ++j) small_.at(row, static_cast<int>(j)) += b * answers_[j * n + i];
+    });
+  }
+  if (!small_.solve(correction_)) return;
+  for (std::size_t k = 0; k < m; ++k)
+    for (std::size_t i = 0; i < n; ++i) solution_[i] -= correction_[k] * answers_[k * n + i];
+}
+
+/// (M + penalty) x, for x (nv).
+void NewtonSystem::multiply_M(const NewtonContext& context, const std::vector<double>& x, std::vector<double>& y) {
+  y.resize(x.size());
+  multiply_tree_matrix<double>(context.tree(), context.problem.M(), x.data(), y.data());
+  for (const std::size_t i : dofs_) y[i] += context.factors.penalty[i] * x[i];
+}
+
+/// J^T (impulses - present ones) - (M + penalty) (x + t step); its norm.
+double NewtonSystem::find_defect(const NewtonContext& context, double t) {
+  laws_.evaluate(context, velocities_, t, step_velocities_);
+  for (std::size_t i = 0; i < defect_.size(); ++i) defect_[i] = -(momentum_[i] + t * step_momentum_[i]);
+  laws_.add_changes(context, defect_.data());
+  double square = 0;
+  for (const std::size_t i : dofs_) square += defect_[i] * defect_[i];
+  return std::sqrt(square);
+}
+
+/// The first of the lengths that makes the defect clearly smaller, or the one that makes it least; the defect there.
+double NewtonSystem::search_line(const NewtonContext& context, double before, double& length) {
+  multiply_M(context, step_, step_momentum_);
+  laws_.multiply_J(context, step_.data(), step_velocities_);
+  double best = std::numeric_limits<double>::infinity(), at = 0;
+  for (const double t : {1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125}) {
+    at = t;
+    if (const double norm = find_defect(context, t); norm < best) {
+      best = norm;
+      length = t;
+    }
+    if (best < (1 - 0.1 * length) * before) break;
+  }
+  if (at != length) find_defect(context, length);
+  return best;
 }
 
 void NewtonSystem::outer_step(const NewtonContext& context, double softness, int most_factorisations) {
-  find_yielding(context, softness);
-  x_.assign(context.iterate.dv.size(), 0);
-  double before = find_defect(context, x_);
-  for (int k = 0; k < most_factorisations && before > 0; ++k) {
+  const std::size_t nv = context.iterate.dv.size();
+  laws_.begin(context, softness, velocities_);
+  laws_.multiply_J(context, context.iterate.dv.data(), step_velocities_);
+  for (Vec& u : step_velocities_.equalities) u = Vec::zero();  // they hold, but for what the step changes
+  add_velocities(1);
+  step_.assign(nv, 0);
+  momentum_.assign(nv, 0);
+  step_momentum_.assign(nv, 0);
+  defect_.resize(nv);
+  double defect = find_defect(context, 0);
+  const double enough = contact_settings::kInnerGain * defect;
+  for (int k = 0; k < most_factorisations && defect > enough; ++k) {
     if (!solve(context)) break;
-    double best = std::numeric_limits<double>::infinity(), best_length = 0, at = 0;
-    for (const double fraction : {1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125}) {
-      trial_ = x_;
-      for (std::size_t i = 0; i < dofs_.size(); ++i) trial_[dofs_[i]] += fraction * step_[i];
-      const double norm = find_defect(context, trial_);
-      at = fraction;
-      if (norm < best) {
-        best = norm;
-        best_length = fraction;
-      }
-      if (norm < (1 - 0.1 * fraction) * before) break;
-    }
-    for (std::size_t i = 0; i < dofs_.size(); ++i) x_[dofs_[i]] += best_length * step_[i];
-    if (at != best_length) find_defect(context, x_);
-    const bool done = best < 1e-3 * before;
-    before = best;
-    if (done) break;
+    double length = 0;
+    defect = search_line(context, defect, length);
+    add_velocities(length);
+    for (std::size_t i = 0; i < nv; ++i) momentum_[i] += length * step_momentum_[i];
   }
-  apply(context);
+  laws_.apply(context);
+  apply_change(context.problem, context.factors, context.iterate);
 }
 
-void NewtonSystem::apply(const NewtonContext& context) {
-  Iterate<double>& iterate = context.iterate;
-  for (std::size_t k = 0; k < points_.size(); ++k) {
-    const ContactPoint<double>& point = context.problem.points[points_[k]];
-    const ContactPatch<double>& patch = context.problem.patches[point.patch];
-    Vec& impulse = iterate.points[points_[k]].impulse;
-    Force<double> change = force_at(patch, point.lever, point_law_[k].impulse - impulse);
-    impulse = point_law_[k].impulse;
-    if (point.torsion >= 0) {
-      Vec& moment = iterate.torsions[index(point.torsion)].impulse;
-      change.n += torsion_law_[k].impulse - moment;
-      moment = torsion_law_[k].impulse;
-    }
-    add_patch_YT(patch, context.factors.Y.data(), change, iterate.y.data());
-  }
-  apply_change(context.problem, context.factors, iterate);
+/// The velocities after a part of the step.
+void NewtonSystem::add_velocities(double t) {
+  const auto add = [t](std::vector<Vec>& to, const std::vector<Vec>& change) {
+    for (std::size_t i = 0; i < to.size(); ++i) to[i] = fma(t, change[i], to[i]);
+  };
+  add(velocities_.points, step_velocities_.points);
+  add(velocities_.torsions, step_velocities_.torsions);
+  add(velocities_.equalities, step_velocities_.equalities);
 }
 
 }  // namespace manyhands::internal

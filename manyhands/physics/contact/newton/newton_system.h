@@ -3,30 +3,22 @@
 
 #include <vector>
 
-#include "manyhands/math/vec3.h"
 #include "manyhands/physics/contact/newton/dense_lu.h"
-#include "manyhands/physics/contact/newton/law_residual.h"
 #include "manyhands/physics/contact/newton/minimum_degree.h"
+#include "manyhands/physics/contact/newton/newton_laws.h"
 #include "manyhands/physics/contact/newton/sparse_ldl.h"
 
 namespace manyhands::internal {
 
-/// The impulse of a contact's three rows at its velocity u, and how it falls with u.
-struct MultiplierLaw {
-  Vec3<double> impulse = Vec3<double>::zero();
-  Mat3<double> slope{Vec3<double>::zero(), Vec3<double>::zero(), Vec3<double>::zero()};  ///< -d impulse / d u, by rows
-  Vec3<double> on_normal = Vec3<double>::zero();  ///< -d impulse / d u_n of the point, where sliding follows it
-};
-
 /// Newton's method on H x = J^T (impulses(J (dv + x)) - impulses(J dv)), where H = M + diag(penalty) of the dofs in
-/// trees whose contacts have not converged, and impulses follow the law softened by r about their present values, the
-/// multipliers (n_0, y_0):
-///   n = max(0, n_0 - (u_n + R n) / r_n),  y = P(y_0 - u_t / r_t), P onto the disc of radius n.
-/// Equality constraints are rows without bounds. R: softness of the surface.
+/// trees whose contacts have not converged, and impulses follow the laws of newton_laws.h.
 class NewtonSystem {
  public:
   /// Chooses the contacts: those of islands that violate the law by more than the tolerance.
   void choose(const NewtonContext& context, double tolerance);
+
+  /// Multiplications of a factorisation, about.
+  [[nodiscard]] double work() const { return H_.work(); }
 
   /// Writes down dv and impulses, and goes back to them.
   void keep(const NewtonContext& context);
@@ -41,30 +33,28 @@ class NewtonSystem {
     std::size_t first_column{}, first_slot{}, count{};
   };
 
+  void make_room(const NewtonContext& context);
   void choose_islands(const NewtonContext& context, double tolerance);
   void find_dofs(const NewtonContext& context);
   void find_columns(const Tree<double>& tree);
   void find_pattern(const Tree<double>& tree);
   std::size_t pair_of(const RowBlock& rows);
-  void find_yielding(const NewtonContext& context, double softness);
-  void evaluate(const NewtonContext& context, const std::vector<double>& x);
-  double find_defect(const NewtonContext& context, const std::vector<double>& x);
-  const Vec3<double>* rows_of(const ContactProblem<double>& problem, const ContactPoint<double>& point,
-                              std::size_t count);
   void assemble(const NewtonContext& context);
-  void assemble_general(const NewtonContext& context);
   bool solve(const NewtonContext& context);
-  void apply(const NewtonContext& context);
+  void follow_normals(const NewtonContext& context);
+  void multiply_M(const NewtonContext& context, const std::vector<double>& x, std::vector<double>& y);
+  double find_defect(const NewtonContext& context, double t);
+  double search_line(const NewtonContext& context, double before, double& length);
+  void add_velocities(double t);
   int island_of(int cluster);
 
-  std::vector<std::size_t> points_;  ///< that take part
-  std::vector<std::size_t> equalities_;
+  NewtonLaws laws_;
   std::vector<int> island_;  ///< (nv) of a cluster's first dof: another in its island, nearer to the root
   std::vector<double> island_residual_;
 
   std::vector<bool> takes_part_;  ///< (nv)
   std::vector<RowBlock> pair_rows_;
-  std::vector<std::size_t> point_pair_, equality_pair_;
+  std::vector<std::size_t> patch_pair_, equality_pair_;
   std::vector<std::size_t> key_, last_key_;  ///< what all that follows depends on
 
   std::vector<int> node_;           ///< (nv) of a tree's first dof: which of `trees_` it is
@@ -78,19 +68,17 @@ class NewtonSystem {
   std::vector<std::size_t> slots_;
 
   SparseLdl H_;
-  DenseLu general_;
-  std::vector<double> step_;
-  bool slides_ = false;  ///< some contact does, and H is not symmetric for it
+  RowVelocities velocities_, step_velocities_;    ///< at x, of which laws ask; J step
+  std::vector<double> momentum_, step_momentum_;  ///< (nv) (M + penalty) x, and the same of the step
+  std::vector<double> step_, defect_;             ///< (nv)
+  std::vector<double> solution_;                  ///< (dofs)
 
-  struct Yield {
-    double normal{}, tangent{};  ///< 1 / r of both; of torsion: about the normal, across it; 0: no such row
-  };
-  std::vector<Yield> point_yield_, torsion_yield_;  ///< (points that take part)
-  std::vector<Vec3<double>> equality_yield_;        ///< (equalities that take part)
-  std::vector<MultiplierLaw> point_law_, torsion_law_;
-  std::vector<Vec3<double>> equality_change_;
-  std::vector<Vec3<double>> rows_;  ///< of one point
-  std::vector<double> x_, trial_, defect_, kept_dv_;
+  std::vector<Following> following_;
+  std::vector<double> answers_;     ///< (following, dofs) what H answers to each of them
+  std::vector<double> correction_;  ///< (following)
+  DenseLu small_;
+
+  std::vector<double> kept_dv_;
   std::vector<Vec3<double>> kept_impulses_;
 };
 

@@ -22,6 +22,15 @@ void SparseLdl::set_pattern(int n, std::span<const Entry> entries, std::vector<s
   path_.resize(index(n));
 }
 
+double SparseLdl::work() const noexcept {
+  double sum = 0;
+  for (std::size_t k = 0; k + 1 < L_begin_.size(); ++k) {
+    const auto count = static_cast<double>(L_begin_[k + 1] - L_begin_[k]);
+    sum += 0.5 * count * count;
+  }
+  return sum;
+}
+
 void SparseLdl::gather_columns(std::span<const Entry> entries, std::vector<std::size_t>& slots) {
   const std::size_t n = index(n_);
   const auto column = [](const Entry& entry) { return index(std::max(entry.row, entry.column)); };

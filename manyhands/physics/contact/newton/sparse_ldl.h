@@ -40,6 +40,9 @@ class SparseLdl {
   /// x := A^-1 x (n), after `factor`.
   void solve(std::span<double> x) const;
 
+  /// Multiplications of a factorisation, about.
+  [[nodiscard]] double work() const noexcept;
+
   /// Entries of L below its diagonal.
   [[nodiscard]] std::size_t fill() const noexcept { return L_rows_.size(); }
 
