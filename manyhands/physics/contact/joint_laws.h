@@ -140,13 +140,15 @@ MANYHANDS_INLINE void assemble_targets(const Tree<real_t<T>>& tree, const Params
 }
 
 /// The state of the last step, but: a saturated motor arrives when a change like the last one would pass its target.
-/// Without a motor the target may be infinite: the search must not begin where that holds or comes next.
+/// Without a motor the target is the upper limit, and may be infinite: the search must not begin where that holds or
+/// comes next.
 template <Number T>
 MANYHANDS_INLINE T first_state(const State<T>& state, std::size_t i, const JointLaws<T>& laws) {
   const T zero = constant<T>(0), one = constant<T>(1), last = state.active_set()[i];
   const auto holds = laws.max_impulse[i] > zero;  // a motor, a drive, or dry friction
+  const auto at_limit = (last == zero) & (laws.target[i] < constant<T>(std::numeric_limits<double>::infinity()));
   const auto arrives = (abs(last) == one) & (last * (state.dv()[i] - laws.target[i]) > zero);
-  const T saturated = select(abs(last) <= one, constant<T>(JointConstraintState::kSaturatedUp), last);
+  const T saturated = select((abs(last) <= one) & !at_limit, constant<T>(JointConstraintState::kSaturatedUp), last);
   return select(holds, select(arrives, constant<T>(JointConstraintState::kAtTarget), last), saturated);
 }
 
