@@ -12,7 +12,7 @@ using Vec = Vec3<double>;
 using Wide = Lanes<double, SupportTable::kRow>;
 using Row = SupportTable::Row;
 
-constexpr std::size_t kScan = 24;     // vertices that are looked at sooner than a table is asked
+constexpr std::size_t kScan = 20;     // vertices that are looked at sooner than a table is asked
 constexpr std::size_t kMinSide = 8;   // of the table: 64 cells
 constexpr std::size_t kMaxSide = 32;  // 1024 cells: 4 kB
 
