@@ -1,6 +1,8 @@
 // Bounds leave no pair out that is near, and spare the narrow phase those that are plainly apart.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "manyhands/model/model_builder.h"
 #include "manyhands/physics/collision/broad/bounds_meet.h"
 #include "manyhands/physics/collision/queries/distance.h"
@@ -88,6 +90,43 @@ TEST(BoundsMeet, OfAllThatIsNearAndOfFewElse) {
   }
   EXPECT_GT(near, 1000);
   EXPECT_GT(spared, 1000);
+}
+
+/// The box's corners in the world.
+std::vector<Vec3<double>> corners(const Vec3<double>& half, const Transform<double>& X) {
+  std::vector<Vec3<double>> all;
+  for (const double x : {-half.x, half.x}) {
+    for (const double y : {-half.y, half.y}) {
+      for (const double z : {-half.z, half.z}) all.push_back(X * Vec3<double>{x, y, z});
+    }
+  }
+  return all;
+}
+
+TEST(BoundsMeet, BoxesMeetUnlessAScanOfCornersFindsAGapAlongAnAxis) {
+  testing::ShapeSource source(6);
+  int meet = 0, apart = 0;
+  for (int trial = 0; trial < 20000; ++trial) {
+    const Vec3<double> half_A{source.length(), source.length(), source.length()};
+    const Vec3<double> half_B{source.length(), source.length(), source.length()};
+    const Transform<double> X_A = source.pose(0.5), X_B = source.pose(1);
+    const auto corners_A = corners(half_A, X_A), corners_B = corners(half_B, X_B);
+    double gap = -1;
+    for (const Mat3<double>& R : {X_A.R, X_B.R}) {
+      for (const Vec3<double>& axis : {R.x, R.y, R.z}) {
+        const auto along = [&](const Vec3<double>& p, const Vec3<double>& q) { return dot(axis, p) < dot(axis, q); };
+        const auto [low_A, high_A] = std::ranges::minmax_element(corners_A, along);
+        const auto [low_B, high_B] = std::ranges::minmax_element(corners_B, along);
+        gap = std::max({gap, dot(axis, *low_B - *high_A), dot(axis, *low_A - *high_B)});
+      }
+    }
+    if (std::abs(gap - kMargin) < 1e-12) continue;
+    const bool meets = internal::box_meets_box(half_A, X_A, half_B, X_B, kMargin);
+    EXPECT_EQ(meets, gap < kMargin) << "trial " << trial << ", gap " << gap;
+    ++(meets ? meet : apart);
+  }
+  EXPECT_GT(meet, 2000);
+  EXPECT_GT(apart, 2000);
 }
 
 }  // namespace
