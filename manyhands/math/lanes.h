@@ -1,5 +1,5 @@
-// Lanes<float, W>: W worlds in one SIMD register, on the compiler's vector extension (no intrinsics). Of Lanes<double, 4>,
-// which searches tables, there is what needs no builtin: arithmetic, comparisons, load.
+// Lanes<float, W>: W worlds in one SIMD register, on the compiler's vector extension (no intrinsics). Lanes<double, 4>,
+// with which tables are searched, has what needs no builtin: arithmetic, comparisons and load.
 #pragma once
 
 #include <cstring>

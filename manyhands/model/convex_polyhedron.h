@@ -36,9 +36,9 @@ struct SupportTable {
     std::array<double, kRow> x, y, z;
     std::array<int, kRow> vertex;
   };
-  std::size_t side = 0;           ///< directions are sorted into side x side cells
-  std::vector<int> start{};       ///< for each cell, the vertex farthest along its middle
-  std::vector<Row> rows{};        ///< those of vertex i are rows[first_row[i]] .. rows[first_row[i + 1] - 1]
+  std::size_t side = 0;      ///< directions are sorted into side x side cells
+  std::vector<int> start{};  ///< for each cell, the vertex farthest along its middle
+  std::vector<Row> rows{};   ///< those of vertex i are rows[first_row[i]] .. rows[first_row[i + 1] - 1]
   std::vector<int> first_row{};
 };
 

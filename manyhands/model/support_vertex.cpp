@@ -13,11 +13,10 @@ using Wide = Lanes<double, SupportTable::kRow>;
 using Row = SupportTable::Row;
 
 constexpr std::size_t kScan = 20;     // vertices that are looked at sooner than a table is asked
-constexpr std::size_t kMinSide = 8;   // of the table: 64 cells
-constexpr std::size_t kMaxSide = 32;  // 1024 cells: 4 kB
+constexpr std::size_t kMaxSide = 32;  // of the table: 4 kB
 
 /// The cell of a direction. Directions are points of the octahedron |x| + |y| + |z| = 1, whose lower half is folded out
-/// to fill the square [-1, 1]^2 (Meyer, Suessmuth, Sussner, Stamminger, Greiner, On Floating-Point Normal Vectors, 2010).
+/// to fill the square [-1, 1]^2 (Meyer et al., On Floating-Point Normal Vectors, Computer Graphics Forum 2010).
 std::size_t cell_of(const Vec& d, std::size_t side) {
   const double scale = 1 / (std::abs(d.x) + std::abs(d.y) + std::abs(d.z));
   const double x = scale * d.x, y = scale * d.y;
@@ -46,6 +45,7 @@ MANYHANDS_INLINE T height(T x, T y, T z, T a, T b, T c) {
   return x * a + (y * b + z * c);
 }
 
+/// Adds the rows of the listed vertices.
 void add_rows(const std::vector<Vec>& vertices, std::span<const int> list, std::vector<Row>& rows) {
   for (std::size_t i = 0; i < list.size(); i += SupportTable::kRow) {
     Row& row = rows.emplace_back();
@@ -57,6 +57,8 @@ void add_rows(const std::vector<Vec>& vertices, std::span<const int> list, std::
   }
 }
 
+/// The vertex at which a climb that begins at `top` ends: each time on to the highest of its neighbours, while one is
+/// higher. On a convex hull none is higher then anywhere.
 std::size_t climb(const std::vector<Vec>& vertices, const SupportTable& table, const Vec& d, std::size_t top) {
   const Vec& start = vertices[top];
   double best = height(start.x, start.y, start.z, d.x, d.y, d.z);
@@ -96,8 +98,8 @@ std::size_t support_vertex(const ConvexPolyhedron& hull, const Vec& d) {
 SupportTable support_table(const ConvexPolyhedron& hull) {
   SupportTable table;
   if (hull.vertices.size() <= kScan) return table;
-  table.side = std::clamp(static_cast<std::size_t>(2 * std::sqrt(static_cast<double>(hull.vertices.size()))), kMinSide,
-                          kMaxSide);
+  // Four cells a vertex: the climb is then a step or none.
+  table.side = std::min(static_cast<std::size_t>(2 * std::sqrt(static_cast<double>(hull.vertices.size()))), kMaxSide);
   table.first_row.push_back(0);
   for (std::size_t i = 0; i < hull.vertices.size(); ++i) {
     add_rows(hull.vertices, hull.neighbours[i], table.rows);

@@ -1,12 +1,12 @@
 // The search for a supporting vertex finds what a look at every vertex finds.
-#include "manyhands/model/support_vertex.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <random>
+
+#include "manyhands/model/support_vertex.h"
 
 namespace manyhands {
 namespace {
