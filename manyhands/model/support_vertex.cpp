@@ -23,8 +23,8 @@ std::size_t cell_of(const Vec& d, std::size_t side) {
   const bool lower = d.z < 0;
   const double u = lower ? std::copysign(1 - std::abs(y), x) : x, v = lower ? std::copysign(1 - std::abs(x), y) : y;
   const double half = 0.5 * static_cast<double>(side);
-  const auto index = [&](double t) {  // a NaN's is 0
-    return t > -1 ? std::min(static_cast<std::size_t>(fma(half, t, half)), side - 1) : 0;
+  const auto index = [&](double t) {  // of whatever comes of a zero, an infinity or a NaN, too
+    return t > -1 ? std::min(static_cast<std::size_t>(fma(half, min(t, 1.0), half)), side - 1) : 0;
   };
   return index(v) * side + index(u);
 }

@@ -109,7 +109,8 @@ TEST(SupportVertex, IsSomeVertexWhereThereIsNoDirection) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
   for (const Cloud& cloud : clouds()) {
     const ConvexPolyhedron hull = convex_polyhedron(std::span<const Point>(cloud.points));
-    for (const Point& d : {Point::zero(), Point{kNan, 0, 1}, Point{kInf, -kInf, 1}, Point{0, 0, -kInf}}) {
+    for (const Point& d : {Point::zero(), Point{kNan, 0, 1}, Point{kInf, -kInf, 1}, Point{0, 0, -kInf},
+                           Point{1e-310, 0, -1e-312}, Point{1e308, 1e308, -1e308}}) {
       EXPECT_LT(support_vertex(hull, d), hull.vertices.size()) << cloud.name;
     }
   }
