@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "manyhands/math/instantiate.h"
 #include "manyhands/model/model_builder.h"
 #include "manyhands/physics/collision/broad/bounds_meet.h"
 #include "manyhands/physics/collision/queries/distance.h"
@@ -127,6 +128,53 @@ TEST(BoundsMeet, BoxesMeetUnlessAScanOfCornersFindsAGapAlongAnAxis) {
   }
   EXPECT_GT(meet, 2000);
   EXPECT_GT(apart, 2000);
+}
+
+template <class T>
+void put_vector(const Vec3<float>& from, Vec3<T>& to, int k) {
+  set_lane(to.x, k, from.x);
+  set_lane(to.y, k, from.y);
+  set_lane(to.z, k, from.z);
+}
+
+template <class T>
+class BoundsMeetLanes : public ::testing::Test {};
+using LaneTypes = ::testing::Types<Lanes4, Lanes8, Lanes16>;
+TYPED_TEST_SUITE(BoundsMeetLanes, LaneTypes);
+
+TYPED_TEST(BoundsMeetLanes, BoxesMeetWhereTheScalarSaysSo) {
+  using T = TypeParam;
+  testing::ShapeSource source(8);
+  int meet = 0, apart = 0;
+  for (int trial = 0; trial < 500; ++trial) {
+    const auto half = [&] { return broadcast<float>(Vec3<double>{source.length(), source.length(), source.length()}); };
+    const Vec3<float> half_A = half(), half_B = half();
+    std::vector<Transform<float>> X_A, X_B;
+    Transform<T> X_A_lanes, X_B_lanes;
+    for (int k = 0; k < width_v<T>; ++k) {
+      X_A.push_back(broadcast<float>(source.pose(0.5)));
+      X_B.push_back(broadcast<float>(source.pose(1)));
+      const auto put = [k](const Transform<float>& from, Transform<T>& to) {
+        put_vector(from.R.x, to.R.x, k);
+        put_vector(from.R.y, to.R.y, k);
+        put_vector(from.R.z, to.R.z, k);
+        put_vector(from.p, to.p, k);
+      };
+      put(X_A.back(), X_A_lanes);
+      put(X_B.back(), X_B_lanes);
+    }
+    const float margin = static_cast<float>(kMargin);
+    const auto meets =
+        internal::box_meets_box(broadcast<T>(half_A), X_A_lanes, broadcast<T>(half_B), X_B_lanes, T(margin));
+    for (int k = 0; k < width_v<T>; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      const bool alone = internal::box_meets_box(half_A, X_A[i], half_B, X_B[i], margin);
+      ASSERT_EQ(lane(meets, k), alone) << "trial " << trial << ", lane " << k;
+      ++(alone ? meet : apart);
+    }
+  }
+  EXPECT_GT(meet, 100);
+  EXPECT_GT(apart, 100);
 }
 
 }  // namespace
