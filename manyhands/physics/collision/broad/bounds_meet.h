@@ -33,6 +33,23 @@ MANYHANDS_INLINE mask_t<T> sphere_meets_box(const Vec3<T>& p, T r, const Vec3<T>
   return squared_norm(out) < r * r;
 }
 
+/// Whether the sphere (p, r) comes nearer than r to the box around the shape, in whose axes it lies. True of spheres
+/// and surfaces, which have none.
+template <Number T>
+MANYHANDS_INLINE mask_t<T> sphere_meets_box_of(const Vec3<T>& p, T r, const Collider<real_t<T>>& geom,
+                                               const Vec3<T>& size, const Transform<T>& X) {
+  switch (geom.type) {
+    case ShapeType::kBox:
+    case ShapeType::kCapsule:
+    case ShapeType::kCylinder:
+      return sphere_meets_box(p, r, half_extents(geom.type, size), X);
+    case ShapeType::kConvex:
+      return sphere_meets_box(p, r, broadcast<T>(geom.half), {X.R, X * broadcast<T>(geom.centre)});
+    default:
+      return true;
+  }
+}
+
 /// Whether the boxes (half_A, X_A) and (half_B, X_B) come nearer than `margin` to each other along each of their axes.
 /// Of two that are farther apart only some whose edges are nearest to each other pass (Gottschalk, Lin, Manocha,
 /// OBBTree, SIGGRAPH 1996, has the axes across edges, too, which cost more than they save here).
@@ -50,33 +67,14 @@ MANYHANDS_INLINE mask_t<T> box_meets_box(const Vec3<T>& half_A, const Transform<
          (abs(p_B.x) < reach_B.x + margin) & (abs(p_B.y) < reach_B.y + margin) & (abs(p_B.z) < reach_B.z + margin);
 }
 
-/// Whether the shape has a box in whose axes it lies: spheres and surfaces have none.
-[[nodiscard]] inline bool has_box(ShapeType type) {
-  using enum ShapeType;
-  return type == kBox || type == kCapsule || type == kCylinder || type == kConvex;
-}
-
-/// The half extents of that box, and its pose.
+/// The same of a shape's box and a hull's. Not inlined: it would crowd the loop over pairs that have no hull.
 template <Number T>
-struct OrientedBox {
-  Vec3<T> half;
-  Transform<T> X;
-
-  MANYHANDS_INLINE OrientedBox(const Collider<real_t<T>>& geom, const Vec3<T>& size, const Transform<T>& X_WG)
-      : half(half_extents(geom.type, size)), X(X_WG) {
-    if (geom.type != ShapeType::kConvex) return;
-    half = broadcast<T>(geom.half);
-    X.p = X_WG * broadcast<T>(geom.centre);
-  }
-};
-
-/// Whether the sphere (p, r) comes nearer than r to the box around the shape; true of shapes that have none.
-template <Number T>
-MANYHANDS_INLINE mask_t<T> sphere_meets_box_of(const Vec3<T>& p, T r, const Collider<real_t<T>>& geom,
-                                               const Vec3<T>& size, const Transform<T>& X) {
-  if (!has_box(geom.type)) return true;
-  const OrientedBox<T> box(geom, size, X);
-  return sphere_meets_box(p, r, box.half, box.X);
+[[gnu::noinline]] mask_t<T> box_meets_hull(const Collider<real_t<T>>& a, const Vec3<T>& size_A, const Transform<T>& X_A,
+                                           const Collider<real_t<T>>& hull, const Transform<T>& X_B, T margin) {
+  const Transform<T> X_BC{X_B.R, X_B * broadcast<T>(hull.centre)};
+  const Vec3<T> half = broadcast<T>(hull.half);
+  if (a.type != ShapeType::kConvex) return box_meets_box(half_extents(a.type, size_A), X_A, half, X_BC, margin);
+  return box_meets_box(broadcast<T>(a.half), {X_A.R, X_A * broadcast<T>(a.centre)}, half, X_BC, margin);
 }
 
 }  // namespace internal
@@ -114,9 +112,8 @@ MANYHANDS_INLINE mask_t<T> boxes_meet(const Colliders<real_t<T>>& colliders, con
   if (b.type == ShapeType::kPlane) return true;
   const Transform<T>&X_A = X_WG[pair.a], &X_B = X_WG[pair.b];
   const auto size = [&](const Collider<real_t<T>>& geom) { return broadcast<T>(params.geom_size[geom.geom]); };
-  if (b.type == ShapeType::kConvex && internal::has_box(a.type)) {
-    const internal::OrientedBox<T> box_A(a, size(a), X_A), box_B(b, size(b), X_B);
-    return internal::box_meets_box(box_A.half, box_A.X, box_B.half, box_B.X, margin);
+  if (b.type == ShapeType::kConvex && a.type != ShapeType::kSphere) {
+    return internal::box_meets_hull(a, size(a), X_A, b, X_B, margin);
   }
   mask_t<T> meets(true);
   if (!is_wide(a)) meets = internal::sphere_meets_box_of(X_B.p, radius[pair.b] + margin, a, size(a), X_A);
