@@ -263,6 +263,19 @@ TEST(MjcfRules, ActuatorsThatAreNeitherMotorsNorServosAreLeftOut) {
   EXPECT_EQ(model.keyframes()[0].ctrl, std::vector<double>{5});
 }
 
+TEST(MjcfRules, BoundedServosOfOneJointAreNoted) {
+  const auto notes = [](const std::string& actuators) {
+    const LoadReport report =
+        load_scene(one_body("<joint name=\"j\"/>", "<actuator>" + actuators + "</actuator>")).report;
+    return count_notes(report, LoadAction::kRepaired, "actuator", "another servo drives its joint");
+  };
+  const std::string free = "<position joint=\"j\" kp=\"1\"/>", bounded = "<velocity joint=\"j\" forcerange=\"-1 1\"/>";
+  EXPECT_EQ(notes(free + free), 0);
+  EXPECT_EQ(notes(bounded + "<motor joint=\"j\" forcerange=\"-1 1\"/>"), 0);
+  EXPECT_EQ(notes(free + bounded), 1);
+  EXPECT_EQ(notes(bounded + bounded), 1);
+}
+
 TEST(MjcfRules, EqualitiesThatCannotBeLoopsAreNoted) {
   const auto [model, report] =
       load_scene(one_body("<joint name=\"j\"/><joint name=\"k\" axis=\"1 0 0\"/>",

@@ -42,6 +42,16 @@ FLAGGED = f"""
 </worldbody><actuator><motor joint="a" ctrlrange="-1 1"/><position joint="b" kp="5" ctrlrange="-1 1"/></actuator>
 </mujoco>"""
 
+RUBBING = f"""
+<mujoco><option gravity="1 2 -9"/><default><joint frictionloss="0.2" damping="0.1"/></default><worldbody>
+  <body pos="0 0 1" euler="10 20 30"><joint name="a" axis="1 2 3" armature="0.3"/>{INERTIAL}
+    <body pos="0.1 0 0.3"><joint name="b" type="slide" axis="0 1 1"/>{INERTIAL}
+      <body pos="0 0.2 0"><joint name="c" axis="0 1 0" armature="0.1"/>{INERTIAL}
+        <body pos="0 0.2 0"><joint name="d" armature="0.2"/>{INERTIAL}</body></body></body></body>
+</worldbody><actuator><velocity joint="a" kv="7" forcerange="-9 9"/><position joint="b" kp="40" kv="3" gear="-2"/>
+  <position joint="c" kp="20" forcerange="-5 5"/><position joint="d" kp="9"/><velocity joint="d" kv="2"/>
+  <motor joint="d" gear="3"/></actuator></mujoco>"""
+
 
 def acceleration(model: mh.Model, q: Array, v: Array, ctrl: Array) -> Array:
     """v' (nv) in this state, by a short step and one of half its length, extrapolated to none."""
@@ -75,6 +85,10 @@ def assert_equal_accelerations(text: str, states: int = 20) -> None:
 
 def test_springs() -> None:
     assert_equal_accelerations(SPRINGS)
+
+
+def test_servos_of_joints_with_dry_friction_and_several_of_one_joint() -> None:
+    assert_equal_accelerations(RUBBING)
 
 
 def test_gravity_compensation() -> None:

@@ -113,6 +113,18 @@ void read_ranges(const MjcfScene& scene, const MjcfElement& e, double gear, Actu
   }
 }
 
+/// Servos of one joint act as one, whose force is bounded by the sum of their bounds.
+void note_shared_servo(const MjcfScene& scene, const MjcfElement& e, const Actuator& servo) {
+  const auto is_servo = [](const Actuator& a) { return a.type != ActuatorType::kForce; };
+  if (!is_servo(servo)) return;
+  for (const Actuator& other : scene.builder.actuators()) {
+    if (!is_servo(other) || other.joint != servo.joint) continue;
+    if (!is_finite(servo.max_force) && !is_finite(other.max_force)) continue;
+    return e.note_serious(LoadAction::kRepaired,
+                          "another servo drives its joint, too; their forces are bounded together");
+  }
+}
+
 /// Adds the actuator and returns its index; -1, with a note, if it is left out.
 int add_actuator(MjcfScene& scene, const MjcfElement& e, const std::string& name) {
   const std::string tag(e.tag());
@@ -145,6 +157,7 @@ int add_actuator(MjcfScene& scene, const MjcfElement& e, const std::string& name
     return -1;
   }
   read_ranges(scene, e, gear, actuator);
+  note_shared_servo(scene, e, actuator);
   return checked(e, [&] { return scene.builder.add_actuator(actuator).value(); });
 }
 
