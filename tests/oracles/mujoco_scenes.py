@@ -195,6 +195,13 @@ SCENES = {
       <inertial pos="0.1 0.2 0.3" mass="2" fullinertia="0.02 0.05 0.06 0.01 0.002 -0.003"/></body>
     <body name="forces" pos="0 0 2"><joint actuatorfrcrange="-3 3"/><geom size="0.1"/></body>
   </worldbody></mujoco>""",
+    "bounds of nothing": f"""
+<mujoco><compiler boundmass="0.2" boundinertia="0.01"/><worldbody><frame pos="0 0 3">
+    <body name="empty" pos="1 2 3" euler="30 40 50"><freejoint/></body></frame>
+    <body name="ghost" pos="0.1 0 1"><joint axis="0 1 0"/><geom size="0.1" mass="0" pos="1 0 0"/>
+      <body name="placed" pos="0 0.2 0"><joint/><inertial pos="0.1 0 0" mass="0" diaginertia="0 0 0"/>
+        <body name="fixed" pos="0 0.3 0.1"><body name="last" pos="1 0 0"><joint/>{INERTIAL}</body></body></body></body>
+  </worldbody></mujoco>""",
     "names": f"""
 <mujoco><worldbody><site/><site name="arm"/>
     <body pos="1 0 0"><joint/><joint axis="1 0 0"/>{INERTIAL}<geom size="0.1"/>

@@ -155,6 +155,10 @@ class WorldReader {
     for (std::size_t i = 1; i < contents.inertials.size(); ++i) {
       contents.inertials[i].element.fail("a second <inertial>; expected one");
     }
+    // What MuJoCo bounds but has no place of its own lies where the body's 'pos' says, in the body's own frame.
+    if (!is_given && !(inertial.mass > 0) && settings.bound_mass > 0) {
+      inertial.com = body.source->vec3_or("pos", Vec3<double>::zero());
+    }
     inertial.mass = std::max(inertial.mass, settings.bound_mass);
     if (settings.bound_inertia > 0) bound_principal_moments(inertial.inertia, settings.bound_inertia);
     const MjcfElement& source = is_given ? contents.inertials[0].element : *body.source;
