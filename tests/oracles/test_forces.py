@@ -70,17 +70,22 @@ def acceleration(model: mh.Model, q: Array, v: Array, ctrl: Array) -> Array:
 def assert_equal_accelerations(text: str, states: int = 20) -> None:
     scene = Scene.of_string(text)
     model, data = scene.mujoco, scene.data
-    rng = np.random.default_rng(0)
+    rng, compared = np.random.default_rng(0), 0
     for k in range(states):
         data.qpos = model.qpos0 if k == 0 else scene.random_qpos(rng)
         data.qvel = 0 if k == 0 else rng.uniform(-1, 1, model.nv)
         if model.nu:
             data.ctrl = rng.uniform(-2, 2, model.nu)
         mujoco.mj_forward(model, data)
+        slides = (np.abs(data.efc_force) >= (1 - 1e-12) * data.efc_frictionloss) & (data.efc_force * data.efc_vel < 0)
+        if not np.all(slides):
+            continue  # slow, so that MuJoCo's dry friction yields or is ahead of the motion
+        compared += 1
         G = scene.velocity_map(data.qpos)  # of angular accelerations, too: omega x omega = 0
         v, a = G @ data.qvel, G @ data.qacc
         ours = acceleration(scene.ours, scene.configuration(data.qpos), v, np.array(data.ctrl))
         assert np.max(np.abs(ours - a)) < 1e-6 * max(1.0, np.max(np.abs(a))), k
+    assert compared >= states // 4
 
 
 def test_springs() -> None:

@@ -84,7 +84,7 @@ bool apply(const Law& law, Actuator& actuator) {
 
 bool is_limited(const MjcfScene& scene, const MjcfElement& e, const char* range, const char* limited) {
   const std::string word = e.word_or(limited, {"true", "false", "auto"}, "auto");
-  if (word == "auto" && e.has(range) && !scene.settings.autolimits) {
+  if (word == "auto" && e.has(range) && !scene.settings_of(e).autolimits) {
     e.fail(std::string("it has '") + range + "' but not '" + limited + "', and autolimits is false");
   }
   if (word == "true" && !e.has(range)) e.fail(std::string("it is limited but has no '") + range + "'");
@@ -165,8 +165,8 @@ int add_actuator(MjcfScene& scene, const MjcfElement& e, const std::string& name
 
 void read_actuators(MjcfScene& scene) {
   MjcfNames names;
-  for (const MjcfElement& section : scene.root.children("actuator")) {
-    for (const MjcfElement& element : section.children()) {
+  for (const MjcfElement& section : scene.sections("actuator")) {
+    for (const MjcfElement& element : scene.elements(section)) {
       const std::string name = claim_name(names, element.named("actuator"), "actuator", names.size(), scene.reserved);
       const MjcfElement e = element.named("actuator '" + name + "'").with_defaults(scene.classes, "actuator");
       scene.actuators.push_back(add_actuator(scene, e, name));
