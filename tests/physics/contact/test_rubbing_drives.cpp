@@ -178,7 +178,7 @@ TEST(RubbingDrives, LanesGiveTheBitsOfScalars) {
     const auto run = [&](int lanes) {
       Batch batch(model, 16, 0.002, {.num_threads = 1, .lanes = lanes});
       for (const Joint& joint : model->joints()) {
-        if (velocity_size(joint.type) == 1) batch.set_joint_friction(joint.name, std::vector<float>{2.0f});
+        if (velocity_size(joint.type) == 1) batch.set_joint_friction(joint.name, std::vector<float>(16, 2.0f));
       }
       Generator rng(3);
       std::vector<float> ctrl = batch.ctrl();

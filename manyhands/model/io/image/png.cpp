@@ -83,6 +83,11 @@ class Reader {
 }  // namespace
 
 GreyImage read_png(std::string_view bytes, std::size_t most_pixels) {
+  constexpr std::size_t kSignature = 8;  // [bytes]
+  const auto* const begin = reinterpret_cast<png_const_bytep>(bytes.data());
+  if (bytes.size() < kSignature || png_sig_cmp(begin, 0, kSignature) != 0) {
+    throw ImageError("it does not begin as a PNG does");
+  }
   Source source{.rest = bytes};
   Reader reader(source);
   GreyImage image;
