@@ -38,7 +38,8 @@ enum class ActuatorType {
   kVelocity,  ///< force = gear kd (ctrl - gear v)
 };
 
-/// A drive on a joint of one degree of freedom, commanded by one number, `ctrl`.
+/// A drive on a joint of one degree of freedom, commanded by one number, `ctrl`. Drives of one joint add up, and so do
+/// their bounds.
 struct Actuator {
   std::string name{};
   ActuatorType type = ActuatorType::kForce;

@@ -54,6 +54,7 @@ class ModelBuilder {
   [[nodiscard]] const std::vector<Joint>& joints() const { return joints_; }
   [[nodiscard]] Link& link(LinkId id) { return links_[id.index()]; }
   [[nodiscard]] Joint& joint(JointId id) { return joints_[id.index()]; }
+  [[nodiscard]] const std::vector<Actuator>& actuators() const { return actuators_; }
   [[nodiscard]] Actuator& actuator(ActuatorId id) { return actuators_[id.index()]; }
   [[nodiscard]] const std::vector<Geom>& geoms() const { return geoms_; }
   [[nodiscard]] Geom& geom(GeomId id) { return geoms_[id.index()]; }

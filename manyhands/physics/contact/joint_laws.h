@@ -1,7 +1,8 @@
 // What motors, drives, dry friction and limits ask of each dof in a step: a set-valued force law at the velocity level.
 //
 // Below its target velocity a motor pushes with +F, above it with -F, at it with whatever is needed in between; at a
-// position limit any impulse back inside is allowed. A drive (kp, kd) has a slope instead of the vertical part.
+// position limit any impulse back inside is allowed. A drive (kp, kd) has a slope instead of the vertical part, and
+// where its joint has dry friction, too, a vertical part at rest.
 #pragma once
 
 #include "manyhands/math/control_flow.h"
@@ -17,6 +18,9 @@ namespace manyhands {
 /// Where on its law a dof is: its constraint state, one entry of the active set. A number, so that it varies by lane.
 struct JointConstraintState {
   static constexpr double kAtTarget = 0, kSaturatedUp = 1, kSaturatedDown = -1, kAtLower = 2, kAtUpper = -2;
+  /// Of a drive with dry friction: at rest, or the drive's state with this added where friction pushes up, taken off
+  /// where it pushes down.
+  static constexpr double kStuck = 3, kRubs = 8;
 };
 
 /// The laws of all dofs (nv each). Velocities are changes over the step, forces are impulses.
@@ -26,6 +30,8 @@ struct JointLaws {
       : smooth(index(nv)),
         max_impulse(smooth),
         slope(smooth.size(), constant<T>(0)),
+        friction(slope),
+        stop(smooth),
         target(smooth),
         lower(smooth),
         upper(smooth),
@@ -38,6 +44,8 @@ struct JointLaws {
   std::vector<T> smooth;              ///< h (tau - bias + passive forces): the impulse that acts without constraints
   std::vector<T> max_impulse;         ///< F = h max_force
   std::vector<T> slope;               ///< of a drive: impulse = slope (target - dv); 0 where the law is vertical
+  std::vector<T> friction;            ///< h times the dry friction beside a drive; without one it is max_impulse
+  std::vector<T> stop;                ///< of a drive: dv that brings the dof to rest
   std::vector<T> target;              ///< dv that brings the dof to its motor's velocity, kept within the limits
   std::vector<T> lower, upper;        ///< dv that brings the dof just to a position limit by the step's end
   std::vector<T> min_held, max_held;  ///< the impulses that can hold the dof at `target`
@@ -51,6 +59,38 @@ template <Number T>
 MANYHANDS_INLINE T held_change(T state, std::size_t i, const JointLaws<T>& laws) {
   const T zero = constant<T>(0);
   return select(state == zero, laws.target[i], select(state > zero, laws.lower[i], laws.upper[i]));
+}
+
+/// Where a drive is on its own law, and which way the joint's dry friction pushes: 1 up, -1 down, else 0.
+template <Number T>
+struct DriveState {
+  T place, push;
+};
+
+template <Number T>
+MANYHANDS_INLINE DriveState<T> drive_state(T state) {
+  const T zero = constant<T>(0), one = constant<T>(1), rubs = constant<T>(JointConstraintState::kRubs);
+  const T push = select(state > T(0.5) * rubs, one, select(state < T(-0.5) * rubs, -one, zero));
+  return {fma(-push, rubs, state), push};
+}
+
+/// The piece of a dof's law that its state names.
+template <Number T>
+struct LawPiece {
+  mask_t<T> saturated;  ///< the impulse is prescribed
+  mask_t<T> sloped;     ///< a drive's slope through (held_dv, impulse)
+  T impulse;
+  T held_dv;  ///< at which a dof that is not saturated is held
+};
+
+template <Number T>
+MANYHANDS_INLINE LawPiece<T> law_piece(bool is_drive, T state, std::size_t i, const JointLaws<T>& laws) {
+  const T zero = constant<T>(0), one = constant<T>(1), F = laws.max_impulse[i];
+  if (!is_drive) return {abs(state) == one, mask_t<T>(false), state * F, held_change(state, i, laws)};
+  const DriveState<T> s = drive_state(state);
+  const auto stuck = s.place == constant<T>(JointConstraintState::kStuck);
+  return {abs(s.place) == one, s.place == zero, fma(s.place, F, s.push * laws.friction[i]),
+          select(stuck, laws.stop[i], held_change(s.place, i, laws))};
 }
 
 /// How fast dof i, whose velocity is v, shall return from beyond its limits; not above 0 where it is within them.
@@ -70,7 +110,8 @@ MANYHANDS_INLINE T limit_velocity(T gap, T inverse_h) {
 }
 
 /// The actuators: a force joins the smooth impulse; a drive, implicit in the velocity v+ at the step's end, gives
-/// h gear (kp (ctrl - gear (q + h v+)) - kd gear v+) = slope (target - v+), limited by its force.
+/// h gear (kp (ctrl - gear (q + h v+)) - kd gear v+) = slope (target - v+), limited by its force. Drives of one dof add
+/// up. `target` becomes slope times it.
 template <Number T, Number P>
 MANYHANDS_INLINE void assemble_actuators(const Tree<real_t<T>>& tree, const Params<P>& params, real_t<T> h,
                                          const State<T>& state, JointLaws<T>& laws) {
@@ -89,9 +130,9 @@ MANYHANDS_INLINE void assemble_actuators(const Tree<real_t<T>>& tree, const Para
     const T pull = position ? kp * (ctrl - gear * state.q()[actuator.q]) : kd * ctrl;
     const T slope = step * (gear * gear) * fma(step, kp, kd);
     const auto drives = slope > zero;
-    laws.slope[i] = slope;
-    laws.target[i] = select(drives, step * gear * pull / select(drives, slope, step), zero);
-    laws.max_impulse[i] = select(drives, min(step * force, most), zero);
+    laws.slope[i] += slope;
+    laws.target[i] += select(drives, step * gear * pull, zero);
+    laws.max_impulse[i] += select(drives, min(step * force, most), zero);
   }
 }
 
@@ -130,7 +171,9 @@ MANYHANDS_INLINE void assemble_targets(const Tree<real_t<T>>& tree, const Params
     }
   }
   if (tree.dof_drive[i] >= 0) {
-    laws.target[i] = laws.target[i] - v;
+    const auto drives = laws.slope[i] > zero;
+    laws.target[i] = select(drives, laws.target[i] / select(drives, laws.slope[i], one), zero) - v;
+    laws.stop[i] = -v;
     return;
   }
   const T target = select(F > zero, select(motor, wanted, zero) - v, infinity);
@@ -143,13 +186,28 @@ MANYHANDS_INLINE void assemble_targets(const Tree<real_t<T>>& tree, const Params
 /// Without a motor the target is the upper limit, and may be infinite: the search must not begin where that holds or
 /// comes next.
 template <Number T>
-MANYHANDS_INLINE T first_state(const State<T>& state, std::size_t i, const JointLaws<T>& laws) {
-  const T zero = constant<T>(0), one = constant<T>(1), last = state.active_set()[i];
+MANYHANDS_INLINE T first_state(T last, T last_dv, std::size_t i, const JointLaws<T>& laws) {
+  const T zero = constant<T>(0), one = constant<T>(1);
   const auto holds = laws.max_impulse[i] > zero;  // a motor, a drive, or dry friction
   const auto at_limit = (last == zero) & (laws.target[i] < constant<T>(std::numeric_limits<double>::infinity()));
-  const auto arrives = (abs(last) == one) & (last * (state.dv()[i] - laws.target[i]) > zero);
+  const auto arrives = (abs(last) == one) & (last * (last_dv - laws.target[i]) > zero);
   const T saturated = select((abs(last) <= one) & !at_limit, constant<T>(JointConstraintState::kSaturatedUp), last);
   return select(holds, select(arrives, constant<T>(JointConstraintState::kAtTarget), last), saturated);
+}
+
+/// The same of a drive. Where friction has just begun to act, it pushes against the motion.
+template <Number T>
+MANYHANDS_INLINE T first_drive_state(T last, T last_dv, std::size_t i, const JointLaws<T>& laws) {
+  const T zero = constant<T>(0), rubs = constant<T>(JointConstraintState::kRubs);
+  const T stuck = constant<T>(JointConstraintState::kStuck), target = constant<T>(JointConstraintState::kAtTarget);
+  const DriveState<T> old = drive_state(last);
+  const auto rested = old.place == stuck;
+  const T place = first_state(select(rested, target, old.place), last_dv, i, laws);
+  const T against = select(laws.stop[i] > zero, rubs, select(laws.stop[i] < zero, -rubs, zero));
+  const T offset = select(old.push == zero, against, old.push * rubs);
+  const auto rests = rested | (offset == zero), at_limit = abs(place) > constant<T>(1);
+  const T rubbing = select(at_limit, place, select(rests, stuck, place + offset));
+  return select(laws.friction[i] > zero, rubbing, place);
 }
 
 }  // namespace internal
@@ -170,7 +228,12 @@ MANYHANDS_INLINE void assemble_joint_laws(const Tree<real_t<T>>& tree, const Par
     laws.smooth[i] = step * (state.tau()[i] - dynamics.bias[i] - damping * state.v()[i]);
     T& inertia = tree_row(tree, dynamics.M.data(), i)[i];
     inertia = fma(step, damping, inertia);
-    laws.max_impulse[i] = step * select(max_force > zero, max_force, broadcast<T>(params.friction[i]));
+    const T friction = broadcast<T>(params.friction[i]);
+    laws.max_impulse[i] = step * select(max_force > zero, max_force, friction);
+    if (tree.dof_drive[i] >= 0) {
+      laws.friction[i] = min(step * friction, constant<T>(contact_settings::kMaxImpulse));
+      laws.slope[i] = laws.target[i] = laws.max_impulse[i] = zero;
+    }
     needs_free_velocity = needs_free_velocity | ((broadcast<T>(params.motor_kd[i]) != one) & (max_force > zero));
     laws.constrained[i] = zero;
     laws.last_impulse[i] = state.joint_impulse()[i];
@@ -183,7 +246,9 @@ MANYHANDS_INLINE void assemble_joint_laws(const Tree<real_t<T>>& tree, const Par
   when(needs_free_velocity, [&] { free_change(free_dv); });
   for (std::size_t i = 0; i < index(tree.nv); ++i) {
     internal::assemble_targets(tree, params, inverse_h, state, i, free_dv[i], laws);
-    laws.first_state[i] = internal::first_state(state, i, laws);
+    const T last = state.active_set()[i], last_dv = state.dv()[i];
+    laws.first_state[i] = tree.dof_drive[i] >= 0 ? internal::first_drive_state(last, last_dv, i, laws)
+                                                 : internal::first_state(last, last_dv, i, laws);
   }
 }
 

@@ -84,7 +84,7 @@ bool apply(const Law& law, Actuator& actuator) {
 
 bool is_limited(const MjcfScene& scene, const MjcfElement& e, const char* range, const char* limited) {
   const std::string word = e.word_or(limited, {"true", "false", "auto"}, "auto");
-  if (word == "auto" && e.has(range) && !scene.settings.autolimits) {
+  if (word == "auto" && e.has(range) && !scene.settings_of(e).autolimits) {
     e.fail(std::string("it has '") + range + "' but not '" + limited + "', and autolimits is false");
   }
   if (word == "true" && !e.has(range)) e.fail(std::string("it is limited but has no '") + range + "'");
@@ -110,6 +110,18 @@ void read_ranges(const MjcfScene& scene, const MjcfElement& e, double gear, Actu
   actuator.max_force = std::abs(gear) * most;
   if (range[0] != -range[1]) {
     e.note(LoadAction::kRepaired, "'forcerange' is not symmetric; " + format_number(most) + " both ways taken");
+  }
+}
+
+/// Servos of one joint act as one, whose force is bounded by the sum of their bounds.
+void note_shared_servo(const MjcfScene& scene, const MjcfElement& e, const Actuator& servo) {
+  const auto is_servo = [](const Actuator& a) { return a.type != ActuatorType::kForce; };
+  if (!is_servo(servo)) return;
+  for (const Actuator& other : scene.builder.actuators()) {
+    if (!is_servo(other) || other.joint != servo.joint) continue;
+    if (!is_finite(servo.max_force) && !is_finite(other.max_force)) continue;
+    return e.note_serious(LoadAction::kRepaired,
+                          "another servo drives its joint, too; their forces are bounded together");
   }
 }
 
@@ -145,6 +157,7 @@ int add_actuator(MjcfScene& scene, const MjcfElement& e, const std::string& name
     return -1;
   }
   read_ranges(scene, e, gear, actuator);
+  note_shared_servo(scene, e, actuator);
   return checked(e, [&] { return scene.builder.add_actuator(actuator).value(); });
 }
 
@@ -152,8 +165,8 @@ int add_actuator(MjcfScene& scene, const MjcfElement& e, const std::string& name
 
 void read_actuators(MjcfScene& scene) {
   MjcfNames names;
-  for (const MjcfElement& section : scene.root.children("actuator")) {
-    for (const MjcfElement& element : section.children()) {
+  for (const MjcfElement& section : scene.sections("actuator")) {
+    for (const MjcfElement& element : scene.elements(section)) {
       const std::string name = claim_name(names, element.named("actuator"), "actuator", names.size(), scene.reserved);
       const MjcfElement e = element.named("actuator '" + name + "'").with_defaults(scene.classes, "actuator");
       scene.actuators.push_back(add_actuator(scene, e, name));
