@@ -158,9 +158,11 @@ inline constexpr double kInnerGain = 1e-5;
 inline constexpr int kIterationsBetween = 3, kMaxIterationsBetween = 48;
 /// Iterations that promise to do within this many times those allowed are cheaper than outer steps.
 inline constexpr double kNewtonPatience = 2;
-/// Outer steps are worth it where so many factorisations take no longer than all iterations; and what a contact takes
-/// in an iteration besides its rows [multiplications].
-inline constexpr double kNewtonWork = 8, kPointWork = 100;
+/// All factorisations of a step may take so many times what all iterations may, or this many multiplications; fewer
+/// are not worth it. Each takes as much as so many iterations besides; and a contact takes as much in an iteration
+/// besides its rows.
+inline constexpr double kNewtonShare = 2, kLittleWork = 5e6, kFewestFactorisations = 16, kNewtonOverhead = 8;
+inline constexpr double kPointWork = 100;
 /// Iterations that reduce the logarithm of the violation by less from look to look gain too little.
 inline constexpr double kMinGain = 0.3;
 /// Iterations that reduce it by more go on until they have converged, where the violation is no longer worth it.

@@ -58,7 +58,9 @@ bool NewtonRefinement::take_outer_steps(const SolverSettings& settings, const Ne
                                         int& iterations) {
   if (!system_) system_ = std::make_unique<System>();
   system_->choose(context, settings.tolerance);
-  if (cs::kNewtonWork * system_->work() > settings.max_iterations * iteration_work(context.problem)) {
+  const double iteration = iteration_work(context.problem), work = system_->work() + cs::kNewtonOverhead * iteration;
+  double affordable = std::max(cs::kNewtonShare * settings.max_iterations * iteration, cs::kLittleWork) / work;
+  if (affordable < cs::kFewestFactorisations) {
     steps_ = settings.newton_steps;
     return false;
   }
@@ -69,8 +71,8 @@ bool NewtonRefinement::take_outer_steps(const SolverSettings& settings, const Ne
     const double enough = failures < cs::kManyFailures ? cs::kNearEnough : cs::kBearable;
     return failures >= cs::kMaxFailures && residual < enough * settings.newton_tolerance;
   };
-  while (steps_ < settings.newton_steps && !is_stuck()) {
-    system_->outer_step(context, softness, factorisations);
+  while (steps_ < settings.newton_steps && affordable > 0 && !is_stuck()) {
+    affordable -= system_->outer_step(context, softness, factorisations);
     ++steps_;
     const double reached = internal::law_residual(context);
     const bool gains = reached * cs::kMinNewtonGain < residual;

@@ -297,7 +297,7 @@ double NewtonSystem::search_line(const NewtonContext& context, double before, do
   return best;
 }
 
-void NewtonSystem::outer_step(const NewtonContext& context, double softness, int most_factorisations) {
+int NewtonSystem::outer_step(const NewtonContext& context, double softness, int most_factorisations) {
   const std::size_t nv = context.iterate.dv.size();
   laws_.begin(context, softness, velocities_);
   laws_.multiply_J(context, context.iterate.dv.data(), step_velocities_);
@@ -309,7 +309,9 @@ void NewtonSystem::outer_step(const NewtonContext& context, double softness, int
   defect_.resize(nv);
   double defect = find_defect(context, 0);
   const double enough = contact_settings::kInnerGain * defect;
-  for (int k = 0; k < most_factorisations && defect > enough; ++k) {
+  int factorisations = 0;
+  while (factorisations < most_factorisations && defect > enough) {
+    ++factorisations;
     if (!solve(context)) break;
     double length = 0;
     defect = search_line(context, defect, length);
@@ -318,6 +320,7 @@ void NewtonSystem::outer_step(const NewtonContext& context, double softness, int
   }
   laws_.apply(context);
   apply_change(context.problem, context.factors, context.iterate);
+  return factorisations;
 }
 
 /// The velocities after a part of the step.

@@ -25,7 +25,8 @@ class NewtonSystem {
   void take_back(const NewtonContext& context) const;
 
   /// From the present impulses; contacts yield by `softness` of what they give way to their own impulses.
-  void outer_step(const NewtonContext& context, double softness, int most_factorisations);
+  /// How many factorisations it took.
+  int outer_step(const NewtonContext& context, double softness, int most_factorisations);
 
  private:
   /// Two bodies with rows between them: `count` columns of the system, and the slots of H's triangle among them.
