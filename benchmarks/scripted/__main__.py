@@ -17,16 +17,17 @@ from benchmarks.scripted.tasks import TASKS
 from manyhands.files import write_text
 
 DESCRIPTION = """\
-Scripted tasks of robosuite and metaworld: what MuJoCo's step sees is recorded in their own environments, and replayed in
-MuJoCo and in manyhands from the same start. Prints the outcome of each, and writes build/scripted.json.
+Scripted tasks of robosuite and metaworld: what MuJoCo's step sees is recorded in their own environments, and replayed
+in MuJoCo and in manyhands from the same start. Prints the outcome of each, and writes build/scripted.json.
 """
 EPILOG = """\
 Examples:
   python -m benchmarks.scripted --only door              tasks whose names hold this
   MUJOCO_GL=egl python -m benchmarks.scripted --pictures docs/images/scripted
 
-The first run installs both packages in environments of their own below --environments, and records, which takes minutes.
-Ends with status 1 if an outcome is neither the recorded one nor MuJoCo's with hard limits and contacts, each within 10 %.
+The first run installs both packages in environments of their own below --environments, and records, which takes
+minutes. Ends with status 1 if an outcome is neither the recorded one nor MuJoCo's with hard limits and contacts, each
+within 10 %.
 docs/scripted_tasks.md explains the columns.
 """
 

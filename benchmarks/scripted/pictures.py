@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 import manyhands as mh
@@ -13,6 +14,7 @@ from benchmarks.mujoco_map import Array, mujoco
 from benchmarks.scripted.compare import HARD, LED_OURS, RECORDED, Compared
 from benchmarks.scripted.tasks import Task
 
+Pixels = NDArray[np.uint8]  # (height, width, 3)
 SIZE = (300, 240)
 SHOWN = {RECORDED: ("MuJoCo", "tab:orange"), LED_OURS: ("manyhands", "tab:blue"), HARD: ("MuJoCo, hard", "0.6")}
 
@@ -32,8 +34,8 @@ def write_picture(compared: Compared, path: Path) -> None:
     sheet.save(path, quality=80)
 
 
-def theirs(compared: Compared, qpos: Array) -> Array:
-    """MuJoCo's picture (height, width, 3)."""
+def theirs(compared: Compared, qpos: Array) -> Pixels:
+    """MuJoCo's picture."""
     task, model = compared.task, compared.led.mujoco
     data, camera = mujoco.MjData(model), mujoco.MjvCamera()
     data.qpos = qpos
@@ -47,8 +49,8 @@ def theirs(compared: Compared, qpos: Array) -> Array:
         return renderer.render()
 
 
-def ours(compared: Compared) -> Array:
-    """Our picture of ours (height, width, 3)."""
+def ours(compared: Compared) -> Pixels:
+    """Our picture of ours."""
     task, world = compared.task, mh.World(compared.led.ours)
     world.q = compared.led.configuration(compared.paths[LED_OURS][-1])
     return world.render(camera(task, float(compared.led.mujoco.vis.global_.fovy)), look=mh.Look(antialiasing=3)).colour
@@ -60,8 +62,8 @@ def camera(task: Task, fov_y: float) -> mh.Camera:
     return lens.orbit(task.target, task.distance, math.radians(task.yaw), math.radians(task.pitch))
 
 
-def curves(compared: Compared) -> Array:
-    """The outcome over time (height, width, 3)."""
+def curves(compared: Compared) -> Pixels:
+    """The outcome over time."""
     figure = Figure(figsize=(SIZE[0] / 100, SIZE[1] / 100), dpi=100, layout="constrained")
     axes = figure.subplots()
     for run, (label, colour) in SHOWN.items():
@@ -74,4 +76,4 @@ def curves(compared: Compared) -> Array:
     axes.legend(fontsize=7)
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
-    return np.asarray(canvas.buffer_rgba())[:, :, :3]
+    return np.array(canvas.buffer_rgba())[:, :, :3]

@@ -64,7 +64,7 @@ class Ours:
 
     def state(self) -> tuple[Array, Array]:
         qpos = self.scene.qpos(self.world.q)
-        return qpos, np.linalg.solve(self.scene.velocity_map(qpos), self.world.v)
+        return qpos, np.linalg.inv(self.scene.velocity_map(qpos)) @ self.world.v
 
     def set_mocap(self, position: Array, wxyz: Array) -> None:
         for name, at, turned in zip(self.mocap, position, wxyz, strict=True):
@@ -78,9 +78,9 @@ class Ours:
 class Servo:
     """Joint forces that keep an arm on its recorded path, the same in both programs.
 
-    A recorded torque alone does not carry an arm far: the error of one contact grows for seconds. Nor does the motion of
-    a mocap body, where MuJoCo's soft weld lets the hand trail behind. Here the joints that motors drive, and those that
-    carry what is welded to a mocap body, feel
+    A recorded torque alone does not carry an arm far: the error of one contact grows for seconds. Nor does the motion
+    of a mocap body, where MuJoCo's soft weld lets the hand trail behind. Here the joints that motors drive, and those
+    that carry what is welded to a mocap body, feel
 
         f_r + M (w^2 (q_r - q) + 2 w (v_r - v))
 

@@ -53,18 +53,18 @@ def along(body: str, direction: tuple[float, float, float]) -> Measure:
 TASKS = (
     Task("robosuite", "lift", "height of the cube", "m", height("cube_main"), (-0.05, 0, 0.95), 0.9, 60),
     Task("robosuite", "stack", "height of the upper cube", "m", height("cubeA_main"), (-0.05, 0, 0.95), 0.9, 60),
-    Task("robosuite", "nut", "way of the nut to its peg", "m", along("SquareNut_main", (1, 0, 0)), (0, 0.05, 0.95), 1.1, 50),
-    Task("robosuite", "door", "angle of the door", "rad", joint("Door_hinge"), (-0.2, -0.25, 1.05), 1.2, 60),
-    Task("metaworld", "assembly", "way of the nut to its peg", "m", along("RoundNut", (0, 1, 0)), (0.1, 0.65, 0.15), 1.0, 150),
+    Task("robosuite", "nut", "nut to its peg", "m", along("SquareNut_main", (1, 0, 0)), (0, 0.05, 0.95), 1.1, 50),
+    Task("robosuite", "door", "angle of the door", "rad", joint("Door_hinge"), (-0.2, -0.25, 1.05), 1.3, -40),
+    Task("metaworld", "assembly", "nut to its peg", "m", along("RoundNut", (0, 1, 0)), (0.1, 0.65, 0.15), 1, 150),
     Task("metaworld", "button-press", "depth of the button", "m", joint("btnbox_joint"), (0, 0.65, 0.15), 1.1, 130),
     Task("metaworld", "door-open", "angle of the door", "rad", joint("doorjoint"), (0.1, 0.75, 0.2), 1.3, 210),
     Task("metaworld", "drawer-open", "way of the drawer", "m", joint("goal_slidey"), (0, 0.7, 0.15), 1.1, 130),
     Task("metaworld", "handle-press", "way of the handle", "m", joint_of("handle_link"), (0, 0.7, 0.15), 1.1, 130),
     Task("metaworld", "lever-pull", "angle of the lever", "rad", joint("LeverAxis"), (0.05, 0.65, 0.2), 1.2, 130),
-    Task("metaworld", "peg-insert-side", "depth of the peg", "m", along("peg", (-1, 0, 0)), (-0.1, 0.6, 0.12), 1.0, 150),
-    Task("metaworld", "pick-place", "height of the puck", "m", height("obj"), (0, 0.7, 0.15), 1.0, 150),
+    Task("metaworld", "peg-insert-side", "depth of the peg", "m", along("peg", (-1, 0, 0)), (-0.1, 0.6, 0.12), 1, 150),
+    Task("metaworld", "pick-place", "height of the puck", "m", height("obj"), (0, 0.7, 0.15), 1, 150),
     Task("metaworld", "window-open", "way of the window", "m", joint("window_slide"), (0, 0.7, 0.2), 1.1, 150),
-)  # fmt: skip
+)
 
 
 def outcomes(task: Task, model: MjModel, qpos: Array) -> Array:

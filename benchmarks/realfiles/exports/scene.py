@@ -3,16 +3,17 @@
 import shutil
 import tempfile
 import xml.etree.ElementTree as ET
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-import mujoco  # pyright: ignore[reportMissingModuleSource]
+mujoco: Any = import_module("mujoco")  # most of it has no stubs
 
 
 def write_scene(model: Any, files: Path, folder: Path) -> None:
     """Writes `folder`, with the text, and its files beside it, numbered.
 
-    model: the last that was loaded, with the numbers that it has now; files: the folder to which its files are relative.
+    model: the last that was loaded, with its present numbers; files: the folder to which its files are relative.
     """
     with tempfile.TemporaryDirectory() as aside:
         text = Path(aside) / "scene.xml"

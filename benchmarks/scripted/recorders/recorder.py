@@ -1,13 +1,15 @@
 """What MuJoCo sees while a script is at work, written beside the scene."""
 
 import xml.etree.ElementTree as ET
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-import mujoco  # pyright: ignore[reportMissingModuleSource]
 import numpy as np
 
 from benchmarks.realfiles.exports.scene import write_scene
+
+mujoco: Any = import_module("mujoco")  # most of it has no stubs
 
 
 class Recorder:
@@ -33,7 +35,8 @@ class Recorder:
             self.rows[name].append(getattr(self.data, name).copy())
         write_scene(self.model, files, folder)
         give_inertias(folder / "scene.xml", self.model)
-        np.savez_compressed(folder / "motion.npz", **{name: np.array(rows) for name, rows in self.rows.items()})
+        arrays: dict[str, Any] = {name: np.array(rows) for name, rows in self.rows.items()}
+        np.savez_compressed(folder / "motion.npz", **arrays)
 
 
 def give_inertias(path: Path, model: Any) -> None:

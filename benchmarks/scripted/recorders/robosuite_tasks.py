@@ -15,6 +15,11 @@ FULL_POSITION, FULL_ROTATION = 0.05, 0.5  # [m], [rad]: what an action of 1 asks
 OPEN, CLOSED = -1.0, 1.0
 
 
+def above(place: Any, height: float) -> Any:
+    """The place (3) [m] so much higher."""
+    return place + np.array([0, 0, height])
+
+
 class Hand:
     """The Panda's, led from place to place; every step of physics is recorded."""
 
@@ -80,7 +85,7 @@ class Hand:
 
     def grasp(self, place: Any) -> None:
         """From above."""
-        self.go(place + [0, 0, 0.1], OPEN, 2.0)
+        self.go(above(place, 0.1), OPEN, 2.0)
         self.go(place, OPEN, 1.5)
         self.go(place, CLOSED, 0.7)
 
@@ -91,7 +96,7 @@ def lift() -> Hand:
     place, axes = hand.body("cube_main")
     hand.fingers_across(axes[:, 0])
     hand.grasp(place)
-    hand.go(place + [0, 0, 0.15], CLOSED, 1.5)
+    hand.go(above(place, 0.15), CLOSED, 1.5)
     return hand
 
 
@@ -102,11 +107,11 @@ def stack() -> Hand:
     hand.fingers_across(axes[:, 0])
     hand.grasp(place)
     goal, _ = hand.body("cubeB_main")
-    hand.go(place + [0, 0, 0.12], CLOSED, 1.0)
-    hand.go(goal + [0, 0, 0.12], CLOSED, 2.0)
-    hand.go(goal + [0, 0, 0.047], CLOSED, 1.5)
-    hand.go(goal + [0, 0, 0.047], OPEN, 0.5)
-    hand.go(goal + [0, 0, 0.15], OPEN, 1.0)
+    hand.go(above(place, 0.12), CLOSED, 1.0)
+    hand.go(above(goal, 0.12), CLOSED, 2.0)
+    hand.go(above(goal, 0.047), CLOSED, 1.5)
+    hand.go(above(goal, 0.047), OPEN, 0.5)
+    hand.go(above(goal, 0.15), OPEN, 1.0)
     return hand
 
 
@@ -118,15 +123,14 @@ def nut() -> Hand:
     handle = centre + 0.06 * axes[:, 0]
     hand.fingers_across(axes[:, 1])
     hand.grasp(handle)
-    hand.go(handle + [0, 0, 0.16], CLOSED, 1.5)
+    hand.go(above(handle, 0.16), CLOSED, 1.5)
     angle = np.arctan2(axes[1, 0], axes[0, 0])
     hand.turn(round(angle / (np.pi / 2)) * np.pi / 2 - angle, hand.rotation())
-    for above, seconds in ((0.14, 3.0), (0.06, 2.0)):
-        for _ in range(2):  # the nut may have turned in the fingers
-            now, _ = hand.body("SquareNut_main")
-            goal = np.append(peg[:2], peg[2] + above) + (hand.position() - now) * [1, 1, 0]
-            hand.go(goal, CLOSED, seconds / 2)
-    hand.go(goal, OPEN, 1.0)
+    for height, seconds in ((0.14, 1.5), (0.14, 1.5), (0.06, 1.0), (0.06, 1.0)):
+        now, _ = hand.body("SquareNut_main")  # it may have turned in the fingers
+        beside = (hand.position() - now) * [1, 1, 0]
+        hand.go(above(peg, height) + beside, CLOSED, seconds)
+    hand.go(hand.position(), OPEN, 1.0)
     return hand
 
 
