@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
-.PHONY: help train test asan tsan bench accuracy realfiles lint format build clean
+.PHONY: help train test asan tsan bench accuracy realfiles scripted lint format build clean
 
 TASK ?= PandaReach
 SEED ?= 0
@@ -44,6 +44,9 @@ accuracy: $(VENV)/.test $(VENV)/.installed  ## How right the physics is: a table
 
 realfiles: $(VENV)/.test $(VENV)/.installed  ## Real robots' files beside MuJoCo: build/realfiles.json (SAMPLE=60 for a part)
 	python -m benchmarks.realfiles --jobs $(JOBS) $(if $(SAMPLE),--sample $(SAMPLE),--composed) $(REALFILES)
+
+scripted: $(VENV)/.test $(VENV)/.installed  ## Tasks of robosuite and metaworld, replayed here and in MuJoCo: build/scripted.json
+	python -m benchmarks.scripted
 
 lint: $(VENV)/.test $(VENV)/.installed  ## All checks that run no program, with clang-tidy (slow)
 	tools/lint.sh --tidy

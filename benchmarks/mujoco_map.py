@@ -23,7 +23,7 @@ MjModel = Any
 MjData = Any
 
 FREE, BALL = int(mujoco.mjtJoint.mjJNT_FREE), int(mujoco.mjtJoint.mjJNT_BALL)
-XYZW = [1, 2, 3, 0]
+XYZW, WXYZ = [1, 2, 3, 0], [3, 0, 1, 2]
 
 
 def rotation(wxyz: Array) -> Array:
@@ -66,11 +66,19 @@ class Scene:
 
     def configuration(self, qpos: Array) -> Array:
         """Our q of MuJoCo's qpos."""
-        q = np.array(qpos)
+        return self.with_quaternions(qpos, XYZW)
+
+    def qpos(self, q: Array) -> Array:
+        """MuJoCo's qpos of our q."""
+        return self.with_quaternions(q, WXYZ)
+
+    def with_quaternions(self, q: Array, order: list[int]) -> Array:
+        """A copy in which they have that order."""
+        q = np.array(q)
         for kind, start in zip(self.mujoco.jnt_type, self.mujoco.jnt_qposadr, strict=True):
             if kind in (FREE, BALL):
                 at = start + (3 if kind == FREE else 0)
-                q[at : at + 4] = q[at : at + 4][XYZW]
+                q[at : at + 4] = q[at : at + 4][order]
         return q
 
     def velocity_map(self, qpos: Array) -> Array:

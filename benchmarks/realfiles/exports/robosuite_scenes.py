@@ -1,12 +1,12 @@
 """Writes the scenes of robosuite's environments, and the meshes they use, below the folder that is its argument."""
 
-import shutil
 import sys
 import traceback
-import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import robosuite  # pyright: ignore[reportMissingImports]
+
+from benchmarks.realfiles.exports.scene import write_scene
 
 ONE_ARM = ("Lift", "Stack", "Door", "NutAssembly", "PickPlace", "ToolHanging", "Wipe")
 TWO_ARMS = ("TwoArmLift", "TwoArmPegInHole", "TwoArmHandover", "TwoArmTransport")
@@ -29,21 +29,7 @@ def export(folder: Path, task: str, robots: str | list[str]) -> None:
         task, robots=robots, has_renderer=False, has_offscreen_renderer=False, use_camera_obs=False
     )
     environment.reset()
-    root = ET.fromstring(environment.sim.model.get_xml())
-    partial = folder / f"{name}.partial"
-    shutil.rmtree(partial, ignore_errors=True)
-    partial.mkdir(parents=True)
-    for element in root.iter():
-        source = element.get("file")
-        if source is not None:
-            own = f"{len(list(partial.iterdir()))}_{Path(source).name}"
-            shutil.copy(source, partial / own)
-            element.set("file", own)
-    for compiler in root.iter("compiler"):
-        for folders in ("meshdir", "texturedir", "assetdir"):
-            compiler.attrib.pop(folders, None)
-    ET.ElementTree(root).write(partial / "scene.xml")
-    partial.rename(folder / name)
+    write_scene(environment.sim.model._model, Path(), folder / name)
 
 
 def main() -> None:

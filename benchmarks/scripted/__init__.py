@@ -1,0 +1,1 @@
+"""Scripted tasks of other packages, recorded in MuJoCo and replayed in both programs."""
