@@ -40,6 +40,17 @@ const MjcfJoint& MjcfScene::joint(const MjcfElement& user, const char* attribute
   return find_part(joints, joint_names, user, attribute, "joint");
 }
 
+const MjcfTendon& MjcfScene::tendon(const MjcfElement& user, const char* attribute) const {
+  return find_part(tendons, tendon_names, user, attribute, "tendon");
+}
+
+const MjcfSite& MjcfScene::site(const MjcfElement& user, const char* attribute) const {
+  const std::string name = user.text(attribute);
+  const auto found = sites.find(name);
+  if (found == sites.end()) user.fail("there is no site " + in_quotes(name) + "; expected the name of a <site>");
+  return found->second;
+}
+
 std::size_t MjcfScene::geom(const MjcfElement& user, const char* attribute) const {
   return static_cast<std::size_t>(&find_part(geoms, geom_names, user, attribute, "geom") - geoms.data());
 }
@@ -56,9 +67,9 @@ void reserve_names(const MjcfElement& around, MjcfScene& scene) {
 }
 
 void note_unused_sections(const MjcfElement& root) {
-  static const std::set<std::string_view> kUsed{"compiler", "option",   "default",  "asset",   "worldbody",
-                                                "contact",  "equality", "actuator", "keyframe"};
-  static const std::set<std::string_view> kMoves{"tendon", "deformable", "extension"};
+  static const std::set<std::string_view> kUsed{"compiler", "option", "default",  "asset",    "worldbody",
+                                                "contact",  "tendon", "equality", "actuator", "keyframe"};
+  static const std::set<std::string_view> kMoves{"deformable", "extension"};
   root.expect({"model"},
               {"compiler", "option", "default", "asset", "worldbody", "contact", "equality", "actuator", "keyframe",
                "size", "visual", "statistic", "custom", "extension", "sensor", "tendon", "deformable"});
@@ -84,6 +95,7 @@ Model read_scene(MjcfSource& source, const MjcfOptions& options) {
   reserve_names(root, scene);
   read_world(scene);
   read_contacts(scene);
+  read_tendons(scene);
   read_equalities(scene);
   read_actuators(scene);
   read_keyframes(scene);
