@@ -18,13 +18,16 @@ BODIES = f"""
   <body name="arm" pos="0 0 1" euler="10 20 30"><joint name="a" axis="1 2 3" ref="0.2"/>{INERTIAL}
     <site name="on_arm" pos="0.1 0.1 0"/>
     <body name="wrist" pos="0.1 0 0.3"><joint name="w" type="slide" axis="0 1 1"/>{INERTIAL}
-      <body name="f1" pos="0 0.2 0"><joint name="f1" axis="1 0 0" ref="-0.1"/>{INERTIAL}<site name="s1" pos="0 0.1 0.1"/>
-        <body name="g1" pos="0 0.2 0"><joint name="g1" axis="1 0 0.3"/>{INERTIAL}<site name="t1" pos="0.1 0.2 0"/></body>
+      <body name="f1" pos="0 0.2 0"><joint name="f1" axis="1 0 0" ref="-0.1"/>{INERTIAL}
+        <site name="s1" pos="0 0.1 0.1"/>
+        <body name="g1" pos="0 0.2 0"><joint name="g1" axis="1 0 0.3"/>{INERTIAL}
+          <site name="t1" pos="0.1 0.2 0"/></body>
       </body>
       <body name="f2" pos="0 -0.2 0"><joint name="f2" axis="1 0 0"/>{INERTIAL}<site name="s2" pos="0 -0.1 0.1"/>
         <body name="g2" pos="0 -0.2 0"><joint name="g2" type="ball"/>{INERTIAL}<site name="t2" pos="0.1 0 0.2"/></body>
       </body></body></body>
-  <body name="free" pos="1 2 3" euler="30 20 10"><joint name="x" type="free"/>{INERTIAL}<site name="on_free" pos="0 0.2 0"/>
+  <body name="free" pos="1 2 3" euler="30 20 10"><joint name="x" type="free"/>{INERTIAL}
+    <site name="on_free" pos="0 0.2 0"/>
     <body name="e" pos="0 0.2 0"><joint name="e" axis="0 1 0"/>{INERTIAL}<site name="on_e" pos="0 0.2 0"/></body></body>
   <body name="other" pos="-1 0 1"><joint name="p" axis="0 1 0"/>{INERTIAL}<site name="on_p" pos="0.2 0 0.1"/></body>
 </worldbody>"""
@@ -33,12 +36,14 @@ TENDONS = """
 <tendon>
   <fixed name="chain" stiffness="40" springlength="0.3" damping="0.7" armature="0.05">
     <joint joint="a" coef="1.5"/><joint joint="w" coef="-2"/><joint joint="f1" coef="0.5"/></fixed>
-  <fixed name="branches" stiffness="30" damping="0.4"><joint joint="g1" coef="1"/><joint joint="f2" coef="-0.7"/></fixed>
+  <fixed name="branches" stiffness="30" damping="0.4"><joint joint="g1" coef="1"/>
+    <joint joint="f2" coef="-0.7"/></fixed>
   <fixed name="trees" stiffness="9" springlength="-0.2 0.3">
     <joint joint="p" coef="2"/><joint joint="e" coef="1"/><joint joint="a" coef="0.3"/></fixed>
   <spatial name="rope" stiffness="55" damping="0.9" armature="0.2"><site site="hook"/><site site="on_arm"/>
     <site site="s1"/><site site="t1"/></spatial>
-  <spatial name="between" stiffness="25" springlength="0.5 0.9" damping="0.3"><site site="t1"/><site site="t2"/></spatial>
+  <spatial name="between" stiffness="25" springlength="0.5 0.9" damping="0.3"><site site="t1"/>
+    <site site="t2"/></spatial>
   <spatial name="far" stiffness="15"><site site="on_e"/><site site="on_p"/><site site="s2"/><site site="on_free"/>
     </spatial>
   <spatial name="pulleys" stiffness="35" damping="0.2"><site site="hook"/><site site="s1"/>
@@ -56,7 +61,7 @@ ACTUATORS = """
 
 
 # Slow enough for a step of a millisecond.
-DAMPED = BODIES.replace('axis=', 'damping="0.5" axis=').replace('type="ball"', 'type="ball" damping="0.5"')
+DAMPED = BODIES.replace("axis=", 'damping="0.5" axis=').replace('type="ball"', 'type="ball" damping="0.5"')
 
 
 def scene_of(*sections: str) -> Scene:
@@ -162,7 +167,7 @@ def test_equations_between_tendons_close_and_stay_closed() -> None:
 
 
 def test_equations_accelerate_as_mujocos_dynamics_say() -> None:
-    """With equations alone: [M, -J^T; J, 0] [a; force] = [-bias; -rate of J times v], to the rounding of differences."""
+    """With equations alone: [M, -J^T; J, 0] [a; force] = [-bias; -rate of J times v], to what differences lose."""
     only = STIFF.replace('limited="true" range="-0.1 0.2" frictionloss="0.3"', "").replace('range="0 0.35"', "")
     scene, rng = scene_of(BODIES, only), np.random.default_rng(3)
     model, data = scene.mujoco, scene.data
@@ -185,7 +190,10 @@ def test_equations_accelerate_as_mujocos_dynamics_say() -> None:
         means, half = [], np.linalg.solve(M, J.T @ np.linalg.solve(J @ np.linalg.solve(M, J.T), bend / 2))
         for step in (1e-4, 5e-5):
             world = mh.World(scene.ours, step)
-            world.q, world.v = q, v + step * (G @ half)  # a step leaves positions right, and velocities half of one late
+            world.q, world.v = (
+                q,
+                v + step * (G @ half),
+            )  # a step leaves positions right, and velocities half of one late
             before = np.asarray(world.v)
             world.step()
             means.append((np.asarray(world.v) - before) / step)

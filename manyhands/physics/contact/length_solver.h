@@ -1,19 +1,23 @@
 // Lengths under their laws, beside the joints: a held length yields by a penalty about a multiplier, as held dofs of
-// constrained trees do, and M gains J^T penalty J. The multiplier follows the impulse until the length is as good as
-// rigid (the method of multipliers).
+// constrained trees do, and M gains J^T penalty J. Where nothing touches its trees, the multiplier follows the impulse
+// until the length is as good as rigid (the method of multipliers).
 #pragma once
 
 #include "manyhands/physics/contact/factors.h"
 
 namespace manyhands::internal {
 
-/// Whether length k is held, and not a drive that gives way by its own law.
+/// Whether length i - nv is held rigidly: not by a drive, which gives way by its own law, and where nothing touches its
+/// trees.
 template <Number T>
 MANYHANDS_INLINE mask_t<T> is_rigid_length(const ContactProblem<T>& problem, const Factors<T>& factors, T state,
                                            std::size_t i) {
+  const std::vector<int>& dofs = problem.tree->lengths[i - index(problem.tree->nv)].dofs;
+  if (dofs.empty()) return mask_t<T>(false);
   const bool drive = problem.tree->dof_drive[i] >= 0;
   const T zero = constant<T>(0);
-  return (factors.penalty[i] > zero) & (mask_t<T>(!drive) | (state != zero));
+  return (factors.penalty[i] > zero) & (mask_t<T>(!drive) | (state != zero)) &
+         (problem.joints.constrained[index(dofs.front())] == zero);
 }
 
 /// What length k's law gives where it changes by `change`.

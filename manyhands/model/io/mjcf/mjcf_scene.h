@@ -131,6 +131,8 @@ struct MjcfPlaced {
 /// Adds the joints between a parent link and a new body; returns the body's link.
 [[nodiscard]] LinkId add_joints(MjcfScene& scene, MjcfBody& body, LinkId parent, const Transform<double>& X_PB,
                                 const std::vector<MjcfPlaced>& joints);
+/// A coefficient that recent files may give as a polynomial, of which the linear part counts.
+[[nodiscard]] double linear_part(const MjcfElement& e, const char* attribute);
 /// Whether it has the range: by `limited`, or on its own where autolimits is true.
 [[nodiscard]] bool is_limited(const MjcfScene& scene, const MjcfElement& e, const char* range, const char* limited);
 /// condim: 1, 3, 4 or 6.

@@ -104,7 +104,7 @@ void read_spring(const MjcfElement& e, double length, Tendon& tendon) {
   if (rest[0] == -1 && rest[1] == -1) rest = {length, length};
   tendon.spring_lower = rest[0];
   tendon.spring_upper = rest[1];
-  tendon.stiffness = e.positive_or("stiffness", 0);
+  tendon.stiffness = linear_part(e, "stiffness");
 }
 
 void read_tendon(MjcfScene& scene, const MjcfElement& element, const std::string& name) {
@@ -144,9 +144,9 @@ void read_tendon(MjcfScene& scene, const MjcfElement& element, const std::string
   }
   read.length = lengths->start;
   read_spring(e, lengths->rest, tendon);
-  tendon.damping = e.positive_or("damping", 0);
+  tendon.damping = linear_part(e, "damping");
   tendon.armature = e.positive_or("armature", 0);
-  tendon.friction = e.positive_or("frictionloss", 0);
+  tendon.friction = linear_part(e, "frictionloss");
   if (is_limited(scene, e, "range", "limited")) {
     const std::vector<double> range = e.numbers("range", 2, 2);
     if (range[0] > -kMjcfUnlimited) tendon.lower = range[0];

@@ -104,12 +104,29 @@ class EqualityWriter {
     set(node, "polycoef", std::array{offset, e.ratio, 0.0, 0.0, 0.0});
   }
 
-  /// MuJoCo counts both tendons from their lengths at the start, which may differ from the references by rounding.
+  /// MuJoCo counts both tendons from their lengths at the start.
   void write_tendon(const EqualityConstraint& e) {
     pugi::xml_node node = add("tendon", e.name);
-    set(node, "tendon1", writer_.model.tendons()[e.tendon_b.index()].name);
-    if (e.tendon_a.is_valid()) set(node, "tendon2", writer_.model.tendons()[e.tendon_a.index()].name);
-    set(node, "polycoef", e.polynomial);
+    const Tendon& b = writer_.model.tendons()[e.tendon_b.index()];
+    set(node, "tendon1", b.name);
+    std::array<double, 5> c = e.polynomial;
+    if (e.tendon_a.is_valid()) {
+      const Tendon& a = writer_.model.tendons()[e.tendon_a.index()];
+      set(node, "tendon2", a.name);
+      shift(beyond_rounding(length_at_start(writer_, a), e.reference_a), c);
+    }
+    c[0] -= beyond_rounding(length_at_start(writer_, b), e.reference_b);
+    set(node, "polycoef", c);
+  }
+
+  /// a - b, or 0 where that is rounding.
+  static double beyond_rounding(double a, double b) { return std::abs(a - b) < 1e-12 * (1 + std::abs(a)) ? 0 : a - b; }
+
+  /// The polynomial of x + d.
+  static void shift(double d, std::array<double, 5>& c) {
+    for (std::size_t i = 0; i + 1 < c.size(); ++i) {
+      for (std::size_t k = c.size() - 1; k-- > i;) c[k] += d * c[k + 1];
+    }
   }
 
   MjcfWriter& writer_;

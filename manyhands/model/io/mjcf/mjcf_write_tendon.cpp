@@ -45,6 +45,21 @@ void write_tendon(MjcfWriter& writer, pugi::xml_node section, const Tendon& tend
 
 }  // namespace
 
+double length_at_start(const MjcfWriter& writer, const Tendon& tendon) {
+  double length = 0;
+  for (const TendonJoint& part : tendon.joints) {
+    const std::vector<double>& initial = writer.model.joint(part.joint).initial;
+    length += part.coefficient * (initial.empty() ? 0 : initial[0]);
+  }
+  for (const TendonBranch& branch : tendon.branches) {
+    for (std::size_t k = 1; k < branch.points.size(); ++k) {
+      const auto at = [&](const TendonPoint& point) { return writer.place_of(point.link).X_WB * point.p_L; };
+      length += norm(at(branch.points[k]) - at(branch.points[k - 1])) / branch.divisor;
+    }
+  }
+  return length;
+}
+
 void write_tendons(MjcfWriter& writer) {
   if (writer.model.tendons().empty()) return;
   pugi::xml_node section = writer.root.append_child("tendon");

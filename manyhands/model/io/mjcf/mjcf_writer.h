@@ -57,6 +57,8 @@ void write_pose(pugi::xml_node node, const Transform<double>& X);
 [[nodiscard]] std::string site_at(MjcfWriter& writer, LinkId link, const Transform<double>& X,
                                   const std::string& wanted);
 [[nodiscard]] std::string site_at(MjcfWriter& writer, LinkId link, const Vec3<double>& p, const std::string& wanted);
+/// Where its readers find the length of a tendon at the start.
+[[nodiscard]] double length_at_start(const MjcfWriter& writer, const Tendon& tendon);
 /// wxyz: the only place where MJCF's order is made.
 [[nodiscard]] std::array<double, 4> wxyz(const Quat<double>& q);
 
