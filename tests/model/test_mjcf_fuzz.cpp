@@ -84,7 +84,7 @@ TEST(MjcfFuzz, ScenesLoadOrGiveTheOneError) {
 TEST(MjcfFuzz, TheSeedItselfLoads) {
   const LoadedModel loaded = load_scene(std::string(kScene));
   EXPECT_EQ(loaded.model.nq(), 13);
-  EXPECT_EQ(loaded.model.nu(), 3);
+  EXPECT_EQ(loaded.model.nu(), 4);
 }
 
 }  // namespace

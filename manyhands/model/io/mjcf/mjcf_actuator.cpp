@@ -168,10 +168,10 @@ int add_actuator(MjcfScene& scene, const MjcfElement& e, const std::string& name
     return -1;
   }
   const double gear = first_number(e, "gear", 1);
-  if (gear == 0) e.fail("its gear is 0; expected another number");
   Actuator actuator{.name = name, .gear = gear};
   const std::optional<double> inertia = read_transmission(scene, e, actuator);
   if (!inertia) return -1;
+  if (gear == 0) e.fail("its gear is 0; expected another number");
   e.expect({"name",      "class",       "joint",        "jointinparent", "tendon",  "gear",
             "ctrlrange", "ctrllimited", "forcerange",   "forcelimited",  "kp",      "kv",
             "dampratio", "timeconst",   "inheritrange", "gaintype",      "gainprm", "biastype",
