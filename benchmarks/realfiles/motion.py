@@ -15,6 +15,7 @@ from benchmarks.realfiles.statics import Difference
 CHUNK = 0.1  # [s] simulated by one program, then by the other
 REST = 1e-3  # [m]
 SAME = 1e-2  # [m] within which both have settled in one place: what stood on its tip may have fallen otherwise
+SLOW = 1e-3  # [rad/s or m/s] that no dof exceeds at rest: what rolls, or begins to fall off its tip, does not rest
 LAST = 0.2  # the part of a run, at its end, in which what has settled rests
 # What counts as an explosion: a speed, or a kinetic energy, that MuJoCo's stays below by so much.
 TIMES_SPEED, TIMES_ENERGY = 100.0, 1000.0
@@ -32,6 +33,7 @@ class Run:
     out_of_time: bool = False
     speed: float = 0.0
     their_speed: float = 0.0
+    their_last_speed: float = 0.0  # of MuJoCo, at the end
     energy: float = 0.0  # [J] kinetic
     their_energy: float = 0.0
     moved: float = 0.0  # [m] farthest of any body from its start
@@ -53,7 +55,11 @@ class Run:
     def rests(self) -> bool:
         """Whether MuJoCo's scene rests, from the start, or at the end where ours has settled too."""
         whole = not (self.exploded or self.unstable or self.out_of_time)
-        return whole and (self.they_moved <= REST or (self.they_drifted <= REST and self.apart <= SAME))
+        return (
+            whole
+            and self.their_last_speed <= SLOW
+            and (self.they_moved <= REST or (self.they_drifted <= REST and self.apart <= SAME))
+        )
 
     @property
     def restless(self) -> str:
@@ -108,7 +114,8 @@ class Pair:
         """Speeds, energies and warnings now."""
         v, theirs = self.world.v, self.scene.velocity_map(self.data.qpos) @ self.data.qvel
         run.speed = max(run.speed, float(np.max(np.abs(v), initial=0.0)))
-        run.their_speed = max(run.their_speed, float(np.max(np.abs(theirs), initial=0.0)))
+        run.their_last_speed = float(np.max(np.abs(theirs), initial=0.0))
+        run.their_speed = max(run.their_speed, run.their_last_speed)
         run.energy = max(run.energy, self.world.energy()[0])
         mujoco.mj_energyVel(self.scene.mujoco, self.data)
         run.their_energy = max(run.their_energy, float(self.data.energy[1]))

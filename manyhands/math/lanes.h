@@ -1,4 +1,5 @@
-// Lanes<float, W>: W worlds in one SIMD register, on the compiler's vector extension (no intrinsics).
+// Lanes<float, W>: W worlds in one SIMD register, on the compiler's vector extension (no intrinsics). Lanes<double, 4>,
+// with which tables are searched, has what needs no builtin: arithmetic, comparisons and load.
 #pragma once
 
 #include <cstring>
@@ -25,6 +26,11 @@ template <>
 struct VectorOf<float, 16> {
   using real __attribute__((vector_size(64))) = float;
   using bits __attribute__((vector_size(64))) = std::int32_t;
+};
+template <>
+struct VectorOf<double, 4> {
+  using real __attribute__((vector_size(32))) = double;
+  using bits __attribute__((vector_size(32))) = std::int64_t;
 };
 
 /// One truth value per lane: all bits set or none. Deliberately without a conversion to bool: use any, all, none.
@@ -148,15 +154,15 @@ MANYHANDS_INLINE Lanes<float, W> mantissa(Lanes<float, W> a) {
 
 template <class R, int W>
 MANYHANDS_INLINE bool any(LaneMask<R, W> m) {
-  return internal::vector_any(m.bits);
-}
-template <class R, int W>
-MANYHANDS_INLINE bool all(LaneMask<R, W> m) {
-  return !internal::vector_any(~m.bits);
+  return internal::vector_any(std::bit_cast<typename VectorOf<float, sizeof(m.bits) / sizeof(float)>::bits>(m.bits));
 }
 template <class R, int W>
 MANYHANDS_INLINE bool none(LaneMask<R, W> m) {
   return !any(m);
+}
+template <class R, int W>
+MANYHANDS_INLINE bool all(LaneMask<R, W> m) {
+  return none(!m);
 }
 
 // ---- memory and lanes ------------------------------------------------------------------------------------------

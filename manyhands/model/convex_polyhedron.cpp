@@ -11,6 +11,7 @@
 #include <set>
 
 #include "manyhands/model/model.h"
+#include "manyhands/model/support_vertex.h"
 
 namespace manyhands {
 namespace {
@@ -266,6 +267,7 @@ ConvexPolyhedron convex_polyhedron(std::span<const Vec3<double>> points) {
   FaceMerger(hull, triangles, kCoplanar * extent).merge();
   connect(triangles, hull);
   measure(triangles, hull);
+  hull.support = support_table(hull);
   return hull;
 }
 

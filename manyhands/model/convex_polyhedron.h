@@ -1,6 +1,7 @@
 // Convex hulls of point clouds as solids, with what collision asks of them.
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -26,6 +27,21 @@ struct FacePlane {
   double offset{};        ///< [m]
 };
 
+/// Where to look for the vertex farthest along a direction; see `support_vertex`. Empty for hulls of a few vertices.
+struct SupportTable {
+  static constexpr std::size_t kRow = 4;
+
+  /// Neighbours of a vertex, side by side; the last one again where there are fewer.
+  struct Row {
+    std::array<double, kRow> x, y, z;
+    std::array<int, kRow> vertex;
+  };
+  std::size_t side = 0;      ///< directions are sorted into side x side cells
+  std::vector<int> start{};  ///< for each cell, the vertex farthest along its middle
+  std::vector<Row> rows{};   ///< those of vertex i are rows[first_row[i]] .. rows[first_row[i + 1] - 1]
+  std::vector<int> first_row{};
+};
+
 /// A closed convex polyhedron, immutable once built. Lengths are in metres, in the axes of the points.
 struct ConvexPolyhedron {
   std::vector<Vec3<double>> vertices{};
@@ -36,6 +52,7 @@ struct ConvexPolyhedron {
   Vec3<double> centre{};            ///< centroid of the volume
   double volume{};                  ///< [m^3]
   double bound{};                   ///< largest distance of a vertex from the origin [m]
+  SupportTable support{};
 };
 
 /// The hull of `points` (Qhull: Barber, Dobkin and Huhdanpaa, The Quickhull Algorithm for Convex Hulls, ACM TOMS 1996).

@@ -79,6 +79,7 @@ enum class ActuatorType {
 };
 
 /// A drive on a joint of one degree of freedom, or on a tendon, whose length is its q; commanded by one number, `ctrl`.
+/// Drives of one joint or tendon add up, and so do their bounds.
 struct Actuator {
   std::string name{};
   ActuatorType type = ActuatorType::kForce;

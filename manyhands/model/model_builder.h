@@ -58,6 +58,7 @@ class ModelBuilder {
   [[nodiscard]] Joint& joint(JointId id) { return joints_[id.index()]; }
   [[nodiscard]] const std::vector<Tendon>& tendons() const { return tendons_; }
   [[nodiscard]] Tendon& tendon(TendonId id) { return tendons_[id.index()]; }
+  [[nodiscard]] const std::vector<Actuator>& actuators() const { return actuators_; }
   [[nodiscard]] Actuator& actuator(ActuatorId id) { return actuators_[id.index()]; }
   [[nodiscard]] const std::vector<Geom>& geoms() const { return geoms_; }
   [[nodiscard]] Geom& geom(GeomId id) { return geoms_[id.index()]; }

@@ -123,6 +123,18 @@ INSTANTIATE_TEST_SUITE_P(
         Malformed{"ShortKey", one_body("<joint/>", "<keyframe><key qpos=\"1 2\"/></keyframe>"),
                   "key 'key_0': attribute 'qpos' of <key> holds '1 2'"},
         Malformed{"IncludeOfNothing", mujoco("<include/>"), "s.xml:2: <include> of '': attribute 'file' is missing"},
+        Malformed{"AttachOfNothing", mujoco("<worldbody><attach body=\"b\"/></worldbody>"),
+                  "s.xml:2: <attach> of '': expected the name of a <model> in <asset>"},
+        Malformed{"ModelWithoutFile", mujoco("<asset><model name=\"m\"/></asset>"),
+                  "s.xml:2: <model> 'm': attribute 'file' is missing"},
+        Malformed{"AttachOfNoFile",
+                  mujoco("<asset><model file=\"none.xml\"/></asset><worldbody>\n<attach model=\"none\"/></worldbody>"),
+                  "s.xml:3: <attach> of 'none.xml': there is no file"},
+        Malformed{"TooManyKeys", mujoco("<size nkey=\"99999\"/>"), "nkey is 99999; expected at most 10000"},
+        Malformed{"FittedAlongALine",
+                  asset("<mesh name=\"m\" vertex=\"0 0 0 1 0 0 0 1 0 0 0 1\"/>",
+                        "type=\"capsule\" mesh=\"m\" fromto=\"0 0 0 0 0 1\""),
+                  "'fromto' places no shape that is fitted to a mesh"},
         Malformed{"IncludeOfNoFile", mujoco("<include file=\"none.xml\"/>"),
                   "<include> of 'none.xml': there is no file"}),
     [](const auto& of) { return of.param.name; });
@@ -149,6 +161,55 @@ TEST(MjcfErrors, FilesOutsideTheFolderAreRefused) {
   const auto scene = folder.write("inside/scene.xml", mujoco("<include file=\"../part.xml\"/>"));
   EXPECT_THROW((void)load_mjcf(scene), MjcfError);
   EXPECT_NO_THROW((void)load_mjcf(scene, {.allow_outside_package = true}));
+}
+
+std::string attaches(const std::string& file, const std::string& attributes) {
+  return mujoco("<asset><model name=\"m\" file=\"" + file + "\"/></asset><worldbody>\n<attach model=\"m\" " +
+                attributes + "/></worldbody>");
+}
+
+TEST(MjcfErrors, AttachedModelsSayWhatIsWrongInTheirOwnFile) {
+  const ScratchFolder folder;
+  const auto error = [&](const std::string& part, const std::string& attributes) -> std::string {
+    folder.write("parts/part.xml", part);
+    try {
+      (void)load_mjcf(folder.write("scene.xml", attaches("parts/part.xml", attributes)));
+    } catch (const MjcfError& what) {
+      return what.what();
+    }
+    return "";
+  };
+  const std::string part = mujoco("<worldbody><body name=\"b\">\n<geom size=\"1\"/></body></worldbody>");
+  EXPECT_EQ(error(part, "body=\"b\" prefix=\"x-\""), "");
+  EXPECT_PRED2(contains, error(part, "body=\"c\""), "scene.xml:3: <attach>: there is no body 'c' in ");
+  EXPECT_PRED2(contains, error(mujoco("<worldbody>\n<geom size=\"-1\"/></worldbody>"), "prefix=\"x-\""),
+               "part.xml:3: geom");
+  EXPECT_PRED2(contains, error(mujoco("<worldbody>"), ""), "part.xml:3: not well-formed XML");
+  EXPECT_PRED2(contains, error(attaches("part.xml", ""), ""),
+               "models are nested more than 16 deep; does it attach itself?");
+  EXPECT_PRED2(contains,
+               error(mujoco("<asset><mesh name=\"m\" file=\"../../out.stl\"/></asset><worldbody>"
+                            "<geom type=\"mesh\" mesh=\"m\"/></worldbody>"),
+                     ""),
+               "lies outside");
+}
+
+TEST(MjcfErrors, ModelsThatAttachTwiceAsManyEachAreRefused) {
+  const ScratchFolder folder;
+  for (int i = 0; i < 12; ++i) {
+    const std::string next = "m" + std::to_string(i + 1);
+    folder.write("m" + std::to_string(i) + ".xml",
+                 mujoco("<asset><model name=\"m\" file=\"" + next +
+                        ".xml\"/></asset><worldbody>"
+                        "<attach model=\"m\" prefix=\"a\"/><attach model=\"m\" prefix=\"b\"/></worldbody>"));
+  }
+  folder.write("m12.xml", "<mujoco/>");
+  try {
+    (void)load_mjcf(folder.path() / "m0.xml");
+    FAIL();
+  } catch (const MjcfError& error) {
+    EXPECT_PRED2(contains, error.what(), "more is attached than 1000 models");
+  }
 }
 
 TEST(MjcfErrors, AFileIsIncludedOnce) {

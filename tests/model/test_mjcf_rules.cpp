@@ -299,6 +299,46 @@ TEST(MjcfRules, TendonsWithoutWhatTheyNeedAreErrors) {
   refused(fixed + fixed);
 }
 
+TEST(MjcfRules, BoundedServosOfOneJointAreNoted) {
+  const auto notes = [](const std::string& actuators) {
+    const LoadReport report =
+        load_scene(one_body("<joint name=\"j\"/>", "<actuator>" + actuators + "</actuator>")).report;
+    return count_notes(report, LoadAction::kRepaired, "actuator", "another servo drives its joint");
+  };
+  const std::string free = "<position joint=\"j\" kp=\"1\"/>", bounded = "<velocity joint=\"j\" forcerange=\"-1 1\"/>";
+  EXPECT_EQ(notes(free + free), 0);
+  EXPECT_EQ(notes(bounded + "<motor joint=\"j\" forcerange=\"-1 1\"/>"), 0);
+  EXPECT_EQ(notes(free + bounded), 1);
+  EXPECT_EQ(notes(bounded + bounded), 1);
+  const std::string pulls = "<position tendon=\"t\" forcerange=\"-1 1\"/>";
+  const LoadReport report = load_scene(one_body("<joint name=\"j\"/>",
+                                                "<tendon><fixed name=\"t\"><joint joint=\"j\" coef=\"1\"/></fixed>"
+                                                "</tendon><actuator>" +
+                                                    pulls + pulls + bounded + "</actuator>"))
+                                .report;
+  EXPECT_EQ(count_notes(report, LoadAction::kRepaired, "actuator", "another servo drives its tendon"), 1);
+  EXPECT_EQ(count_notes(report, LoadAction::kRepaired, "actuator", "another servo drives its joint"), 0);
+}
+
+TEST(MjcfRules, HullsThatMuJoCoWouldMakeCoarserAreNoted) {
+  const auto notes = [](const std::string& most) {
+    const std::string cube = "-1 -1 -1 1 -1 -1 -1 1 -1 1 1 -1 -1 -1 1 1 -1 1 -1 1 1 1 1 1";
+    const LoadReport report = load_scene(mujoco("<asset><mesh name=\"m\" vertex=\"" + cube + "\" " + most +
+                                                "/></asset>" + world("<geom type=\"mesh\" mesh=\"m\"/>")))
+                                  .report;
+    return std::ranges::count_if(report.notes, &LoadNote::serious);
+  };
+  EXPECT_EQ(notes(""), 0);
+  EXPECT_EQ(notes("maxhullvert=\"8\""), 0);
+  EXPECT_EQ(notes("maxhullvert=\"6\""), 1);
+  EXPECT_EQ(notes("maxhullvert=\"-1\""), 0);
+}
+
+TEST(MjcfRules, ADocumentTypeIsPassedOverUnlessItDeclaresSomething) {
+  EXPECT_EQ(scene_error("<!DOCTYPE mujoco SYSTEM \"mujoco.dtd\">" + mujoco("")), "");
+  EXPECT_PRED2(contains, scene_error("<!DOCTYPE mujoco [<!ENTITY a \"1\">]>" + mujoco("")), "declares entities");
+}
+
 TEST(MjcfRules, EqualitiesThatCannotBeLoopsAreNoted) {
   const auto [model, report] =
       load_scene(one_body("<joint name=\"j\"/><joint name=\"k\" axis=\"1 0 0\"/>",

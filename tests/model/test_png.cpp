@@ -1,4 +1,4 @@
-// Pictures made by zlib: every kind of its blocks, filters, interlacing, and thousands of damaged ones.
+// Pictures made by zlib: filters, interlacing, the budget of pixels, and thousands of damaged ones.
 #include <gtest/gtest.h>
 
 #include <charconv>
@@ -75,13 +75,38 @@ TEST(Png, NothingBeyondTheBudgetIsRead) {
   EXPECT_THROW((void)read_png(wider, std::size_t{1} << 62), ImageError);  // its data are far fewer
 }
 
+std::uint32_t check_sum(std::string_view bytes) {  // CRC-32 of PNG, annex D
+  std::uint32_t sum = 0xffffffff;
+  for (const char c : bytes) {
+    sum ^= static_cast<std::uint8_t>(c);
+    for (int bit = 0; bit < 8; ++bit) sum = (sum & 1) != 0 ? 0xedb88320 ^ (sum >> 1) : sum >> 1;
+  }
+  return ~sum;
+}
+
+/// The picture with the check sums that its chunks should have: else nothing behind them would be looked at.
+std::string with_check_sums(std::string png) {
+  for (std::size_t at = 8; at + 12 <= png.size();) {
+    std::size_t length = 0;
+    for (std::size_t i = 0; i < 4; ++i) length = length << 8 | static_cast<std::uint8_t>(png[at + i]);
+    if (length > png.size() - at - 12) break;
+    const std::uint32_t sum = check_sum(std::string_view(png).substr(at + 4, length + 4));
+    for (std::size_t i = 0; i < 4; ++i) png[at + 8 + length + i] = static_cast<char>(sum >> (24 - 8 * i));
+    at += 12 + length;
+  }
+  return png;
+}
+
 TEST(PngFuzz, PicturesLoadOrGiveTheOneError) {
+  int read = 0;
   for (const std::string_view hex : {kFiltered, kInterlaced, kDynamic}) {
-    expect_read_or_refused<ImageError>(bytes_of(hex), rounds(6000), [](const std::string& mutant) {
-      const GreyImage image = read_png(mutant, kMost);
+    expect_read_or_refused<ImageError>(bytes_of(hex), rounds(6000), [&](const std::string& mutant) {
+      const GreyImage image = read_png(with_check_sums(mutant), kMost);
       ASSERT_EQ(image.values.size(), image.width * image.height);
+      ++read;
     });
   }
+  EXPECT_GT(read, 100);
 }
 
 }  // namespace

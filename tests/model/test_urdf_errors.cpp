@@ -36,7 +36,7 @@ INSTANTIATE_TEST_SUITE_P(
         Malformed{"Unclosed", "<robot name=\"r\">\n<link name=\"a\">\n</robot>", "r.urdf:3: not well-formed XML"},
         Malformed{"OtherRoot", "<sdf/>", "r.urdf:1: robot: the root element is <sdf>; expected <robot"},
         Malformed{"TwoRobots", robot(link("a")) + "\n<robot/>", "r.urdf:5: a second root element <robot>"},
-        Malformed{"Doctype", "<!DOCTYPE robot [<!ENTITY a \"b\">]>" + robot(link("a")), "document type declaration"},
+        Malformed{"Doctype", "<!DOCTYPE robot [<!ENTITY a \"b\">]>" + robot(link("a")), "declares entities"},
         Malformed{"TwiceAttribute", robot("<link name=\"a\" name=\"b\"/>"),
                   "r.urdf:2: <link> has the attribute 'name' twice"},
         Malformed{"TooDeep", deep(1000), "deep; expected at most 128"},

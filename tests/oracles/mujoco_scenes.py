@@ -34,7 +34,7 @@ SCENES = {
     <velocity name="v" joint="slide" kv="7"/>
     <general name="g1" joint="shoulder" gainprm="50" biastype="affine" biasprm="0 -50 -4"/>
     <general name="g2" joint="elbow" gainprm="2.5" gear="2"/>
-    <general name="g3" joint="elbow" gainprm="6" biastype="affine" biasprm="0 0 -6"/>
+    <general name="g3" joint="slide" gainprm="6" biastype="affine" biasprm="0 0 -6"/>
     <position name="damped" joint="shoulder" kp="30" dampratio="0.7"/>
     <position name="damped2" joint="slide" kp="30" dampratio="1" gear="3" inheritrange="0.9"/>
   </actuator>
@@ -195,12 +195,68 @@ SCENES = {
       <inertial pos="0.1 0.2 0.3" mass="2" fullinertia="0.02 0.05 0.06 0.01 0.002 -0.003"/></body>
     <body name="forces" pos="0 0 2"><joint actuatorfrcrange="-3 3"/><geom size="0.1"/></body>
   </worldbody></mujoco>""",
+    "bounds of nothing": f"""
+<mujoco><compiler boundmass="0.2" boundinertia="0.01"/><worldbody><frame pos="0 0 3">
+    <body name="empty" pos="1 2 3" euler="30 40 50"><freejoint/></body></frame>
+    <body name="ghost" pos="0.1 0 1"><joint axis="0 1 0"/><geom size="0.1" mass="0" pos="1 0 0"/>
+      <body name="placed" pos="0 0.2 0"><joint/><inertial pos="0.1 0 0" mass="0" diaginertia="0 0 0"/>
+        <body name="fixed" pos="0 0.3 0.1"><body name="last" pos="1 0 0"><joint/>{INERTIAL}</body></body></body></body>
+  </worldbody></mujoco>""",
+    "aligned": f"""
+<mujoco><compiler alignfree="true"/><worldbody>
+    <body name="two" pos="1 2 3" euler="-150 140 -30"><freejoint/><site name="s" pos="1 1 1"/>
+      <geom type="box" size=".1 .2 .3" pos=".1 .2 .3" quat="1 2 3 4"/><geom size=".1" pos="1 0 0"/></body>
+    <body name="one" pos="1 2 4"><joint type="free"/><frame euler="0 0 30">
+      <geom type="box" size=".1 .3 .2" pos=".1 .2 .3" quat="1 0.2 0.3 0.4"/></frame><geom size=".1" mass="0"/></body>
+    <body name="given" pos="1 2 6"><freejoint/><geom size=".1"/><site name="t" euler="0 0 90"/>
+      <inertial pos=".3 .2 .1" quat="1 0.5 0 0" mass="1" diaginertia="1 2 2.5"/></body>
+    <body name="full" pos="1 2 7"><freejoint/><geom size=".1"/>
+      <inertial pos=".3 .2 .1" mass="1" fullinertia="1 2 2.5 0.1 0.2 0.3"/></body>
+    <body name="left" pos="1 2 8"><freejoint align="false"/>{INERTIAL}<geom size=".1"/></body>
+    <body name="parent" pos="1 2 9"><freejoint/>{INERTIAL}<body pos="0 0 1"><geom size=".1"/></body></body>
+  </worldbody><equality><connect body1="two" body2="one" anchor="0.1 0 0"/></equality></mujoco>""",
+    "aligned one by one": """
+<mujoco><worldbody>
+    <body pos="1 2 3"><freejoint/><geom type="box" size=".1 .2 .3" pos=".1 .2 .3"/></body>
+    <body pos="1 2 4"><freejoint align="true"/><geom type="box" size=".1 .2 .3" pos=".1 .2 .3" euler="10 20 30"/></body>
+  </worldbody></mujoco>""",
     "names": f"""
 <mujoco><worldbody><site/><site name="arm"/>
     <body pos="1 0 0"><joint/><joint axis="1 0 0"/>{INERTIAL}<geom size="0.1"/>
       <body name="arm" pos="1 0 0"><joint name="body_1_fixed" pos="0 0 1"/>{INERTIAL}</body></body>
     <body name="body_1_joint_0" pos="2 0 0"><joint name="joint_1" pos="1 0 0"/>{INERTIAL}
       <geom name="geom_2" size="0.1"/></body></worldbody></mujoco>""",
+}
+
+# Poses that follow from meshes, whose vertices are float32.
+FROM_MESHES = {
+    "fitted": """
+<mujoco><asset><mesh name="m" vertex="0 0 0  1 0.1 0  0.2 2 0.3  0.1 0.2 0.7  0.9 1.1 0.4"/>
+    <mesh name="shell" inertia="shell" vertex="0 0 0  1 0.1 0  0.2 2 0.3  0.1 0.2 0.7  0.9 1.1 0.4"/>
+    <mesh name="small" scale="0.01 0.01 0.01" vertex="0 0 0  1 0.1 0  0.2 2 0.3  0.1 0.2 0.7  0.9 1.1 0.4"/>
+    <mesh name="cube" vertex="-1 -1 -1 1 -1 -1 -1 1 -1 1 1 -1 -1 -1 1 1 -1 1 -1 1 1 1 1 1"/></asset><worldbody>
+    <body name="a" pos="0 0 1"><freejoint/><geom type="sphere" mesh="m"/></body>
+    <body name="b" pos="0 0 2"><freejoint/><geom type="capsule" mesh="m" fitscale="1.5" pos="1 2 3"
+      euler="10 20 30"/></body>
+    <body name="c" pos="0 0 3"><freejoint/><geom type="cylinder" mesh="m"/><geom type="box" mesh="small"/></body>
+    <body name="d" pos="0 0 4"><freejoint/><geom type="ellipsoid" mesh="shell" density="100"/></body>
+    <body name="e" pos="0 0 5"><freejoint/><geom type="box" mesh="m" mass="3" shellinertia="true"/></body>
+    <body name="f" pos="0 0 6"><freejoint/><geom type="capsule" mesh="cube"/></body>
+  </worldbody></mujoco>""",
+    "fitted to boxes": """
+<mujoco><compiler fitaabb="true"/><asset><mesh name="m" vertex="0 0 0  1 0.1 0  0.2 2 0.3  0.1 0.2 0.7  0.9 1.1 0.4"/>
+    </asset><worldbody>
+    <body name="a" pos="0 0 1"><freejoint/><geom type="sphere" mesh="m"/></body>
+    <body name="b" pos="0 0 2"><freejoint/><geom type="capsule" mesh="m" fitscale="1.5" pos="1 2 3"
+      euler="10 20 30"/></body>
+    <body name="c" pos="0 0 3"><freejoint/><geom type="cylinder" mesh="m"/></body>
+    <body name="d" pos="0 0 4"><freejoint/><geom type="ellipsoid" mesh="m" density="100"/></body>
+    <body name="e" pos="0 0 5"><freejoint/><geom type="box" mesh="m" mass="3"/></body>
+  </worldbody></mujoco>""",
+    "aligned mesh": """
+<mujoco><compiler alignfree="true"/><asset><mesh name="m" vertex="0 0 0  1 0.1 0  0.2 2 0.3  0.1 0.2 0.7  0.9 1.1 0.4"/>
+    </asset><worldbody><body pos="1 2 5" euler="-150 140 -30"><freejoint/><site name="s" pos="0.1 0 0"/>
+    <geom type="mesh" mesh="m" pos="1 0 0"/></body></worldbody></mujoco>""",
 }
 
 
@@ -213,4 +269,5 @@ def shipped() -> list[Path]:
     return found
 
 
-ALL = [*SCENES, *shipped()]
+OWN = [Path(__file__).parent / "scenes" / "attached.xml"]
+ALL = [*SCENES, *OWN, *shipped()]

@@ -8,7 +8,7 @@ import pytest
 
 mujoco = pytest.importorskip("mujoco")
 
-from mujoco_scenes import ALL, SCENES  # noqa: E402
+from mujoco_scenes import ALL, FROM_MESHES, OWN, SCENES  # noqa: E402
 from PIL import Image  # noqa: E402
 from scipy.spatial.transform import Rotation  # noqa: E402
 
@@ -21,6 +21,7 @@ pytestmark = [
     pytest.mark.usefixtures("folder_of_its_own"),
 ]
 TOLERANCE = 1e-9
+EQUALITIES = ("point", "fixed", "joint")  # by MuJoCo's number
 MESH_TOLERANCE = 1e-6  # vertices are float32
 
 
@@ -219,6 +220,34 @@ def test_frictions(source: str | Path) -> None:
         assert_close(np.array(found), contact.friction[[0, 2, 3]] * known, f"{a.name} and {b.name}: friction")
 
 
+@pytest.mark.parametrize("name", FROM_MESHES)
+def test_shapes_and_frames_that_follow_from_meshes(name: str) -> None:
+    scene = Scene.of_string(FROM_MESHES[name])
+    model, data = scene.mujoco, scene.data
+    mujoco.mj_forward(model, data)
+    q = scene.ours.initial_configuration()
+    assert_close(q, scene.configuration(model.qpos0), "qpos0", MESH_TOLERANCE)
+    for i, body in enumerate(scene.names("body", model.nbody)):
+        assert_close(scene.ours.link(body).mass, model.body_mass[i], f"{body}: mass", MESH_TOLERANCE)
+        assert_close(scene.ours.link(body).com, model.body_ipos[i], f"{body}: com", MESH_TOLERANCE)
+        assert_close(scene.ours.link(body).inertia, scene.body_inertia(i), f"{body}: inertia", MESH_TOLERANCE)
+    for i, site in enumerate(scene.names("site", model.nsite)):
+        assert_close(mh.dynamics.frame_pose(scene.ours, q, site)[0], data.site_xpos[i], site, MESH_TOLERANCE)
+    ours = {geom.name: geom for geom in scene.ours.geoms}
+    for i, geom in enumerate(scene.names("geom", model.ngeom)):
+        if model.geom_type[i] == mujoco.mjtGeom.mjGEOM_MESH:
+            continue
+        position, R = pose_of_geom(scene, q, ours[geom])
+        assert_close(position, data.geom_xpos[i], f"{geom}: position", MESH_TOLERANCE)
+        if model.geom_type[i] == mujoco.mjtGeom.mjGEOM_ELLIPSOID:
+            reach = np.max(np.abs(scene.ours.meshes[ours[geom].mesh].vertices), axis=0)
+            assert_close(reach, model.geom_size[i], f"{geom}: size", 0.03)  # a hull of points on it
+        else:
+            used = {"sphere": 1, "capsule": 2, "cylinder": 2, "box": 3}[ours[geom].shape]
+            assert_close(ours[geom].size[:used], model.geom_size[i, :used], f"{geom}: size", MESH_TOLERANCE)
+        assert_close(R, data.geom_xmat[i].reshape(3, 3), f"{geom}: rotation", MESH_TOLERANCE)
+
+
 def test_equalities_hold_at_the_start() -> None:
     scene = Scene.of_string(SCENES["equalities"])
     model, data = scene.mujoco, scene.data
@@ -256,6 +285,38 @@ def test_equalities_hold_at_the_start() -> None:
             assert_close(ends[0][0], ends[1][0], f"{equality.name}: position")
         if equality.type == "fixed":
             assert_close(ends[0][1], ends[1][1], f"{equality.name}: rotation")
+
+
+def test_what_acts_on_attached_parts_comes_along() -> None:
+    scene = Scene.of_file(OWN[0])
+    model = scene.mujoco
+    given = [(model.equality(i).name, EQUALITIES[model.eq_type[i]]) for i in range(model.neq)]
+    assert [
+        (e.name if name else "", e.type) for e, (name, _) in zip(scene.ours.equalities, given, strict=True)
+    ] == given
+    for equality, i in zip(scene.ours.equalities, range(model.neq), strict=True):
+        if equality.type == "joint":
+            names = [model.joint(k).name for k in (model.eq_obj1id[i], model.eq_obj2id[i])]
+            assert [scene.ours.joints[j].name for j in (equality.joint_b, equality.joint_a)] == names
+        else:
+            names = [model.body(k).name for k in (model.eq_obj1id[i], model.eq_obj2id[i])]
+            assert [scene.ours.links[k].name for k in (equality.link_a, equality.link_b)] == names
+    assert [a.name or "" for a in scene.ours.actuators if not a.name.startswith("actuator_")] == [
+        model.actuator(i).name for i in range(model.nu) if model.actuator(i).name
+    ]
+    assert [t.name for t in scene.ours.tendons] == [model.tendon(i).name for i in range(model.ntendon)]
+    geoms = {geom.name: i for i, geom in enumerate(scene.ours.geoms)}
+    theirs = {frozenset(geoms[model.geom(g[i]).name] for g in (model.pair_geom1, model.pair_geom2)) for i in range(2)}
+    ours = {frozenset((p.geom_a, p.geom_b)): p.friction for p in scene.ours.contact_pairs}
+    assert all(ours[pair][0] == 0.3 for pair in theirs)
+
+
+def test_nkey_makes_keyframes_of_the_initial_state() -> None:
+    text = SCENES["free"].replace("<worldbody>", '<size nkey="3"/><worldbody>', 1)
+    scene = Scene.of_string(text)
+    assert len(scene.ours.keyframes) == scene.mujoco.nkey == 3
+    for key in scene.ours.keyframes[1:]:
+        assert_close(key.q, scene.ours.initial_configuration(), "q")
 
 
 @pytest.mark.parametrize("name", ["arm", "free"])

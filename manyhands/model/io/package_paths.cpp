@@ -123,6 +123,12 @@ PackagePaths::PackagePaths(const fs::path& folder, std::vector<fs::path> package
   for (const fs::path& path : package_paths_) own_roots_.push_back(resolved(path));
 }
 
+PackagePaths PackagePaths::at(const fs::path& folder) const {
+  PackagePaths other = *this;
+  other.folder_ = resolved(fs::absolute(folder));
+  return other;
+}
+
 fs::path PackagePaths::find_package(const std::string& package) const {
   if (package.empty() || package == "." || package == "..") {
     throw std::runtime_error("'" + package + "' is not the name of a package");

@@ -22,6 +22,9 @@ class PackagePaths {
   PackagePaths(const std::filesystem::path& folder, std::vector<std::filesystem::path> package_paths,
                bool allow_outside);
 
+  /// The same for a file in another folder, which this may read: relative names start there.
+  [[nodiscard]] PackagePaths at(const std::filesystem::path& folder) const;
+
   /// The file meant by `name`: package://PACKAGE/..., model://PACKAGE/..., file://..., an absolute path, or a path
   /// relative to the folder. A package is looked for in the package paths, in ROS_PACKAGE_PATH, in the share folders
   /// of AMENT_PREFIX_PATH and in the folders above the description: a folder of its name, or one whose package.xml

@@ -53,8 +53,10 @@ int XmlFile::line_at(std::ptrdiff_t offset) const {
 
 void XmlFile::find_root() {
   for (const pugi::xml_node& node : document_.children()) {
-    if (node.type() == pugi::node_doctype) {
-      throw XmlError(1, "the file has a document type declaration (<!DOCTYPE ...>), which is not read; remove it");
+    if (node.type() == pugi::node_doctype && std::string_view(node.value()).find('[') != std::string_view::npos) {
+      throw XmlError(1,
+                     "the file declares entities or a document type of its own (<!DOCTYPE ... [...]>), which is not "
+                     "read; remove it");
     }
     if (node.type() != pugi::node_element) continue;
     if (root_) {

@@ -19,8 +19,8 @@ class XmlError : public std::runtime_error {
   int line_;
 };
 
-/// A parsed XML text with exactly one root element. Refuses document type declarations (and so every entity trick),
-/// attributes given twice, and texts too large or too deep. External files are never read.
+/// A parsed XML text with exactly one root element. Refuses declarations inside a document type (and so every entity
+/// trick), attributes given twice, and texts too large or too deep. External files are never read.
 class XmlFile {
  public:
   /// Throws XmlError.

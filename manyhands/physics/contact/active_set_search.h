@@ -29,14 +29,22 @@ struct ActiveSetSearch {
 
 namespace internal {
 
+/// The largest impulse of a dof's motor, drive and dry friction together.
+template <Number T>
+MANYHANDS_INLINE T strength(const JointLaws<T>& laws, std::size_t i) {
+  return laws.max_impulse[i] + laws.friction[i];
+}
+
 /// By how much a dof's impulse or velocity violates its state: the overload of a motor that holds, relative to its
 /// largest impulse, else a constant.
 template <Number T>
 MANYHANDS_INLINE T violation(const ContactProblem<T>& problem, const Iterate<T>& iterate,
                              const std::vector<T>& next_state, std::size_t i) {
   const T zero = constant<T>(0), tiny = constant<T>(1e-6), little = constant<T>(2), state = iterate.active_set[i];
-  const T overload = abs(iterate.joint_impulse[i]) / max(problem.joints.max_impulse[i], tiny);
-  const auto held = state == constant<T>(JointConstraintState::kAtTarget);
+  const T overload = abs(iterate.joint_impulse[i]) / max(strength(problem.joints, i), tiny);
+  const LawPiece<T> piece = law_piece(problem.tree->dof_drive[i] >= 0, state, i, problem.joints);
+  const auto held = piece.sloped | (state == constant<T>(JointConstraintState::kAtTarget)) |
+                    (state == constant<T>(JointConstraintState::kStuck));
   return select(next_state[i] == state, zero, select(held, overload, little));
 }
 
@@ -59,14 +67,15 @@ MANYHANDS_INLINE void move_most_violated(const ContactProblem<T>& problem, mask_
 template <Number T>
 MANYHANDS_INLINE T merit(const ContactProblem<T>& problem, const Iterate<T>& iterate,
                          const std::vector<T>& next_state) {
-  const T zero = constant<T>(0), one = constant<T>(1);
+  const T zero = constant<T>(0);
   const T tiny = constant<T>(SolverTraits<real_t<T>>::kSmallest);
   T worst = zero;
   for (std::size_t i = 0; i < next_state.size(); ++i) {
+    const bool is_drive = problem.tree->dof_drive[i] >= 0;
     const T state = iterate.active_set[i], inertia = max(law_inertia(problem, i), tiny);
-    const T excess = max(abs(iterate.joint_impulse[i]) - problem.joints.max_impulse[i], zero) / inertia;
-    const T passed = abs(iterate.dv[i] - held_change(next_state[i], i, problem.joints));
-    const T error = select(abs(state) == one, passed, excess);
+    const T excess = max(abs(iterate.joint_impulse[i]) - strength(problem.joints, i), zero) / inertia;
+    const T passed = abs(iterate.dv[i] - law_piece(is_drive, next_state[i], i, problem.joints).held_dv);
+    const T error = select(law_piece(is_drive, state, i, problem.joints).saturated, passed, excess);
     worst = max(worst, select(next_state[i] == state, zero, error));
   }
   return worst;

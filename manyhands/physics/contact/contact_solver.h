@@ -82,13 +82,14 @@ MANYHANDS_INLINE mask_t<T> iterate_and_refine(const SolverSettings& settings, Co
 template <Number T>
 MANYHANDS_INLINE void find_joint_impulses(const ContactProblem<T>& problem, const Factors<T>& factors,
                                           Iterate<T>& iterate) {
-  const T zero = constant<T>(0), one = constant<T>(1);
+  const T zero = constant<T>(0);
   follow_lengths(problem, iterate);
   for (std::size_t i = 0; i < iterate.dv.size(); ++i) {
-    const T state = iterate.active_set[i], held_dv = held_change(state, i, problem.joints);
-    const T yielding = fma(factors.penalty[i], held_dv - iterate.dv[i], factors.multiplier[i]);
+    const bool is_drive = problem.tree->dof_drive[i] >= 0;
+    const LawPiece<T> piece = law_piece(is_drive, iterate.active_set[i], i, problem.joints);
+    const T yielding = fma(factors.penalty[i], piece.held_dv - iterate.dv[i], factors.multiplier[i]);
     const T held = select(factors.penalty[i] > zero, yielding, iterate.joint_impulse[i]);
-    const T impulse = select(abs(state) == one, state * problem.joints.max_impulse[i], held);
+    const T impulse = select(piece.saturated, piece.impulse, held);
     iterate.joint_impulse[i] = select(problem.joints.constrained[i] > zero, impulse, iterate.joint_impulse[i]);
   }
 }

@@ -1,7 +1,8 @@
 // What motors, drives, dry friction and limits ask of each dof in a step: a set-valued force law at the velocity level.
 //
 // Below its target velocity a motor pushes with +F, above it with -F, at it with whatever is needed in between; at a
-// position limit any impulse back inside is allowed. A drive (kp, kd) has a slope instead of the vertical part.
+// position limit any impulse back inside is allowed. A drive (kp, kd) has a slope instead of the vertical part, and
+// where its joint has dry friction, too, a vertical part at rest.
 #pragma once
 
 #include "manyhands/physics/contact/tendon_laws.h"
@@ -14,7 +15,8 @@ namespace manyhands {
 namespace internal {
 
 /// The actuators: a force joins the smooth impulse; a drive, implicit in the velocity v+ at the step's end, gives
-/// h gear (kp (ctrl - gear (q + h v+)) - kd gear v+) = slope (target - v+), limited by its force.
+/// h gear (kp (ctrl - gear (q + h v+)) - kd gear v+) = slope (target - v+), limited by its force. Drives of one dof add
+/// up. `target` becomes slope times it.
 template <Number T, Number P>
 MANYHANDS_INLINE void assemble_actuators(const Tree<real_t<T>>& tree, const Params<P>& params, real_t<T> h,
                                          const State<T>& state, const Workspace<T>& dynamics, JointLaws<T>& laws) {
@@ -40,9 +42,9 @@ MANYHANDS_INLINE void assemble_actuators(const Tree<real_t<T>>& tree, const Para
     const T pull = position ? kp * (ctrl - gear * measured) : kd * ctrl;
     const T slope = step * (gear * gear) * fma(step, kp, kd);
     const auto drives = slope > zero;
-    laws.slope[i] = slope;
-    laws.target[i] = select(drives, step * gear * pull / select(drives, slope, step), zero);
-    laws.max_impulse[i] = select(drives, min(step * force, most), zero);
+    laws.slope[i] += slope;
+    laws.target[i] += select(drives, step * gear * pull, zero);
+    laws.max_impulse[i] += select(drives, min(step * force, most), zero);
   }
 }
 
@@ -81,22 +83,11 @@ MANYHANDS_INLINE void assemble_targets(const Tree<real_t<T>>& tree, const Params
     }
   }
   if (tree.dof_drive[i] >= 0) {
-    laws.target[i] = laws.target[i] - v;
+    aim_drive(v, i, laws);
     return;
   }
   const T target = select(F > zero, select(motor, wanted, zero) - v, infinity);
   aim_at(target, i, laws);
-}
-
-/// The state of the last step, but: a saturated motor arrives when a change like the last one would pass its target.
-/// Without a motor the target may be infinite: the search must not begin where that holds or comes next.
-template <Number T>
-MANYHANDS_INLINE T first_state(const State<T>& state, std::size_t i, const JointLaws<T>& laws) {
-  const T zero = constant<T>(0), one = constant<T>(1), last = state.active_set()[i];
-  const auto holds = laws.max_impulse[i] > zero;  // a motor, a drive, or dry friction
-  const auto arrives = (abs(last) == one) & (last * (state.dv()[i] - laws.target[i]) > zero);
-  const T saturated = select(abs(last) <= one, constant<T>(JointConstraintState::kSaturatedUp), last);
-  return select(holds, select(arrives, constant<T>(JointConstraintState::kAtTarget), last), saturated);
 }
 
 }  // namespace internal
@@ -117,7 +108,9 @@ MANYHANDS_INLINE void assemble_joint_laws(const Tree<real_t<T>>& tree, const Par
     laws.smooth[i] = step * (state.tau()[i] - dynamics.bias[i] - damping * state.v()[i]);
     T& inertia = tree_row(tree, dynamics.M.data(), i)[i];
     inertia = fma(step, damping, inertia);
-    laws.max_impulse[i] = step * select(max_force > zero, max_force, broadcast<T>(params.friction[i]));
+    const T friction = broadcast<T>(params.friction[i]);
+    laws.max_impulse[i] = step * select(max_force > zero, max_force, friction);
+    if (tree.dof_drive[i] >= 0) internal::begin_drive(step * friction, i, laws);
     needs_free_velocity = needs_free_velocity | ((broadcast<T>(params.motor_kd[i]) != one) & (max_force > zero));
     laws.constrained[i] = zero;
     laws.last_impulse[i] = state.joint_impulse()[i];
@@ -130,12 +123,15 @@ MANYHANDS_INLINE void assemble_joint_laws(const Tree<real_t<T>>& tree, const Par
     place_lengths(tree, state.q(), state.v(), dynamics);
     internal::assemble_tendon_forces(tree, params, h, dynamics, laws);
     internal::find_length_inertia(tree, dynamics);
+    internal::begin_tendon_drives(tree, params, h, laws);
   }
   internal::assemble_actuators(tree, params, h, state, dynamics, laws);
   when(needs_free_velocity, [&] { free_change(free_dv); });
   for (std::size_t i = 0; i < index(tree.nv); ++i) {
     internal::assemble_targets(tree, params, inverse_h, state, i, free_dv[i], laws);
-    laws.first_state[i] = internal::first_state(state, i, laws);
+    const T last = state.active_set()[i], last_dv = state.dv()[i];
+    laws.first_state[i] = tree.dof_drive[i] >= 0 ? internal::first_drive_state(last, last_dv, i, laws)
+                                                 : internal::first_state(last, last_dv, i, laws);
   }
   internal::assemble_length_laws(tree, params, h, dynamics, laws);
 }

@@ -36,17 +36,17 @@ MANYHANDS_INLINE mask_t<T> prescribe_dofs(const ContactProblem<T>& problem, cons
   const T zero = constant<T>(0), one = constant<T>(1), stiff = constant<T>(contact_settings::kPenalty);
   mask_t<T> any_free(false);
   for (std::size_t i = 0; i < index(tree.nv); ++i) {
-    const T state = active_set[i];
-    const auto saturated = abs(state) == one;
-    const T yields = laws.constrained[i] * (stiff * tree_row(tree, problem.M(), i)[i]);
     const bool drive = tree.dof_drive[i] >= 0;
-    const T penalty = drive ? select(state == zero, laws.slope[i], yields) : yields;
-    factors.penalty[i] = select(saturated, zero, penalty);
-    factors.multiplier[i] = drive ? select(state == zero, zero, laws.last_impulse[i]) : laws.last_impulse[i];
-    const auto free = saturated | (factors.penalty[i] != zero);  // a lane whose M is not a number is factored, too
+    const LawPiece<T> piece = law_piece(drive, active_set[i], i, laws);
+    const T yields = laws.constrained[i] * (stiff * tree_row(tree, problem.M(), i)[i]);
+    const T penalty = drive ? select(piece.sloped, laws.slope[i], yields) : yields;
+    factors.penalty[i] = select(piece.saturated, zero, penalty);
+    factors.multiplier[i] = drive ? select(piece.sloped, piece.impulse, laws.last_impulse[i]) : laws.last_impulse[i];
+    const auto free =
+        piece.saturated | (factors.penalty[i] != zero);  // a lane whose M is not a number is factored, too
     any_free = any_free | free;
     factors.free[i] = select(free, one, zero);
-    factors.held_dv[i] = select(free, zero, held_change(state, i, laws));
+    factors.held_dv[i] = select(free, zero, piece.held_dv);
   }
   return any_free;
 }
@@ -62,10 +62,10 @@ MANYHANDS_INLINE void solve_free_dofs(const ContactProblem<T>& problem, Factors<
     const std::size_t i = index(k);
     const T* M = tree_row(tree, problem.M(), i);
     T* L = tree_row(tree, factors.L.data(), i);
-    const T state = iterate.active_set[i], rhs = iterate.rhs[i], penalty = factors.penalty[i];
-    const T saturated = fma(state, problem.joints.max_impulse[i], rhs);
-    const T yielding = fma(penalty, held_change(state, i, problem.joints), rhs + factors.multiplier[i]);
-    const T impulse = select(penalty > zero, yielding, saturated) - iterate.joint_impulse[i];
+    const LawPiece<T> piece = law_piece(tree.dof_drive[i] >= 0, iterate.active_set[i], i, problem.joints);
+    const T rhs = iterate.rhs[i], penalty = factors.penalty[i];
+    const T yielding = fma(penalty, piece.held_dv, rhs + factors.multiplier[i]);
+    const T impulse = select(penalty > zero, yielding, rhs + piece.impulse) - iterate.joint_impulse[i];
     const auto free = factors.free[i] == one;
     iterate.dv[i] = select(free, impulse, zero);
     L[i] = select(free, M[i] + penalty, one);
@@ -99,28 +99,70 @@ MANYHANDS_INLINE void solve_active_set(const ContactProblem<T>& problem, Factors
   }
 }
 
+/// Where a drive is on its law when its dof changes its velocity by dv; one that does nothing is saturated, by no
+/// force.
+template <Number T>
+MANYHANDS_INLINE T place_at(const JointLaws<T>& laws, T dv, std::size_t i) {
+  using S = JointConstraintState;
+  const T reach = laws.slope[i] * (laws.target[i] - dv), F = laws.max_impulse[i];
+  return select(reach >= F, constant<T>(S::kSaturatedUp),
+                select(reach <= -F, constant<T>(S::kSaturatedDown), constant<T>(S::kAtTarget)));
+}
+
+/// Where on its drive's law a dof should move, given what its present place led to. `impulse` is the drive's alone.
+template <Number T>
+MANYHANDS_INLINE T next_place(const JointLaws<T>& laws, T s, T impulse, T dv, T slack, T speed_slack, std::size_t i) {
+  using S = JointConstraintState;
+  const T one = constant<T>(1), F = laws.max_impulse[i], lower = laws.lower[i], upper = laws.upper[i];
+  const T up = constant<T>(S::kSaturatedUp), down = constant<T>(S::kSaturatedDown), held = constant<T>(S::kAtTarget);
+  const auto below = dv<lower - speed_slack, above = dv> upper + speed_slack;
+  const T reach = laws.slope[i] * (laws.target[i] - dv);
+  const T from_held = select(impulse > F + slack, up, select(impulse < -F - slack, down, held));
+  const T from_up = select(reach < F - slack, held, s), from_down = select(reach > slack - F, held, s);
+  const T inner = select(s == held, from_held, select(s == up, from_up, from_down));
+  const T within = select(below, constant<T>(S::kAtLower), select(above, constant<T>(S::kAtUpper), inner));
+  const T lowest = clamp(laws.slope[i] * (laws.target[i] - lower), -F, F);
+  const T highest = clamp(laws.slope[i] * (laws.target[i] - upper), -F, F);
+  const T from_lower = select(impulse < lowest - slack, place_at(laws, lower, i), s);
+  const T from_upper = select(impulse > highest + slack, place_at(laws, upper, i), s);
+  return select(abs(s) <= one, within, select(s > one, from_lower, from_upper));
+}
+
+/// The state to which a drive with dry friction should move: off rest where the impulse is more than drive and friction
+/// can hold, to rest where the motion would turn round.
+template <Number T>
+MANYHANDS_INLINE T next_rubbing_state(const JointLaws<T>& laws, const DriveState<T>& s, T impulse, T dv, T slack,
+                                      T speed_slack, std::size_t i) {
+  using S = JointConstraintState;
+  const T zero = constant<T>(0), one = constant<T>(1), rubs = constant<T>(S::kRubs), stuck = constant<T>(S::kStuck);
+  const T F = laws.max_impulse[i], friction = laws.friction[i], stop = laws.stop[i];
+  // Off a limit the dof moves inwards, and may still come nearer to rest.
+  const T push_lower = select(laws.lower[i] < stop, one, -one), push_upper = select(laws.upper[i] > stop, -one, one);
+  const T push = select(abs(s.place) <= one, s.push, select(s.place > zero, push_lower, push_upper));
+  const T place = next_place(laws, s.place, impulse - push * friction, dv, slack, speed_slack, i);
+  const auto turns = (push * (dv - stop) > speed_slack) & (abs(s.place) <= one);
+  const T turned = select(stop < laws.lower[i], constant<T>(S::kAtLower),
+                          select(stop > laws.upper[i], constant<T>(S::kAtUpper), stuck));
+  const T moving = select(turns, turned, select(abs(place) > one, place, fma(push, rubs, place)));
+  const T drive = clamp(laws.slope[i] * (laws.target[i] - stop), -F, F), start = place_at(laws, stop, i);
+  const T from_rest = select(impulse > drive + friction + slack, start + rubs,
+                             select(impulse < drive - friction - slack, start - rubs, stuck));
+  const T resting = select(stop < laws.lower[i] - speed_slack, constant<T>(S::kAtLower),
+                           select(stop > laws.upper[i] + speed_slack, constant<T>(S::kAtUpper), from_rest));
+  return select(s.place == stuck, resting, moving);
+}
+
 /// The state to which dof i should move, given what its present one led to: of a drive, whose law has a slope.
 template <Number T>
 MANYHANDS_INLINE T next_drive_state(const JointLaws<T>& laws, const Iterate<T>& iterate, std::size_t i) {
-  using S = JointConstraintState;
   const T tolerance(SolverTraits<real_t<T>>::kStateTolerance), one = constant<T>(1);
-  const T s = iterate.active_set[i], F = laws.max_impulse[i], impulse = iterate.joint_impulse[i], dv = iterate.dv[i];
+  const T impulse = iterate.joint_impulse[i], dv = iterate.dv[i];
   const T slack = tolerance * (one + abs(iterate.rhs[i])), speed_slack = tolerance * (one + abs(dv));
-  const T up = constant<T>(S::kSaturatedUp), down = constant<T>(S::kSaturatedDown), held = constant<T>(S::kAtTarget);
-  const T at_lower = constant<T>(S::kAtLower), at_upper = constant<T>(S::kAtUpper);
-  const auto below = dv<(laws.lower[i] - speed_slack), above = dv>(laws.upper[i] + speed_slack);
-  const T from_held =
-      select(below, at_lower,
-             select(above, at_upper, select(impulse > F + slack, up, select(impulse < -F - slack, down, held))));
-  const T reach = laws.slope[i] * (laws.target[i] - dv);
-  const T from_up = select(below, at_lower, select(reach < F - slack, held, s));
-  const T from_down = select(above, at_upper, select(reach > slack - F, held, s));
-  const T lowest = clamp(laws.slope[i] * (laws.target[i] - laws.lower[i]), -F, F);
-  const T highest = clamp(laws.slope[i] * (laws.target[i] - laws.upper[i]), -F, F);
-  const T from_lower = select(impulse < lowest - slack, held, s);
-  const T from_upper = select(impulse > highest + slack, held, s);
-  return select(s == held, from_held,
-                select(s == up, from_up, select(s == down, from_down, select(s > one, from_lower, from_upper))));
+  const auto rubs = laws.friction[i] > constant<T>(0);
+  const DriveState<T> s = drive_state(iterate.active_set[i]);
+  T next = next_place(laws, s.place, impulse, dv, slack, speed_slack, i);
+  when(rubs, [&] { next = select(rubs, next_rubbing_state(laws, s, impulse, dv, slack, speed_slack, i), next); });
+  return next;
 }
 
 /// The same of any other dof.

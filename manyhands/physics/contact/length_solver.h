@@ -16,7 +16,7 @@ MANYHANDS_INLINE mask_t<T> is_rigid_length(const ContactProblem<T>& problem, con
   if (dofs.empty()) return mask_t<T>(false);
   const bool drive = problem.tree->dof_drive[i] >= 0;
   const T zero = constant<T>(0);
-  return (factors.penalty[i] > zero) & (mask_t<T>(!drive) | (state != zero)) &
+  return (factors.penalty[i] > zero) & !law_piece(drive, state, i, problem.joints).sloped &
          (problem.joints.constrained[index(dofs.front())] == zero);
 }
 
@@ -24,10 +24,10 @@ MANYHANDS_INLINE mask_t<T> is_rigid_length(const ContactProblem<T>& problem, con
 template <Number T>
 MANYHANDS_INLINE T length_impulse(const ContactProblem<T>& problem, const Factors<T>& factors, T state, std::size_t i,
                                   T change) {
-  const T zero = constant<T>(0), one = constant<T>(1);
-  const T yielding = fma(factors.penalty[i], held_change(state, i, problem.joints) - change, factors.multiplier[i]);
-  const T saturated = select(abs(state) == one, state * problem.joints.max_impulse[i], zero);
-  return select(factors.penalty[i] > zero, yielding, saturated);
+  const T zero = constant<T>(0);
+  const LawPiece<T> piece = law_piece(problem.tree->dof_drive[i] >= 0, state, i, problem.joints);
+  const T yielding = fma(factors.penalty[i], piece.held_dv - change, factors.multiplier[i]);
+  return select(factors.penalty[i] > zero, yielding, select(piece.saturated, piece.impulse, zero));
 }
 
 /// How each length behaves in its state: its penalty is scaled by the dofs that are free.
@@ -48,10 +48,10 @@ MANYHANDS_INLINE void prescribe_lengths(const ContactProblem<T>& problem, const 
     }
     const auto moves = mobility > tiny;
     const T inertia = select(moves, one / select(moves, mobility, one), ws.length_inertia[k]);
-    const bool drive = tree.dof_drive[i] >= 0;
-    const T held = drive ? select(active_set[i] == zero, problem.joints.slope[i], stiff * inertia) : stiff * inertia;
-    factors.penalty[i] = select(abs(active_set[i]) == one, zero, held);
-    factors.multiplier[i] = zero;
+    const LawPiece<T> piece = law_piece(tree.dof_drive[i] >= 0, active_set[i], i, problem.joints);
+    const T held = select(piece.sloped, problem.joints.slope[i], stiff * inertia);
+    factors.penalty[i] = select(piece.saturated, zero, held);
+    factors.multiplier[i] = select(piece.sloped, piece.impulse, zero);
     factors.held_dv[i] = along_length(tree, ws, k, factors.held_dv.data());
   }
 }
@@ -101,7 +101,8 @@ MANYHANDS_INLINE void refine_lengths(const ContactProblem<T>& problem, Factors<T
   for (T& x : change) x = zero;
   for (std::size_t k = 0; k < tree.lengths.size(); ++k) {
     const std::size_t i = index(tree.nv) + k;
-    const T state = iterate.active_set[i], missing = held_change(state, i, problem.joints) - iterate.dv[i];
+    const T state = iterate.active_set[i];
+    const T missing = law_piece(tree.dof_drive[i] >= 0, state, i, problem.joints).held_dv - iterate.dv[i];
     const T push = select(is_rigid_length(problem, factors, state, i), factors.penalty[i] * missing, zero);
     factors.multiplier[i] += push;
     add_along_length(tree, *problem.dynamics, k, push, change.data());

@@ -150,13 +150,13 @@ inline constexpr double kMinWedge = 0.05;
 /// Softness of contacts in an outer step, relative to the response to their own impulses: first, least and most.
 inline constexpr double kFirstSoftness = 1e-4, kMinSoftness = 1e-7, kMaxSoftness = 0.1;
 /// Factorisations in an outer step; in one after a step that gained little.
-inline constexpr int kFactorisations = 4, kMaxFactorisations = 6;
+inline constexpr int kFactorisations = 5, kMaxFactorisations = 10;
 /// Outer steps one after the other that are taken back before the best is kept, if it violates the law by no more than
 /// so many times what is worth no step; and the same after more of them.
 inline constexpr int kMaxFailures = 2, kManyFailures = 4;
-inline constexpr double kNearEnough = 50, kBearable = 1000;
+inline constexpr double kNearEnough = 5, kBearable = 1000;
 /// By how much an outer step reduces the defect of its own equations.
-inline constexpr double kInnerGain = 1e-3;
+inline constexpr double kInnerGain = 1e-5;
 /// Gauss-Seidel iterations between outer steps; the most after steps that were taken back.
 inline constexpr int kIterationsBetween = 3, kMaxIterationsBetween = 48;
 /// Iterations that promise to do within this many times those allowed are cheaper than outer steps.

@@ -55,6 +55,16 @@ MANYHANDS_INLINE T first_length_state(const JointLaws<T>& laws, std::size_t i) {
   return select(below, constant<T>(S::kAtLower), select(above, constant<T>(S::kAtUpper), free));
 }
 
+/// Before the actuators.
+template <Number T, Number P>
+MANYHANDS_INLINE void begin_tendon_drives(const Tree<real_t<T>>& tree, const Params<P>& params, real_t<T> h,
+                                          JointLaws<T>& laws) {
+  for (std::size_t k = 0; k < params.tendon_friction.size(); ++k) {
+    const std::size_t i = index(tree.nv) + k;
+    if (tree.dof_drive[i] >= 0) begin_drive(T(h) * broadcast<T>(params.tendon_friction[k]), i, laws);
+  }
+}
+
 /// The laws of all lengths, behind those of the dofs. After the actuators.
 template <Number T, Number P>
 MANYHANDS_INLINE void assemble_length_laws(const Tree<real_t<T>>& tree, const Params<P>& params, real_t<T> h,
@@ -75,7 +85,7 @@ MANYHANDS_INLINE void assemble_length_laws(const Tree<real_t<T>>& tree, const Pa
       laws.lower[i] = limit_velocity(lower - ws.length[k], inverse_h) - drift;
       laws.upper[i] = -limit_velocity(ws.length[k] - upper, inverse_h) - drift;
       if (tree.dof_drive[i] >= 0) {
-        laws.target[i] = laws.target[i] - rate;
+        aim_drive(rate, i, laws);
       } else {
         const T friction = step * broadcast<T>(params.tendon_friction[k]);
         laws.max_impulse[i] = friction;
@@ -88,7 +98,8 @@ MANYHANDS_INLINE void assemble_length_laws(const Tree<real_t<T>>& tree, const Pa
       const auto dof = static_cast<std::size_t>(tree.lengths[k].dofs[j]);
       laws.smooth[i] = fma(abs(ws.length_J[tree.lengths[k].J + j]), abs(laws.smooth[dof]), laws.smooth[i]);
     }
-    laws.first_state[i] = first_length_state(laws, i);
+    const T first = first_length_state(laws, i);
+    laws.first_state[i] = tree.dof_drive[i] >= 0 ? first_drive_state(first, zero, i, laws) : first;
   }
 }
 

@@ -1,6 +1,9 @@
 // Bounds leave no pair out that is near, and spare the narrow phase those that are plainly apart.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include "manyhands/math/instantiate.h"
 #include "manyhands/model/model_builder.h"
 #include "manyhands/physics/collision/broad/bounds_meet.h"
 #include "manyhands/physics/collision/queries/distance.h"
@@ -88,6 +91,90 @@ TEST(BoundsMeet, OfAllThatIsNearAndOfFewElse) {
   }
   EXPECT_GT(near, 1000);
   EXPECT_GT(spared, 1000);
+}
+
+/// The box's corners in the world.
+std::vector<Vec3<double>> corners(const Vec3<double>& half, const Transform<double>& X) {
+  std::vector<Vec3<double>> all;
+  for (const double x : {-half.x, half.x}) {
+    for (const double y : {-half.y, half.y}) {
+      for (const double z : {-half.z, half.z}) all.push_back(X * Vec3<double>{x, y, z});
+    }
+  }
+  return all;
+}
+
+TEST(BoundsMeet, BoxesMeetUnlessAScanOfCornersFindsAGapAlongAnAxis) {
+  testing::ShapeSource source(6);
+  int meet = 0, apart = 0;
+  for (int trial = 0; trial < 20000; ++trial) {
+    const Vec3<double> half_A{source.length(), source.length(), source.length()};
+    const Vec3<double> half_B{source.length(), source.length(), source.length()};
+    const Transform<double> X_A = source.pose(0.5), X_B = source.pose(1);
+    const auto corners_A = corners(half_A, X_A), corners_B = corners(half_B, X_B);
+    double gap = -1;
+    for (const Mat3<double>& R : {X_A.R, X_B.R}) {
+      for (const Vec3<double>& axis : {R.x, R.y, R.z}) {
+        const auto along = [&](const Vec3<double>& p, const Vec3<double>& q) { return dot(axis, p) < dot(axis, q); };
+        const auto [low_A, high_A] = std::ranges::minmax_element(corners_A, along);
+        const auto [low_B, high_B] = std::ranges::minmax_element(corners_B, along);
+        gap = std::max({gap, dot(axis, *low_B - *high_A), dot(axis, *low_A - *high_B)});
+      }
+    }
+    if (std::abs(gap - kMargin) < 1e-12) continue;
+    const bool meets = internal::box_meets_box(half_A, X_A, half_B, X_B, kMargin);
+    EXPECT_EQ(meets, gap < kMargin) << "trial " << trial << ", gap " << gap;
+    ++(meets ? meet : apart);
+  }
+  EXPECT_GT(meet, 2000);
+  EXPECT_GT(apart, 2000);
+}
+
+template <class T>
+void put_vector(const Vec3<float>& from, Vec3<T>& to, int k) {
+  set_lane(to.x, k, from.x);
+  set_lane(to.y, k, from.y);
+  set_lane(to.z, k, from.z);
+}
+
+template <class T>
+class BoundsMeetLanes : public ::testing::Test {};
+using LaneTypes = ::testing::Types<Lanes4, Lanes8, Lanes16>;
+TYPED_TEST_SUITE(BoundsMeetLanes, LaneTypes);
+
+TYPED_TEST(BoundsMeetLanes, BoxesMeetWhereTheScalarSaysSo) {
+  using T = TypeParam;
+  testing::ShapeSource source(8);
+  int meet = 0, apart = 0;
+  for (int trial = 0; trial < 500; ++trial) {
+    const auto half = [&] { return broadcast<float>(Vec3<double>{source.length(), source.length(), source.length()}); };
+    const Vec3<float> half_A = half(), half_B = half();
+    std::vector<Transform<float>> X_A, X_B;
+    Transform<T> X_A_lanes, X_B_lanes;
+    for (int k = 0; k < width_v<T>; ++k) {
+      X_A.push_back(broadcast<float>(source.pose(0.5)));
+      X_B.push_back(broadcast<float>(source.pose(1)));
+      const auto put = [k](const Transform<float>& from, Transform<T>& to) {
+        put_vector(from.R.x, to.R.x, k);
+        put_vector(from.R.y, to.R.y, k);
+        put_vector(from.R.z, to.R.z, k);
+        put_vector(from.p, to.p, k);
+      };
+      put(X_A.back(), X_A_lanes);
+      put(X_B.back(), X_B_lanes);
+    }
+    const float margin = static_cast<float>(kMargin);
+    const auto meets =
+        internal::box_meets_box(broadcast<T>(half_A), X_A_lanes, broadcast<T>(half_B), X_B_lanes, T(margin));
+    for (int k = 0; k < width_v<T>; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      const bool alone = internal::box_meets_box(half_A, X_A[i], half_B, X_B[i], margin);
+      ASSERT_EQ(lane(meets, k), alone) << "trial " << trial << ", lane " << k;
+      ++(alone ? meet : apart);
+    }
+  }
+  EXPECT_GT(meet, 100);
+  EXPECT_GT(apart, 100);
 }
 
 }  // namespace

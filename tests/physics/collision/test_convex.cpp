@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "manyhands/physics/collision/general/collide_convex.h"
 #include "tests/physics/collision/shape_testing.h"
 
@@ -161,6 +163,24 @@ TEST(CollideConvex, NoPointIsDeeperThanTheTruthAndTheDeepestIsThere) {
       EXPECT_NEAR(gap_along(p, m.normal), phi, 2e-6 * reach);
     }
   });
+}
+
+// What is told apart early is what would be found apart in the end.
+TEST(CollideConvex, FindsNothingExactlyWhereTheMarginIsBelowTheDistance) {
+  int apart = 0;
+  for_random_pairs(100, [&](const Pair& p, double reach) {
+    const double phi = convex_distance(p.a, p.X_WA, p.b, p.X_WB).phi, beside = 1e-5 * reach;
+    if (phi < 2 * beside) return;
+    const auto finds = [&](double margin) {
+      const auto m = collide_convex(p.a, p.X_WA, p.b, p.X_WB, margin);
+      return std::ranges::any_of(m.phi, [](double x) { return is_finite(x); });
+    };
+    ++apart;
+    for (const double share : {0.01, 0.5, 0.9}) EXPECT_FALSE(finds(share * phi));
+    EXPECT_FALSE(finds(phi - beside));
+    EXPECT_TRUE(finds(phi + beside));
+  });
+  EXPECT_GT(apart, 1000);
 }
 
 int points(const Manifold<double>& m) {

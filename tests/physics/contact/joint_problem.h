@@ -69,7 +69,8 @@ struct JointProblem {
 /// for numbers of type R.
 struct JointLaw {
   template <Real R>
-  explicit JointLaw(const JointProblem<R>& p) : n(p.size()), M(n * n), rhs(n), F(n), target(n), lower(n), upper(n) {
+  explicit JointLaw(const JointProblem<R>& p)
+      : n(p.size()), M(n * n), rhs(n), F(n), slope(n), friction(n), target(n), stop(n), lower(n), upper(n) {
     const Tree<double> tree(p.model);
     ParamsStorage<double> params(p.model);
     Workspace<double> ws(tree);
@@ -84,7 +85,8 @@ struct JointLaw {
     }
     const std::vector<double> free = solved(rhs);
     for (std::size_t i = 0; i < n; ++i) {
-      F[i] = h * p.params.motor_max_force[i];
+      F[i] = h * (p.params.motor_max_force[i] > 0 ? p.params.motor_max_force[i] : p.params.friction[i]);
+      stop[i] = -v[i];
       const double kd = p.params.motor_kd[i];
       double wanted = (1 - kd) * (v[i] + free[i]) + kd * p.state.target_v()[i];
       lower[i] = -std::numeric_limits<double>::infinity();
@@ -101,7 +103,34 @@ struct JointLaw {
         }
       }
       target[i] = wanted - v[i];
+      if (!(p.params.motor_max_force[i] > 0)) target[i] = F[i] > 0 ? stop[i] : std::numeric_limits<double>::infinity();
+      if (p.tree.dof_drive[i] >= 0) drive(p, i, q);
     }
+  }
+
+  /// The drive of dof i, implicit in the velocity at the step's end, and the friction beside it.
+  template <Real R>
+  void drive(const JointProblem<R>& p, std::size_t i, const std::vector<double>& q) {
+    const auto k = static_cast<std::size_t>(p.tree.dof_drive[i]);
+    const TreeActuator<R>& actuator = p.tree.actuators[k];
+    const double h = p.h, gear = p.params.gear[k], kp = p.params.drive_kp[k], kd = p.params.drive_kd[k];
+    const double ctrl = p.state.ctrl()[k];
+    const bool position = actuator.type == ActuatorType::kPosition;
+    slope[i] = h * gear * gear * (h * kp + kd);
+    const double at_rest = h * gear * (position ? kp * (ctrl - gear * q[actuator.q]) : kd * ctrl);
+    friction[i] = h * p.params.friction[i];
+    F[i] = slope[i] > 0 ? std::min(h * double{p.params.drive_max_force[k]}, contact_settings::kMaxImpulse) : 0;
+    target[i] = (slope[i] > 0 ? at_rest / slope[i] : 0) + stop[i];
+    is_drive.push_back(i);
+  }
+
+  /// The least and the largest impulse of motor, drive and friction at dv, which is known to `slack`.
+  [[nodiscard]] std::pair<double, double> range_at(std::size_t i, double dv, double slack) const {
+    if (std::ranges::find(is_drive, i) == is_drive.end())
+      return {dv < target[i] - slack ? F[i] : -F[i], dv > target[i] + slack ? -F[i] : F[i]};
+    const auto driven = [&](double at) { return std::clamp(slope[i] * (target[i] - at), -F[i], F[i]); };
+    return {driven(dv + slack) + (dv < stop[i] - slack ? friction[i] : -friction[i]),
+            driven(dv - slack) + (dv > stop[i] + slack ? -friction[i] : friction[i])};
   }
 
   /// M^-1 b by Cholesky, dense.
@@ -132,12 +161,13 @@ struct JointLaw {
     for (std::size_t i = 0; i < n; ++i) {
       const double slack = speed_slack * (1 + std::abs(dv[i])), infinity = std::numeric_limits<double>::infinity();
       worst = std::max({worst, (lower[i] - dv[i]) / (1 + std::abs(dv[i])), (dv[i] - upper[i]) / (1 + std::abs(dv[i]))});
-      double impulse = -rhs[i], scale = F[i] + std::abs(rhs[i]);
+      const double at_hand = slope[i] > 0 ? std::min(F[i], slope[i] * (1 + std::abs(target[i]))) : F[i];
+      double impulse = -rhs[i], scale = at_hand + friction[i] + std::abs(rhs[i]);
       for (std::size_t j = 0; j < n; ++j) {
         impulse += M[i * n + j] * dv[j];
         scale += std::abs(M[i * n + j] * dv[j]);
       }
-      double least = dv[i] < target[i] - slack ? F[i] : -F[i], most = dv[i] > target[i] + slack ? -F[i] : F[i];
+      auto [least, most] = range_at(i, dv[i], slack);
       if (dv[i] >= upper[i] - slack) least = -infinity;
       if (dv[i] <= lower[i] + slack) most = infinity;
       worst = std::max({worst, (least - impulse) / scale, (impulse - most) / scale});
@@ -166,7 +196,8 @@ struct JointLaw {
   }
 
   std::size_t n;
-  std::vector<double> M, rhs, F, target, lower, upper;
+  std::vector<double> M, rhs, F, slope, friction, target, stop, lower, upper;
+  std::vector<std::size_t> is_drive{};  ///< the dofs that have one
 };
 
 }  // namespace manyhands::testing

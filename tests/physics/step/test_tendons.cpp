@@ -129,6 +129,46 @@ TEST(Tendons, ADrivePushesNoHarderThanItMay) {
   EXPECT_NEAR(2 * world.tendon_lengths()[0], 0.5 * 3 + 0.2, 1e-9);
 }
 
+/// A servo and a damper of bounded force, dry friction and limits: on a joint, or on a tendon that is the joint's q.
+World rubbing_block(bool on_tendon) {
+  constexpr double kFriction = 3, kLower = -0.2, kUpper = 0.3;
+  ModelBuilder builder = two_blocks();
+  builder.set_gravity({});
+  const JointId joint(0);
+  Actuator servo{.name = "servo", .type = ActuatorType::kPosition, .gear = -2, .kp = 40, .max_force = 12};
+  Actuator damper{.name = "damper", .type = ActuatorType::kVelocity, .kd = 6, .max_force = 5};
+  if (on_tendon) {
+    servo.tendon = damper.tendon = builder.add_tendon(
+        {.name = "t", .joints = {{joint, 1}}, .lower = kLower, .upper = kUpper, .friction = kFriction});
+  } else {
+    servo.joint = damper.joint = joint;
+    builder.joint(joint).friction = kFriction;
+    builder.joint(joint).limits = {.lower = kLower, .upper = kUpper};
+  }
+  builder.add_actuator(servo);
+  builder.add_actuator(damper);
+  return World(built(builder), kStep);
+}
+
+TEST(Tendons, DrivesBesideDryFrictionFollowTheLawOfJoints) {
+  World joint = rubbing_block(false), tendon = rubbing_block(true);
+  int rests = 0, limited = 0;
+  for (int k = 0; k < 60; ++k) {
+    const double wanted = std::sin(2.5 * k), speed = 0.4 * std::cos(1.7 * k);
+    for (World* const world : {&joint, &tendon}) world->set_ctrl(std::array{wanted, k % 3 == 0 ? 0 : speed});
+    for (int n = 0; n < 100; ++n) {
+      joint.step();
+      tendon.step();
+      rests += joint.v()[0] == 0 ? 1 : 0;
+      limited += std::abs(joint.q()[0] - 0.05) > 0.25 - 1e-9 ? 1 : 0;
+      ASSERT_NEAR(tendon.q()[0], joint.q()[0], 1e-10) << k;
+      ASSERT_NEAR(tendon.v()[0], joint.v()[0], 1e-9) << k;
+    }
+  }
+  EXPECT_GT(rests, 100);
+  EXPECT_GT(limited, 100);
+}
+
 /// Two fingers that one tendon drives and an equation keeps together squeeze a block, and hold it.
 TEST(Tendons, AGripperHoldsABlock) {
   ModelBuilder builder("gripper");
@@ -201,6 +241,7 @@ ModelBuilder tendon_tree(std::uint64_t seed, const std::string& name, bool solid
       builder.add_tendon({.name = name + "rope",
                           .branches = {{1, {point(0), point(2), point(6)}}, {2, {point(4), point(5)}}},
                           .upper = 1.2,
+                          .friction = 0.4,
                           .stiffness = 60,
                           .spring_lower = 0.4,
                           .spring_upper = 0.8});

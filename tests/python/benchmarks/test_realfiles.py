@@ -45,8 +45,35 @@ def test_equal_scenes_pass_in_every_column(tmp_path: Path) -> None:
     assert all(run["cost"] > 0 and run["their_cost"] > 0 for run in result["motion"])
 
 
+def test_the_stiffest_dampers_are_compared(tmp_path: Path) -> None:
+    """A rate of 1e5/s: the differences of velocities need steps of a nanosecond."""
+    stiff = PENDULUM.replace('damping="0.2" frictionloss="0.01"', 'damping="0.1"').replace("0.1 0.3", "0.01 0.01")
+    assert results.verdicts(examined(tmp_path, stiff.replace('pos="0.3 0 0"', "")))["accelerations"] == "pass"
+
+
+def test_friction_short_of_its_bound_is_not_compared(tmp_path: Path) -> None:
+    """A light slide under much friction: MuJoCo lets it yield, and says of it that it does not."""
+    rubs = """<mujoco><worldbody><body><joint name="x" type="slide" axis="1 0 0" frictionloss="250"/>
+      <joint name="y" pos="-0.2 0 0" frictionloss="250"/>
+      <inertial pos="0 0 0" mass="6" diaginertia="0.01 0.01 0.006"/></body></worldbody>
+      <actuator><velocity joint="x" kv="1000" forcerange="-600 600"/><velocity joint="y" kv="1000"/></actuator>
+      </mujoco>"""
+    assert results.verdicts(examined(tmp_path, rubs))["accelerations"] == "pass"
+
+
 def test_a_box_rests(tmp_path: Path) -> None:
     assert results.verdicts(examined(tmp_path, BOX, seconds=1.0))["rests"] == "pass"
+
+
+def test_what_falls_off_its_tip_or_rolls_does_not_rest(tmp_path: Path) -> None:
+    """It has hardly moved after the little while that is looked at, in either program."""
+    tip = """<mujoco><option gravity="1e-3 0 -9.81"/><worldbody><body><joint axis="0 1 0"/>
+      <geom type="capsule" fromto="0 0 0 0 0 0.6" size="0.045"/></body></worldbody></mujoco>"""
+    rolling = BOX.replace('type="box" size="0.1 0.1 0.1"', 'type="sphere" size="0.1"')
+    rolling = rolling.replace("</worldbody>", "</worldbody><keyframe><key qvel='0.002 0 0 0 0.02 0'/></keyframe>")
+    for text in (tip, rolling):
+        result = examined(tmp_path, text, seconds=1.0)
+        assert [run["rests"] for run in result["motion"]][-1] is False
 
 
 def test_refused_files_fail_only_where_mujoco_takes_them(tmp_path: Path) -> None:

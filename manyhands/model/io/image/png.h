@@ -2,12 +2,17 @@
 #pragma once
 
 #include <cstdint>
+#include <stdexcept>
 #include <string_view>
 #include <vector>
 
-#include "manyhands/model/io/image/inflate.h"
-
 namespace manyhands::io {
+
+/// Thrown when a picture cannot be read; the message says what is wrong.
+class ImageError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 struct GreyImage {
   std::size_t width = 0, height = 0;

@@ -1,5 +1,6 @@
 #include "manyhands/model/io/mjcf/mjcf.h"
 
+#include <algorithm>
 #include <set>
 
 #include "manyhands/model/io/mjcf/mjcf_scene.h"
@@ -67,8 +68,8 @@ void reserve_names(const MjcfElement& around, MjcfScene& scene) {
 }
 
 void note_unused_sections(const MjcfElement& root) {
-  static const std::set<std::string_view> kUsed{"compiler", "option", "default",  "asset",    "worldbody",
-                                                "contact",  "tendon", "equality", "actuator", "keyframe"};
+  static const std::set<std::string_view> kUsed{"compiler", "option",   "default",  "asset",    "worldbody", "contact",
+                                                "tendon",   "equality", "actuator", "keyframe", "size"};
   static const std::set<std::string_view> kMoves{"deformable", "extension"};
   root.expect({"model"},
               {"compiler", "option", "default", "asset", "worldbody", "contact", "equality", "actuator", "keyframe",
@@ -87,7 +88,7 @@ void note_unused_sections(const MjcfElement& root) {
 }
 
 Model read_scene(MjcfSource& source, const MjcfOptions& options) {
-  const MjcfElement root(source, source.main(), source.main().xml.root(), "mujoco");
+  const MjcfElement root(source, *source.models().front().root, source.models().front().root->xml.root(), "mujoco");
   if (root.tag() != "mujoco") {
     root.fail("the root element is <" + std::string(root.tag()) + ">; expected <mujoco>");
   }
@@ -116,12 +117,84 @@ Model read_scene(MjcfSource& source, const MjcfOptions& options) {
 
 }  // namespace
 
+namespace {
+
+std::vector<MjcfElement> attached_roots(const MjcfElement& root) {
+  std::vector<MjcfElement> roots;
+  const std::deque<MjcfModel>& models = root.source().models();
+  for (std::size_t i = 1; i < models.size(); ++i) {
+    roots.emplace_back(root.source(), *models[i].root, models[i].root->xml.root(), "mujoco");
+  }
+  return roots;
+}
+
+std::vector<MjcfSettings> settings_of_all(const MjcfElement& root, const std::vector<MjcfElement>& attached) {
+  std::vector<MjcfSettings> all{read_settings(root)};
+  for (const MjcfElement& other : attached) all.push_back(read_settings(other));
+  return all;
+}
+
+MjcfClasses classes_of_all(const MjcfElement& root, const std::vector<MjcfElement>& attached) {
+  MjcfClasses classes;
+  read_classes(root, classes);
+  for (const MjcfElement& other : attached) read_classes(other, classes);
+  return classes;
+}
+
+}  // namespace
+
 MjcfScene::MjcfScene(const MjcfElement& root_element, bool load_meshes)
     : root(root_element),
-      settings(read_settings(root)),
-      classes(read_classes(root)),
-      assets(root, settings, classes, load_meshes),
+      attached(attached_roots(root)),
+      all_settings(settings_of_all(root, attached)),
+      settings(all_settings.front()),
+      classes(classes_of_all(root, attached)),
+      assets(sections("asset"), all_settings, classes, load_meshes),
       builder(root.text_or("model", "MuJoCo Model")) {}
+
+std::vector<MjcfElement> MjcfScene::sections(std::string_view tag) const {
+  std::vector<MjcfElement> found = root.children(tag);
+  for (const MjcfElement& other : attached) {
+    for (const MjcfElement& section : other.children(tag)) found.push_back(section);
+  }
+  return found;
+}
+
+std::vector<MjcfElement> MjcfScene::elements(const MjcfElement& section) const {
+  const std::array<std::pair<const char*, const MjcfNames*>, 13> kinds{{{"body", &body_names},
+                                                                        {"body1", &body_names},
+                                                                        {"body2", &body_names},
+                                                                        {"joint", &joint_names},
+                                                                        {"joint1", &joint_names},
+                                                                        {"joint2", &joint_names},
+                                                                        {"jointinparent", &joint_names},
+                                                                        {"geom", &geom_names},
+                                                                        {"geom1", &geom_names},
+                                                                        {"geom2", &geom_names},
+                                                                        {"tendon", &tendon_names},
+                                                                        {"tendon1", &tendon_names},
+                                                                        {"tendon2", &tendon_names}}};
+  const auto is_missing = [&](const MjcfElement& e) {
+    const auto names_no = [&](const auto& kind) {
+      return e.has_own(kind.first) && !kind.second->contains(e.text(kind.first));
+    };
+    const auto names_no_site = [&](const char* name) { return e.has_own(name) && !sites.contains(e.text(name)); };
+    return std::ranges::any_of(kinds, names_no) ||
+           std::ranges::any_of(std::array{"site", "site1", "site2"}, names_no_site);
+  };
+  const auto misses_any = [&](const MjcfElement& e) {
+    return is_missing(e) || std::ranges::any_of(e.children(), is_missing);  // what a tendon passes
+  };
+  std::vector<MjcfElement> found;
+  for (const MjcfElement& element : section.children()) {
+    if (element.model() == 0 || !misses_any(element)) {
+      found.push_back(element);
+    } else if (root.source().models()[element.model()].is_repeated) {
+      element.note_serious(LoadAction::kIgnored, "what acts on parts of a model attached in a <replicate> is left out");
+    }
+  }
+  return found;
+}
 
 }  // namespace io
 

@@ -10,7 +10,7 @@ namespace manyhands::io {
 
 bool is_limited(const MjcfScene& scene, const MjcfElement& e, const char* range, const char* limited) {
   const std::string word = e.word_or(limited, {"true", "false", "auto"}, "auto");
-  if (word == "auto" && e.has(range) && !scene.settings.autolimits) {
+  if (word == "auto" && e.has(range) && !scene.settings_of(e).autolimits) {
     e.fail(std::string("it has '") + range + "' but not '" + limited + "', and autolimits is false");
   }
   if (word == "true" && !e.has(range)) e.fail(std::string("it is limited but has no '") + range + "'");
@@ -160,6 +160,19 @@ std::optional<double> read_transmission(const MjcfScene& scene, const MjcfElemen
   return joint.inertia / squared;
 }
 
+/// Servos of one joint or tendon act as one, whose force is bounded by the sum of their bounds.
+void note_shared_servo(const MjcfScene& scene, const MjcfElement& e, const Actuator& servo) {
+  const auto is_servo = [](const Actuator& a) { return a.type != ActuatorType::kForce; };
+  if (!is_servo(servo)) return;
+  for (const Actuator& other : scene.builder.actuators()) {
+    if (!is_servo(other) || other.joint != servo.joint || other.tendon != servo.tendon) continue;
+    if (!is_finite(servo.max_force) && !is_finite(other.max_force)) continue;
+    return e.note_serious(LoadAction::kRepaired, "another servo drives its " +
+                                                     std::string(servo.tendon.is_valid() ? "tendon" : "joint") +
+                                                     ", too; their forces are bounded together");
+  }
+}
+
 /// Adds the actuator and returns its index; -1, with a note, if it is left out.
 int add_actuator(MjcfScene& scene, const MjcfElement& e, const std::string& name) {
   const std::string tag(e.tag());
@@ -183,6 +196,7 @@ int add_actuator(MjcfScene& scene, const MjcfElement& e, const std::string& name
     return -1;
   }
   read_ranges(scene, e, gear, actuator);
+  note_shared_servo(scene, e, actuator);
   return checked(e, [&] { return scene.builder.add_actuator(actuator).value(); });
 }
 
@@ -190,8 +204,8 @@ int add_actuator(MjcfScene& scene, const MjcfElement& e, const std::string& name
 
 void read_actuators(MjcfScene& scene) {
   MjcfNames names;
-  for (const MjcfElement& section : scene.root.children("actuator")) {
-    for (const MjcfElement& element : section.children()) {
+  for (const MjcfElement& section : scene.sections("actuator")) {
+    for (const MjcfElement& element : scene.elements(section)) {
       const std::string name = claim_name(names, element.named("actuator"), "actuator", names.size(), scene.reserved);
       const MjcfElement e = element.named("actuator '" + name + "'").with_defaults(scene.classes, "actuator");
       scene.actuators.push_back(add_actuator(scene, e, name));

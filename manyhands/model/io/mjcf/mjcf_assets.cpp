@@ -66,14 +66,14 @@ auto& find_asset(Entries& entries, const char* kind, const std::string& name, co
 
 }  // namespace
 
-MjcfAssets::MjcfAssets(const MjcfElement& root, const MjcfSettings& settings, const MjcfClasses& classes,
-                       bool load_meshes)
+MjcfAssets::MjcfAssets(const std::vector<MjcfElement>& sections, const std::vector<MjcfSettings>& settings,
+                       const MjcfClasses& classes, bool load_meshes)
     : settings_(settings), load_meshes_(load_meshes) {
-  for (const MjcfElement& section : root.children("asset")) {
-    section.named("asset").expect({}, {"mesh", "hfield", "texture", "material"});
+  for (const MjcfElement& section : sections) {
+    section.named("asset").expect({}, {"mesh", "hfield", "texture", "material", "model"});
     for (const MjcfElement& element : section.children("texture")) add_texture(element);
   }
-  for (const MjcfElement& section : root.children("asset")) {
+  for (const MjcfElement& section : sections) {
     for (const MjcfElement& element : section.children()) {
       if (element.tag() == "mesh") {
         add_mesh(element, classes);
@@ -90,7 +90,7 @@ void MjcfAssets::add_texture(const MjcfElement& element) {
   const std::string file = std::filesystem::path(element.text_or("file", "")).stem().string();
   const std::string name = element.text_or("name", file);
   const MjcfElement texture = element.named("texture '" + name + "'");
-  const bool is_new = textures_.emplace(name, read_texture(texture, settings_)).second;
+  const bool is_new = textures_.emplace(name, read_texture(texture, settings_of(texture))).second;
   if (!is_new && !name.empty()) texture.fail("the name is taken; expected another name");
 }
 
@@ -110,8 +110,8 @@ void MjcfAssets::add_material(const MjcfElement& element, const MjcfClasses& cla
 void MjcfAssets::add_mesh(const MjcfElement& element, const MjcfClasses& classes) {
   const std::string name = asset_name(element.named("mesh"));
   const MjcfElement mesh = element.named("mesh '" + name + "'").with_defaults(classes, "mesh");
-  mesh.expect({"name", "class", "file", "scale", "refpos", "refquat", "vertex", "face", "inertia", "content_type"});
-  mesh.ignore({"maxhullvert", "builtin"});
+  mesh.expect({"name", "class", "file", "scale", "refpos", "refquat", "vertex", "face", "inertia", "content_type",
+               "maxhullvert", "builtin", "params"});
   if (!meshes_.emplace(name, MeshEntry{mesh, false, {}}).second) mesh.fail("the name is taken; expected another name");
 }
 
@@ -172,22 +172,34 @@ void place_vertices(const MjcfElement& source, Mesh& mesh) {
   }
 }
 
+/// MuJoCo makes hulls of at most `maxhullvert` vertices.
+void note_coarser_hull(const MjcfElement& source, const Mesh& mesh) {
+  const int most = source.integer_or("maxhullvert", -1);
+  if (most < 0 || mesh.vertices.size() <= static_cast<std::size_t>(most)) return;
+  const std::size_t has = convex_polyhedron(mesh.vertices).vertices.size();
+  if (has <= static_cast<std::size_t>(most)) return;
+  source.note_serious(LoadAction::kIgnored, "its hull keeps " + std::to_string(has) + " vertices; 'maxhullvert' " +
+                                                std::to_string(most) + " is not used");
+}
+
 }  // namespace
 
-std::optional<MjcfMesh> MjcfAssets::read_mesh(const MjcfElement& source, ModelBuilder& builder) const {
+std::optional<MjcfMesh> MjcfAssets::read_mesh(const MjcfElement& source) const {
   try {
+    if (source.has("builtin")) throw MeshError("builtin meshes are not made");
     if (!source.has("file") && !source.has("vertex")) throw MeshError("neither 'file' nor 'vertex'");
-    Mesh mesh =
-        source.has("file")
-            ? load_mesh(source.source().paths().resolve(path_in(settings_.mesh_folder, source.text("file"), settings_)))
-            : inline_mesh(source);
+    const MjcfSettings& settings = settings_of(source);
+    Mesh mesh = source.has("file")
+                    ? load_mesh(source.paths().resolve(path_in(settings.mesh_folder, source.text("file"), settings)))
+                    : inline_mesh(source);
     place_vertices(source, mesh);
     const std::string kind = source.word_or("inertia", {"convex", "exact", "legacy", "shell"}, "legacy");
+    note_coarser_hull(source, mesh);
     if (mesh.triangles.empty()) mesh = hull_of(mesh);
     const Inertial mass = kind == "shell"    ? skin_of(mesh)
                           : kind == "convex" ? solid_of(hull_of(mesh), false)
                                              : solid_of(mesh, kind == "legacy");
-    return MjcfMesh{builder.add_mesh(std::move(mesh)), mass};
+    return MjcfMesh{std::move(mesh), mass};
   } catch (const PathEscape& error) {
     source.fail(error.what());
   } catch (const MjcfError&) {
@@ -198,17 +210,23 @@ std::optional<MjcfMesh> MjcfAssets::read_mesh(const MjcfElement& source, ModelBu
   return std::nullopt;
 }
 
-const MjcfMesh* MjcfAssets::mesh(const std::string& name, const MjcfElement& user, ModelBuilder& builder) {
+const MjcfMesh* MjcfAssets::mesh(const std::string& name, const MjcfElement& user) {
   MeshEntry& entry = find_asset(meshes_, "mesh", name, user);
   if (!entry.is_read) {
     entry.is_read = true;
     if (load_meshes_) {
-      entry.mesh = read_mesh(entry.source, builder);
+      entry.mesh = read_mesh(entry.source);
     } else {
       entry.source.note_once("load_meshes", LoadAction::kIgnored, "meshes are left out, as asked");
     }
   }
   return entry.mesh ? &*entry.mesh : nullptr;
+}
+
+MeshId MjcfAssets::mesh_id(const std::string& name, const MjcfElement& user, ModelBuilder& builder) {
+  MjcfMesh& mesh = *find_asset(meshes_, "mesh", name, user).mesh;
+  if (!mesh.id) mesh.id = builder.add_mesh(mesh.surface);
+  return *mesh.id;
 }
 
 std::optional<HeightFieldId> MjcfAssets::height_field(const std::string& name, const MjcfElement& user,
@@ -218,10 +236,10 @@ std::optional<HeightFieldId> MjcfAssets::height_field(const std::string& name, c
   entry.is_read = true;
   const MjcfElement& source = entry.source;
   try {
+    const MjcfSettings& settings = settings_of(source);
     const std::string file = source.text_or("file", "");
     const std::string bytes =
-        file.empty() ? ""
-                     : read_text_file(source.source().paths().resolve(path_in(settings_.mesh_folder, file, settings_)));
+        file.empty() ? "" : read_text_file(source.paths().resolve(path_in(settings.mesh_folder, file, settings)));
     HeightField field = read_height_field(source, bytes, heights_left_);
     heights_left_ -= static_cast<int>(field.height.size());
     entry.id = builder.add_height_field(std::move(field));

@@ -19,8 +19,9 @@ using Rgba = std::array<float, 4>;
 
 /// A mesh that a geom uses.
 struct MjcfMesh {
-  MeshId id{};
-  Inertial per_density{};  ///< mass properties of the solid at density 1 kg/m^3; at density 1 kg/m^2 of its skin
+  Mesh surface{};
+  Inertial per_density{};      ///< mass properties of the solid at density 1 kg/m^3; at density 1 kg/m^2 of its skin
+  std::optional<MeshId> id{};  ///< where the model has it
 };
 
 /// What a <texture> shows, its `repeat` still unset.
@@ -37,11 +38,15 @@ struct MjcfMaterial {
 
 class MjcfAssets {
  public:
-  MjcfAssets(const MjcfElement& root, const MjcfSettings& settings, const MjcfClasses& classes, bool load_meshes);
+  /// `sections`: all <asset> elements; `settings`: by the model that they belong to.
+  MjcfAssets(const std::vector<MjcfElement>& sections, const std::vector<MjcfSettings>& settings,
+             const MjcfClasses& classes, bool load_meshes);
 
-  /// Adds the mesh to the builder when it is first asked for. Fails on an unknown name or a file outside the folder;
-  /// gives nothing, with a note, if the file cannot be read or meshes are not wanted.
-  [[nodiscard]] const MjcfMesh* mesh(const std::string& name, const MjcfElement& user, ModelBuilder& builder);
+  /// Reads the mesh when it is first asked for. Fails on an unknown name or a file outside the folder; gives nothing,
+  /// with a note, if the file cannot be read or meshes are not wanted.
+  [[nodiscard]] const MjcfMesh* mesh(const std::string& name, const MjcfElement& user);
+  /// The same mesh in the model.
+  [[nodiscard]] MeshId mesh_id(const std::string& name, const MjcfElement& user, ModelBuilder& builder);
   [[nodiscard]] std::optional<HeightFieldId> height_field(const std::string& name, const MjcfElement& user,
                                                           ModelBuilder& builder);
   [[nodiscard]] const MjcfMaterial& material(const std::string& name, const MjcfElement& user) const;
@@ -62,9 +67,10 @@ class MjcfAssets {
   void add_material(const MjcfElement& element, const MjcfClasses& classes);
   void add_mesh(const MjcfElement& element, const MjcfClasses& classes);
   void add_height_field(const MjcfElement& element);
-  [[nodiscard]] std::optional<MjcfMesh> read_mesh(const MjcfElement& source, ModelBuilder& builder) const;
+  [[nodiscard]] std::optional<MjcfMesh> read_mesh(const MjcfElement& source) const;
+  [[nodiscard]] const MjcfSettings& settings_of(const MjcfElement& e) const { return settings_[e.model()]; }
 
-  const MjcfSettings& settings_;
+  const std::vector<MjcfSettings>& settings_;
   bool load_meshes_;
   int heights_left_ = 32'000'000;  ///< of all height fields together, for a small picture may hold very many
   std::map<std::string, MeshEntry> meshes_;
@@ -85,6 +91,16 @@ class MjcfAssets {
 
 /// The surface of the convex hull of a mesh's vertices. Throws ModelError if they have no extent.
 [[nodiscard]] Mesh hull_of(const Mesh& mesh);
+
+/// A shape fitted to a mesh, as the file's frame has it, and its pose there.
+struct MjcfFit {
+  Vec3<double> size{};
+  Transform<double> X_MS = Transform<double>::identity();
+};
+
+/// What MuJoCo makes of <geom type="capsule" mesh="...">: the sphere, capsule, cylinder, ellipsoid or box with the
+/// inertia of the mesh, in its principal axes; if `in_box`, one about as large as the box of its vertices in these.
+[[nodiscard]] MjcfFit fitted(const std::string& type, const MjcfMesh& mesh, bool in_box);
 
 /// The heights of an <hfield>, from `elevation` or the bytes of its file. Fails on what is malformed and on more than
 /// `most` heights; throws ImageError for a broken picture.

@@ -199,9 +199,9 @@ void add_pairs(MjcfScene& scene) {
 }  // namespace
 
 void read_contacts(MjcfScene& scene) {
-  for (const MjcfElement& section : scene.root.children("contact")) {
+  for (const MjcfElement& section : scene.sections("contact")) {
     section.named("contact").expect({}, {"pair", "exclude"});
-    for (const MjcfElement& element : section.children()) {
+    for (const MjcfElement& element : scene.elements(section)) {
       if (element.tag() == "pair") read_pair(scene, element);
       if (element.tag() == "exclude") read_exclude(scene, element);
     }

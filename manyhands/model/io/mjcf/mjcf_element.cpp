@@ -34,11 +34,11 @@ MjcfElement MjcfElement::with_suffix(const std::string& suffix) const {
 MjcfElement MjcfElement::with_defaults(const MjcfClasses& classes, std::string_view kind) const {
   const bool has_class = has_own("class");
   const std::string name = has_class             ? node_.attribute("class").value()
-                           : childclass_.empty() ? classes.main
+                           : childclass_.empty() ? source_->models()[model()].main_class
                                                  : childclass_;
   const auto found = classes.by_name.find(name);
   if (found == classes.by_name.end()) {
-    if (name == classes.main) return *this;
+    if (name == source_->models()[model()].main_class) return *this;
     fail("there is no default class " + in_quotes(name) + "; expected the class of a <default>");
   }
   MjcfElement result = *this;
@@ -63,10 +63,41 @@ void MjcfElement::add_children(const MjcfFile& file, const pugi::xml_node& node,
       add_children(other, other.xml.root(), found);
       continue;
     }
+    if (std::string_view(child.name()) == "attach") {
+      add_attached(child, found);
+      continue;
+    }
     MjcfElement& added = found.emplace_back(*source_, file, child, what_);
     added.suffix_ = suffix_;
     added.childclass_ = *childclass != '\0' ? std::string(childclass) : childclass_;
   }
+}
+
+std::optional<MjcfElement> MjcfElement::find_body(const std::string& name) const {
+  for (const MjcfElement& child : children()) {
+    if (child.tag() == "body" && child.node_.attribute("name").value() == name) return child;
+    if (std::optional<MjcfElement> found = child.find_body(name)) return found;
+  }
+  return std::nullopt;
+}
+
+void MjcfElement::add_attached(const pugi::xml_node& attach, std::vector<MjcfElement>& found) const {
+  const MjcfModel& model = source_->attached(attach);
+  const std::size_t first = found.size();
+  for (const MjcfElement& world :
+       MjcfElement(*source_, *model.root, model.root->xml.root(), what_).children("worldbody")) {
+    if (model.target.empty()) {
+      for (const MjcfElement& element : world.children()) found.push_back(element);
+    } else if (const auto body = world.find_body(model.target); body && found.size() == first) {
+      found.push_back(*body);
+    }
+  }
+  if (!model.target.empty() && found.size() == first) {
+    throw MjcfError(file_->name, file_->xml.line(attach),
+                    "<attach>: there is no body " + in_quotes(attach.attribute("body").value()) + " in " +
+                        in_quotes(model.root->name) + "; expected the name of one");
+  }
+  for (std::size_t i = first; i < found.size(); ++i) found[i].suffix_ = suffix_;
 }
 
 std::vector<MjcfElement> MjcfElement::children(std::string_view tag) const {

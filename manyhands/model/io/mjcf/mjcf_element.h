@@ -22,7 +22,6 @@ struct MjcfClass {
 
 struct MjcfClasses {
   std::map<std::string, MjcfClass, std::less<>> by_name;
-  std::string main = "main";
 };
 
 class MjcfElement {
@@ -35,6 +34,9 @@ class MjcfElement {
   [[nodiscard]] int line() const { return file_->xml.line(node_); }
   [[nodiscard]] const std::string& what() const { return what_; }
   [[nodiscard]] MjcfSource& source() const { return *source_; }
+  /// The model it is written in: 0 of the main one, see MjcfSource::models.
+  [[nodiscard]] std::size_t model() const { return file_->model; }
+  [[nodiscard]] const PackagePaths& paths() const { return source_->models()[model()].paths; }
   /// The same element under another name for messages.
   [[nodiscard]] MjcfElement named(std::string what) const;
   /// The same element, the names of it and all in it lengthened by `suffix`, before what lengthens them
@@ -44,7 +46,8 @@ class MjcfElement {
   /// around it names, else the main class.
   [[nodiscard]] MjcfElement with_defaults(const MjcfClasses& classes, std::string_view kind) const;
 
-  /// All child elements, those of included files in the place of <include>.
+  /// All child elements, those of included files in the place of <include>, and in that of <attach> the body that it
+  /// names, or all that lies in that model's world.
   [[nodiscard]] std::vector<MjcfElement> children() const;
   [[nodiscard]] std::vector<MjcfElement> children(std::string_view tag) const;
 
@@ -86,6 +89,8 @@ class MjcfElement {
   [[nodiscard]] std::optional<std::string_view> find(const char* attribute) const;
   [[nodiscard]] std::string holds(const char* attribute) const;
   void add_children(const MjcfFile& file, const pugi::xml_node& node, std::vector<MjcfElement>& found) const;
+  [[nodiscard]] std::optional<MjcfElement> find_body(const std::string& name) const;  ///< at any depth
+  void add_attached(const pugi::xml_node& attach, std::vector<MjcfElement>& found) const;
 
   MjcfSource* source_;
   const MjcfFile* file_;

@@ -122,9 +122,9 @@ void read_equality(MjcfScene& scene, const MjcfElement& element) {
 
 void read_equalities(MjcfScene& scene) {
   if (!scene.settings.flags.equality) return;
-  for (const MjcfElement& section : scene.root.children("equality")) {
+  for (const MjcfElement& section : scene.sections("equality")) {
     section.named("equality").expect({}, {"connect", "weld", "joint", "tendon"});
-    for (const MjcfElement& element : section.children()) read_equality(scene, element);
+    for (const MjcfElement& element : scene.elements(section)) read_equality(scene, element);
   }
 }
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "manyhands/model/io/mjcf/mjcf_principal.h"
 #include "manyhands/model/io/mjcf/mjcf_scene.h"
 #include "manyhands/model/io/text_numbers.h"
 
@@ -69,6 +70,25 @@ std::vector<double> read_size(const MjcfElement& e, std::size_t count) {
   return size;
 }
 
+/// The shape of these sizes, and its volume.
+void set_primitive(MjcfScene& scene, Part& part, const Vec3<double>& size) {
+  const MjcfElement& e = part.element;
+  Shape& shape = part.geom.shape;
+  const bool is_skin = e.boolean_or("shellinertia", false);
+  if (part.type == "ellipsoid") {
+    shape = {.type = ShapeType::kConvex, .mesh = ellipsoid_hull(scene, size)};
+    part.volume = is_skin ? skin_of_ellipsoid(size) : solid_ellipsoid(size);
+    e.note_once("ellipsoid", LoadAction::kRepaired, "the ellipsoid became the hull of 162 points on it");
+    return;
+  }
+  shape.type = part.type == "sphere"    ? ShapeType::kSphere
+               : part.type == "capsule" ? ShapeType::kCapsule
+               : part.type == "box"     ? ShapeType::kBox
+                                        : ShapeType::kCylinder;
+  shape.size = size;
+  part.volume = is_skin ? skin_of(shape) : solid_of(shape);
+}
+
 void read_primitive(MjcfScene& scene, Part& part, const MjcfPlaced& placed) {
   const MjcfElement& e = part.element;
   const bool has_ends = e.has("fromto");
@@ -87,20 +107,19 @@ void read_primitive(MjcfScene& scene, Part& part, const MjcfPlaced& placed) {
     part.geom.X_LG = placed_in(placed.X_BF, {rotation_from_z(from - to), 0.5 * (from + to)});
     size = is_round ? Vec3<double>{given[0], half, 0} : Vec3<double>{given[0], given[0], half};
   }
-  Shape& shape = part.geom.shape;
-  const bool is_skin = e.boolean_or("shellinertia", false);
-  if (part.type == "ellipsoid") {
-    shape = {.type = ShapeType::kConvex, .mesh = ellipsoid_hull(scene, size)};
-    part.volume = is_skin ? skin_of_ellipsoid(size) : solid_ellipsoid(size);
-    e.note_once("ellipsoid", LoadAction::kRepaired, "the ellipsoid became the hull of 162 points on it");
-    return;
-  }
-  shape.type = part.type == "sphere"    ? ShapeType::kSphere
-               : part.type == "capsule" ? ShapeType::kCapsule
-               : part.type == "box"     ? ShapeType::kBox
-                                        : ShapeType::kCylinder;
-  shape.size = size;
-  part.volume = is_skin ? skin_of(shape) : solid_of(shape);
+  set_primitive(scene, part, size);
+}
+
+/// The shape of a mesh; false if that has been left out.
+bool fit_primitive(MjcfScene& scene, Part& part, const MjcfPlaced& placed) {
+  const MjcfElement& e = part.element;
+  if (e.has("fromto")) e.fail("'fromto' places no shape that is fitted to a mesh");
+  const MjcfMesh* const mesh = scene.assets.mesh(e.text("mesh"), e);
+  if (mesh == nullptr) return false;
+  const MjcfFit fit = fitted(part.type, *mesh, scene.settings_of(e).fit_to_box);
+  part.geom.X_LG = placed_in(placed.X_BF, placed_in(read_pose(e, scene.settings_of(e)), fit.X_MS));
+  set_primitive(scene, part, e.number_or("fitscale", 1) * fit.size);
+  return true;
 }
 
 /// Planes and height fields belong to what never moves.
@@ -111,7 +130,7 @@ void require_fixed(const Part& part, const MjcfBody& body) {
 /// Reads the shape into `part`; false if it is left out, which is noted.
 bool read_shape(MjcfScene& scene, const MjcfBody& body, Part& part, const MjcfPlaced& placed) {
   const MjcfElement& e = part.element;
-  part.geom.X_LG = placed_in(placed.X_BF, read_pose(e, scene.settings));
+  part.geom.X_LG = placed_in(placed.X_BF, read_pose(e, scene.settings_of(e)));
   if (part.type == "plane") {
     require_fixed(part, body);
     part.geom.shape.type = ShapeType::kPlane;
@@ -125,16 +144,17 @@ bool read_shape(MjcfScene& scene, const MjcfBody& body, Part& part, const MjcfPl
     return true;
   }
   if (part.type == "mesh") {
-    const MjcfMesh* const mesh = scene.assets.mesh(e.text("mesh"), e, scene.builder);
+    const MjcfMesh* const mesh = scene.assets.mesh(e.text("mesh"), e);
     if (mesh == nullptr) return false;
-    part.geom.shape = {.type = ShapeType::kConvex, .mesh = mesh->id};
+    part.geom.shape = {.type = ShapeType::kConvex, .mesh = scene.assets.mesh_id(e.text("mesh"), e, scene.builder)};
     part.volume = mesh->per_density;
     return true;
   }
-  if (part.type == "sdf" || e.has("mesh")) {
-    e.note_serious(LoadAction::kIgnored, "a " + part.type + " fitted to a mesh is not read; the geom is left out");
+  if (part.type == "sdf") {
+    e.note_serious(LoadAction::kIgnored, "signed distance fields are not read; the geom is left out");
     return false;
   }
+  if (e.has("mesh")) return fit_primitive(scene, part, placed);
   read_primitive(scene, part, placed);
   return true;
 }
@@ -206,6 +226,7 @@ MjcfGeomMass add_geom(MjcfScene& scene, int body_index, const MjcfPlaced& placed
     double factor = density;
     if (e.has("mass")) factor = part.volume.mass > 0 ? e.positive_or("mass", 0) / part.volume.mass : 0;
     mass.inertial = manyhands::placed(geom.X_LG, scaled(part.volume, factor));
+    mass.axes = part.type == "mesh" ? geom.X_LG.R * principal_axes(part.volume.inertia).R : geom.X_LG.R;
     entry.id = checked(e, [&] { return scene.builder.add_geom(std::move(geom)); });
   }
   scene.geoms.push_back(std::move(entry));

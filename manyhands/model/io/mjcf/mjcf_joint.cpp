@@ -75,12 +75,12 @@ Read read_joint(const MjcfScene& scene, const MjcfElement& e, const Transform<do
   Read result;
   Joint& joint = result.joint;
   if (e.tag() == "freejoint") {
-    e.expect({"name"});
+    e.expect({"name", "align", "group"});
     joint.type = JointType::kFloating;
     return result;
   }
   e.expect({"name", "class", "type", "pos", "axis", "range", "limited", "ref", "damping", "armature", "frictionloss",
-            "actuatorfrcrange", "actuatorfrclimited", "stiffness", "springref", "springdamper"});
+            "actuatorfrcrange", "actuatorfrclimited", "stiffness", "springref", "springdamper", "align", "group"});
   e.ignore({"solreflimit", "solimplimit", "solreffriction", "solimpfriction", "margin", "actuatorgravcomp", "user"});
   joint.type = type_of(e);
   joint.stiffness = linear_part(e, "stiffness");
@@ -91,7 +91,7 @@ Read read_joint(const MjcfScene& scene, const MjcfElement& e, const Transform<do
   joint.damping = linear_part(e, "damping");
   joint.friction = linear_part(e, "frictionloss");
   joint.armature = e.positive_or("armature", 0);
-  read_range(e, scene.settings, joint);
+  read_range(e, scene.settings_of(e), joint);
   read_effort(e, joint);
   if (joint.type == JointType::kFloating) return result;
   result.anchor = X_BF * e.vec3_or("pos", Vec3<double>::zero());
@@ -99,7 +99,7 @@ Read read_joint(const MjcfScene& scene, const MjcfElement& e, const Transform<do
   const Vec3<double> axis = e.vec3_or("axis", {0, 0, 1});
   if (!(norm(axis) > 1e-10)) e.fail("its axis is 0; expected a direction such as \"0 0 1\"");
   joint.axis = X_BF.R * at_unit_length(axis);
-  const double unit = joint.type == JointType::kPrismatic ? 1 : scene.settings.radians(1);
+  const double unit = joint.type == JointType::kPrismatic ? 1 : scene.settings_of(e).radians(1);
   result.reference = unit * e.number_or("ref", 0);
   joint.spring_reference = {unit * e.number_or("springref", 0)};
   return result;

@@ -1,4 +1,6 @@
 // <keyframe>: states with names.
+#include <algorithm>
+
 #include "manyhands/model/io/mjcf/mjcf_scene.h"
 
 namespace manyhands::io {
@@ -87,6 +89,18 @@ void read_keyframes(MjcfScene& scene) {
   for (const MjcfElement& section : scene.root.children("keyframe")) {
     section.named("keyframe").expect({}, {"key"});
     for (const MjcfElement& element : section.children("key")) read_key(scene, element, index++);
+  }
+  int asked = 0;
+  for (const MjcfElement& size : scene.root.children("size")) asked = std::max(asked, size.integer_or("nkey", 0));
+  constexpr int kMostKeys = 10'000;
+  if (asked > kMostKeys) scene.root.fail("nkey is " + std::to_string(asked) + "; expected at most 10000");
+  while (index < static_cast<std::size_t>(asked)) {
+    scene.builder.add_keyframe({.name = "key_" + std::to_string(index++), .mocap = read_mocap(scene, scene.root)});
+  }
+  for (const MjcfElement& other : scene.attached) {
+    for (const MjcfElement& section : other.children("keyframe")) {
+      section.named("keyframe").note(LoadAction::kIgnored, "keyframes of attached models are not read");
+    }
   }
 }
 

@@ -63,7 +63,9 @@ struct MjcfScene {
   MjcfScene(const MjcfElement& root_element, bool load_meshes);
 
   MjcfElement root;
-  MjcfSettings settings;
+  std::vector<MjcfElement> attached;       ///< the roots of attached models
+  std::vector<MjcfSettings> all_settings;  ///< by model
+  const MjcfSettings& settings;            ///< of the main one
   MjcfClasses classes;
   MjcfAssets assets;
   ModelBuilder builder;
@@ -81,6 +83,13 @@ struct MjcfScene {
   std::map<std::pair<GeomId, GeomId>, SurfaceMaterial> pairs;  ///< of <contact>, the lesser id first
   std::vector<int> actuators;                                  ///< by their place in the file, the index here or -1
 
+  /// Those of the model that the element is written in.
+  [[nodiscard]] const MjcfSettings& settings_of(const MjcfElement& e) const { return all_settings[e.model()]; }
+  /// All sections of that name: those of the main model, then those of attached ones.
+  [[nodiscard]] std::vector<MjcfElement> sections(std::string_view tag) const;
+  /// What is in them that acts on parts which are there. As in MuJoCo, what refers to parts of an attached model that
+  /// were left behind is dropped.
+  [[nodiscard]] std::vector<MjcfElement> elements(const MjcfElement& section) const;
   /// The part that an attribute names; fails if there is none.
   [[nodiscard]] const MjcfBody& body(const MjcfElement& user, const char* attribute) const;
   [[nodiscard]] const MjcfJoint& joint(const MjcfElement& user, const char* attribute) const;
@@ -115,6 +124,7 @@ void apply_flags(MjcfScene& scene);  ///< takes away what <flag> turns off
 /// A geom's part in the mass of its body, about the body's frame.
 struct MjcfGeomMass {
   Inertial inertial{};
+  Mat3<double> axes = Mat3<double>::identity();  ///< of its own: those of the shape, principal ones of a mesh
   int group = 0;
 };
 

@@ -15,7 +15,7 @@ namespace {
 void read_compiler(const MjcfElement& e, MjcfSettings& settings) {
   e.expect({"angle", "coordinate", "eulerseq", "autolimits", "meshdir", "texturedir", "assetdir", "strippath",
             "inertiafromgeom", "inertiagrouprange", "balanceinertia", "boundmass", "boundinertia", "settotalmass",
-            "usethread", "fusestatic", "discardvisual", "alignfree"});
+            "usethread", "fusestatic", "discardvisual", "alignfree", "fitaabb"});
   settings.degrees = e.word_or("angle", {"degree", "radian"}, settings.degrees ? "degree" : "radian") == "degree";
   if (e.word_or("coordinate", {"local", "global"}, "local") == "global") {
     e.fail("coordinate=\"global\" is not read, nor by MuJoCo since 2.3.4; expected local coordinates");
@@ -49,9 +49,8 @@ void read_compiler(const MjcfElement& e, MjcfSettings& settings) {
   if (e.boolean_or("discardvisual", false)) {
     e.note(LoadAction::kIgnored, "discardvisual: geoms that touch nothing are kept as visuals");
   }
-  if (e.boolean_or("alignfree", false)) {
-    e.note(LoadAction::kIgnored, "alignfree: frames of free bodies stay where the file puts them");
-  }
+  settings.align_free = e.boolean_or("alignfree", settings.align_free);
+  settings.fit_to_box = e.boolean_or("fitaabb", settings.fit_to_box);
 }
 
 /// Turns off what the flag disables, and on what an earlier one disabled.
@@ -123,20 +122,21 @@ void read_class(const MjcfElement& element, const std::string& name, const MjcfC
 MjcfSettings read_settings(const MjcfElement& root) {
   MjcfSettings settings;
   for (const MjcfElement& e : root.children("compiler")) read_compiler(e.named("compiler"), settings);
+  if (root.model() > 0) return settings;
   for (const MjcfElement& e : root.children("option")) read_option(e.named("option"), settings);
   return settings;
 }
 
-MjcfClasses read_classes(const MjcfElement& root) {
-  MjcfClasses classes;
+void read_classes(const MjcfElement& root, MjcfClasses& classes) {
+  std::string main;
   for (const MjcfElement& e : root.children("default")) {
     const MjcfElement element = e.named("default");
-    const std::string name = element.text_or("class", classes.main);
-    if (classes.by_name.empty()) classes.main = name;
-    const MjcfClass above = name == classes.main ? MjcfClass{} : classes.by_name.at(classes.main);
+    const std::string name =
+        element.text_or("class", main.empty() ? root.source().models()[root.model()].main_class : main);
+    if (main.empty()) root.source().set_main_class(root.model(), main = name);
+    const MjcfClass above = name == main ? MjcfClass{} : classes.by_name.at(main);
     read_class(element, name, above, classes);
   }
-  return classes;
 }
 
 Quat<double> quat_from_wxyz(const MjcfElement& element, const double* wxyz) {

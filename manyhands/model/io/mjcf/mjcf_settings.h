@@ -31,16 +31,19 @@ struct MjcfSettings {
   double total_mass = -1;  ///< negative: as it comes
   double time_step = 0.002;
   Vec3<double> gravity{0, 0, -9.81};
+  bool fit_to_box = false;  ///< shapes fitted to meshes are as large as their box; else they have their inertia
+  bool align_free = false;  ///< the frames of free bodies become their principal axes
   MjcfFlags flags;
 
   [[nodiscard]] double radians(double angle) const;
 };
 
-/// Reads all <compiler> and <option> sections; what they ask for and is not done is noted.
+/// Reads all <compiler> sections, of the main model the <option> sections, too; what they ask for and is not done is
+/// noted.
 [[nodiscard]] MjcfSettings read_settings(const MjcfElement& root);
 
-/// Reads all <default> sections.
-[[nodiscard]] MjcfClasses read_classes(const MjcfElement& root);
+/// Reads all <default> sections of a model.
+void read_classes(const MjcfElement& root, MjcfClasses& classes);
 
 /// Whether the element or its class says how it is turned.
 [[nodiscard]] bool has_rotation(const MjcfElement& element);

@@ -1,4 +1,4 @@
-// The files of one MJCF model, what they include, and the notes taken while they are read.
+// The files of one MJCF model, what they include and attach, and the notes taken while they are read.
 #pragma once
 
 #include <deque>
@@ -19,17 +19,33 @@ namespace manyhands::io {
 struct MjcfFile {
   std::string name;
   XmlFile xml;
+  std::size_t model = 0;  ///< 0, or of an <attach> what it brings
+};
+
+/// The main file with what it includes, or the same for each <attach>. In an attached model all names have its prefix.
+struct MjcfModel {
+  const MjcfFile* root = nullptr;
+  PackagePaths paths;
+  std::string main_class = "main";  ///< of its defaults
+  std::string target{};             ///< the body that is attached; empty: all that lies in the world
+  std::set<std::filesystem::path> included{};
+  int depth = 0;             ///< how many models are around it
+  bool is_repeated = false;  ///< in a <replicate>
 };
 
 class MjcfSource {
  public:
-  /// Parses the text and all that it includes. Throws MjcfError.
+  /// Parses the text and all that it includes and attaches. Throws MjcfError.
   MjcfSource(std::string_view text, const std::string& file, const std::filesystem::path& folder, bool allow_outside);
 
-  [[nodiscard]] const MjcfFile& main() const { return files_.front(); }
+  /// The main one, then those attached, in the order of the <attach> elements, inner ones behind those around them.
+  [[nodiscard]] const std::deque<MjcfModel>& models() const { return models_; }
   /// The file that an <include> element stands for.
   [[nodiscard]] const MjcfFile& included(const pugi::xml_node& include) const;
-  [[nodiscard]] const PackagePaths& paths() const { return paths_; }
+  /// What an <attach> element stands for.
+  [[nodiscard]] const MjcfModel& attached(const pugi::xml_node& attach) const;
+
+  void set_main_class(std::size_t model, const std::string& name) { models_[model].main_class = name; }
 
   void note(LoadNote note) { report_.notes.push_back(std::move(note)); }
   /// A note about something that may occur many times: the first place is kept, the others are counted.
@@ -38,18 +54,22 @@ class MjcfSource {
   [[nodiscard]] LoadReport take_report();
 
  private:
-  void add_file(std::string_view text, const std::string& name);
+  void add_model(std::string_view text, const std::string& file, PackagePaths paths, int depth);
+  void add_file(std::string_view text, const std::string& name, std::size_t model);
   void read_includes(const MjcfFile& file);
+  void read_attached(std::size_t model);
+  void attach(const MjcfFile& file, pugi::xml_node attach, const std::string& path);
 
   struct Repeated {
     LoadNote note;
     int further = 0;
   };
 
-  PackagePaths paths_;
+  std::deque<MjcfModel> models_;
   std::deque<MjcfFile> files_;
-  std::map<std::size_t, const MjcfFile*> includes_;  ///< by the hash of the element
-  std::set<std::filesystem::path> included_paths_;
+  std::map<std::size_t, const MjcfFile*> includes_;   ///< by the hash of the element
+  std::map<std::size_t, const MjcfModel*> attached_;  ///< likewise
+  std::size_t attached_bytes_ = 0;
   LoadReport report_;
   std::map<std::string, Repeated> repeated_;
 };

@@ -158,9 +158,9 @@ void read_tendon(MjcfScene& scene, const MjcfElement& element, const std::string
 }  // namespace
 
 void read_tendons(MjcfScene& scene) {
-  for (const MjcfElement& section : scene.root.children("tendon")) {
+  for (const MjcfElement& section : scene.sections("tendon")) {
     section.named("tendon").expect({}, {"fixed", "spatial"});
-    for (const MjcfElement& element : section.children()) {
+    for (const MjcfElement& element : scene.elements(section)) {
       if (element.tag() != "fixed" && element.tag() != "spatial") continue;
       const std::string name =
           claim_name(scene.tendon_names, element.named("tendon"), "tendon", scene.tendons.size(), scene.reserved);

@@ -28,7 +28,7 @@ std::optional<GeomTexture> read_shown(const MjcfElement& texture, const MjcfSett
   if (texture.text_or("file", "").empty()) return left_out(texture, "it has neither 'builtin' nor 'file'");
   const std::string path = path_in(settings.texture_folder, texture.text("file"), settings);
   try {
-    return GeomTexture{.file = texture.source().paths().resolve(path).string()};
+    return GeomTexture{.file = texture.paths().resolve(path).string()};
   } catch (const std::runtime_error& error) {
     return left_out(texture, error.what());
   }

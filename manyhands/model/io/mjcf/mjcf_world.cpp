@@ -3,6 +3,7 @@
 
 #include "manyhands/model/io/inertia_repair.h"
 #include "manyhands/model/io/mjcf/mjcf_inertia.h"
+#include "manyhands/model/io/mjcf/mjcf_principal.h"
 #include "manyhands/model/io/mjcf/mjcf_scene.h"
 #include "manyhands/model/io/text_numbers.h"
 #include "manyhands/model/part_checks.h"
@@ -48,9 +49,8 @@ class WorldReader {
   }
 
  private:
-  static constexpr std::array<std::string_view, 11> kContents{"body",   "geom",      "site",     "frame",
-                                                              "joint",  "freejoint", "inertial", "replicate",
-                                                              "attach", "flexcomp",  "composite"};
+  static constexpr std::array<std::string_view, 10> kContents{
+      "body", "geom", "site", "frame", "joint", "freejoint", "inertial", "replicate", "flexcomp", "composite"};
   static constexpr int kMostReplicas = 100'000;
 
   void collect(const MjcfElement& around, const Transform<double>& X_BF, Contents& contents) {
@@ -59,7 +59,7 @@ class WorldReader {
       if (tag == "frame") {
         const MjcfElement frame = element.named("frame in " + around.what());
         frame.expect({"name", "childclass", "pos", "quat", "axisangle", "euler", "xyaxes", "zaxis"}, kContents);
-        collect(frame, X_BF * read_pose(frame, scene_.settings), contents);
+        collect(frame, X_BF * read_pose(frame, scene_.settings_of(frame)), contents);
       } else if (tag == "replicate") {
         replicate(element.named("replicate in " + around.what()), X_BF, contents);
       } else if (tag == "joint" || tag == "freejoint") {
@@ -72,7 +72,7 @@ class WorldReader {
         contents.bodies.push_back({element, X_BF});
       } else if (tag == "inertial") {
         contents.inertials.push_back({element, X_BF});
-      } else if (tag == "attach" || tag == "flexcomp" || tag == "composite") {
+      } else if (tag == "flexcomp" || tag == "composite") {
         element.named(std::string(tag) + " in " + around.what())
             .note_serious(LoadAction::kIgnored, "the bodies that it makes are left out");
       }
@@ -92,7 +92,7 @@ class WorldReader {
     for (int i = 0; i < count; ++i) {
       if (++num_replicas_ > kMostReplicas) element.fail("more than 100000 replicas in all; expected fewer");
       std::string number = std::to_string(i);
-      const Mat3<double> R = rotation_from_euler(static_cast<double>(i) * euler, scene_.settings);
+      const Mat3<double> R = rotation_from_euler(static_cast<double>(i) * euler, scene_.settings_of(element));
       number.insert(0, std::to_string(count).size() - number.size(), '0');
       collect(element.with_suffix(element.text_or("sep", "") + number), X_BF * Transform<double>{R, place}, contents);
       place = place + R * offset;
@@ -111,7 +111,7 @@ class WorldReader {
     collect(element, Transform<double>::identity(), contents);
 
     const MjcfBody around = scene_.bodies[static_cast<std::size_t>(parent)];
-    const Transform<double> X_PB = placed_in(placed.X_BF, read_pose(element, scene_.settings));
+    const Transform<double> X_PB = placed_in(placed.X_BF, read_pose(element, scene_.settings_of(element)));
     MjcfBody body{.name = name, .link = {}, .X_WB = around.X_WB * X_PB, .parent = parent, .source = element};
     body.has_joints = !contents.joints.empty();
     body.has_chain = contents.joints.size() > 1;
@@ -128,24 +128,72 @@ class WorldReader {
   }
 
   void read_contents(std::size_t index, const Contents& contents) {
-    const MjcfSettings& settings = scene_.settings;
     Inertial from_geoms;
+    Mat3<double> axes = Mat3<double>::identity();  // of the only geom with mass
+    int with_mass = 0;
     for (const MjcfPlaced& geom : contents.geoms) {
       const MjcfGeomMass mass = add_geom(scene_, static_cast<int>(index), geom);
-      if (mass.group < settings.inertia_groups[0] || mass.group > settings.inertia_groups[1]) continue;
+      const auto& [first, last] = scene_.settings_of(geom.element).inertia_groups;
+      if (mass.group < first || mass.group > last || !(mass.inertial.mass > 0)) continue;
       from_geoms = sum(from_geoms, mass.inertial);
+      axes = mass.axes;
+      ++with_mass;
     }
-    for (const MjcfPlaced& site : contents.sites) add_site(index, site);
     if (index == 0 && !contents.inertials.empty())
       contents.inertials[0].element.fail("the world cannot have an <inertial>");
-    if (index > 0) give_mass(index, contents, from_geoms);
+    Transform<double> X_NB = Transform<double>::identity();  // the frame of the file in that of the link
+    if (index > 0) {
+      give_mass(index, contents, from_geoms);
+      if (is_aligned(contents)) X_NB = align(index, contents, with_mass == 1 ? &axes : nullptr);
+    }
+    for (const MjcfPlaced& site : contents.sites) add_site(index, {site.element, X_NB * site.X_BF});
     for (const MjcfPlaced& body : contents.bodies) read_body(static_cast<int>(index), body);
+  }
+
+  /// Whether the body's frame is to become its frame of inertia.
+  [[nodiscard]] bool is_aligned(const Contents& contents) const {
+    if (contents.joints.size() != 1 || !contents.bodies.empty()) return false;
+    if (scene_.builder.joints()[scene_.joints.back().id.index()].type != JointType::kFloating) return false;
+    const MjcfElement& joint = contents.joints[0].element;
+    const bool by_default = scene_.settings_of(joint).align_free;
+    const std::string word = joint.word_or("align", {"true", "false", "auto"}, "auto");
+    return word == "auto" ? by_default : word == "true";
+  }
+
+  /// Moves the frame of a free body, the last one read, to its centre of mass and principal axes: those of <inertial>
+  /// or of its only geom, if they say. Returns the old frame in the new one.
+  Transform<double> align(std::size_t index, const Contents& contents, const Mat3<double>* axes_of_geom) {
+    MjcfBody& body = scene_.bodies[index];
+    Inertial& inertial = scene_.builder.link(body.link).inertial;
+    const bool is_given = !contents.inertials.empty() &&
+                          scene_.settings_of(*body.source).inertia_from_geoms != MjcfSettings::FromGeoms::kAlways;
+    Mat3<double> R = principal_axes(inertial.inertia).R;
+    if (is_given && !contents.inertials[0].element.has("fullinertia")) {
+      const auto& [element, X_BF] = contents.inertials[0];
+      R = X_BF.R * read_rotation(element, scene_.settings_of(element));
+    } else if (!is_given && axes_of_geom != nullptr) {
+      R = *axes_of_geom;
+    }
+    const Transform<double> X_BN{R, inertial.com}, X_NB = inverse(X_BN);
+    inertial = manyhands::placed(X_NB, inertial);
+    for (const MjcfGeom& geom : scene_.geoms) {
+      if (geom.body != static_cast<int>(index) || !geom.id) continue;
+      Geom& shown = scene_.builder.geom(*geom.id);
+      shown.X_LG = placed_in(X_NB, shown.X_LG);
+    }
+    body.X_WB = placed_in(body.X_WB, X_BN);
+    MjcfJoint& free = scene_.joints.back();
+    free.anchor_W = body.X_WB.p;
+    const Quat<double> r = to_quat(body.X_WB.R);
+    Joint& joint = scene_.builder.joint(free.id);
+    joint.initial = joint.spring_reference = {body.X_WB.p.x, body.X_WB.p.y, body.X_WB.p.z, r.x, r.y, r.z, r.w};
+    return X_NB;
   }
 
   void give_mass(std::size_t index, const Contents& contents, const Inertial& from_geoms) {
     using enum MjcfSettings::FromGeoms;
     const MjcfBody& body = scene_.bodies[index];
-    const MjcfSettings& settings = scene_.settings;
+    const MjcfSettings& settings = scene_.settings_of(*body.source);
     const bool is_given = !contents.inertials.empty() && settings.inertia_from_geoms != kAlways;
     Inertial inertial = settings.inertia_from_geoms == kNever ? Inertial{} : from_geoms;
     if (is_given) {
@@ -154,6 +202,10 @@ class WorldReader {
     }
     for (std::size_t i = 1; i < contents.inertials.size(); ++i) {
       contents.inertials[i].element.fail("a second <inertial>; expected one");
+    }
+    // What MuJoCo bounds but has no place of its own lies where the body's 'pos' says, in the body's own frame.
+    if (!is_given && !(inertial.mass > 0) && settings.bound_mass > 0) {
+      inertial.com = body.source->vec3_or("pos", Vec3<double>::zero());
     }
     inertial.mass = std::max(inertial.mass, settings.bound_mass);
     if (settings.bound_inertia > 0) bound_principal_moments(inertial.inertia, settings.bound_inertia);
@@ -181,7 +233,7 @@ class WorldReader {
       const Vec3<double> d = e.vec3_or("diaginertia", Vec3<double>::zero());
       I = {d.x, d.y, d.z, 0, 0, 0};
     }
-    const Transform<double> X_BC = read_pose(e, scene_.settings);
+    const Transform<double> X_BC = read_pose(e, scene_.settings_of(e));
     return {e.positive_or("mass", 0), X_BC.p, rotated(X_BC.R, I)};
   }
 
@@ -189,7 +241,7 @@ class WorldReader {
     const std::string given = placed.element.text_or("name", "");
     const MjcfElement site = placed.element.named("site '" + given + "'").with_defaults(scene_.classes, "site");
     site.expect({"name", "class", "pos", "quat", "axisangle", "euler", "xyaxes", "zaxis", "fromto"});
-    Transform<double> X_LS = placed_in(placed.X_BF, read_pose(site, scene_.settings));
+    Transform<double> X_LS = placed_in(placed.X_BF, read_pose(site, scene_.settings_of(site)));
     if (site.has("fromto")) {
       const std::vector<double> v = site.numbers("fromto", 6, 6);
       const Vec3<double> from{v[0], v[1], v[2]}, to{v[3], v[4], v[5]};

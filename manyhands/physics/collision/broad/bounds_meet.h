@@ -50,6 +50,33 @@ MANYHANDS_INLINE mask_t<T> sphere_meets_box_of(const Vec3<T>& p, T r, const Coll
   }
 }
 
+/// Whether the boxes (half_A, X_A) and (half_B, X_B) come nearer than `margin` to each other along each of their axes.
+/// Of two that are farther apart only some whose edges are nearest to each other pass (Gottschalk, Lin, Manocha,
+/// OBBTree, SIGGRAPH 1996, has the axes across edges, too, which cost more than they save here).
+template <Number T>
+MANYHANDS_INLINE mask_t<T> box_meets_box(const Vec3<T>& half_A, const Transform<T>& X_A, const Vec3<T>& half_B,
+                                         const Transform<T>& X_B, T margin) {
+  const Vec3<T> d = X_B.p - X_A.p, p_A = transpose_times(X_A.R, d), p_B = transpose_times(X_B.R, d);
+  const auto turned = [&](const Vec3<T>& axis) {
+    const Vec3<T> in_A = transpose_times(X_A.R, axis);
+    return Vec3<T>{abs(in_A.x), abs(in_A.y), abs(in_A.z)};
+  };
+  const Mat3<T> R_AB{turned(X_B.R.x), turned(X_B.R.y), turned(X_B.R.z)};
+  const Vec3<T> reach_A = half_A + R_AB * half_B, reach_B = half_B + transpose_times(R_AB, half_A);
+  return (abs(p_A.x) < reach_A.x + margin) & (abs(p_A.y) < reach_A.y + margin) & (abs(p_A.z) < reach_A.z + margin) &
+         (abs(p_B.x) < reach_B.x + margin) & (abs(p_B.y) < reach_B.y + margin) & (abs(p_B.z) < reach_B.z + margin);
+}
+
+/// The same of a shape's box and a hull's. Not inlined: it would crowd the loop over pairs that have no hull.
+template <Number T>
+[[gnu::noinline]] mask_t<T> box_meets_hull(const Collider<real_t<T>>& a, const Vec3<T>& size_A, const Transform<T>& X_A,
+                                           const Collider<real_t<T>>& hull, const Transform<T>& X_B, T margin) {
+  const Transform<T> X_BC{X_B.R, X_B * broadcast<T>(hull.centre)};
+  const Vec3<T> half = broadcast<T>(hull.half);
+  if (a.type != ShapeType::kConvex) return box_meets_box(half_extents(a.type, size_A), X_A, half, X_BC, margin);
+  return box_meets_box(broadcast<T>(a.half), {X_A.R, X_A * broadcast<T>(a.centre)}, half, X_BC, margin);
+}
+
 }  // namespace internal
 
 /// A box of the world, which may be a table: its sphere says little.
@@ -75,7 +102,8 @@ MANYHANDS_INLINE mask_t<T> spheres_meet(const Colliders<real_t<T>>& colliders, c
   return squared_norm(X_B.p - X_A.p) < reach * reach;
 }
 
-/// The same by a box about one and a sphere about the other: worth asking where spheres meet.
+/// The same by a box about one and a sphere about the other: worth asking where spheres meet. By two boxes if one holds
+/// a hull, whose origin may lie far off, and whose narrow phase is dear.
 template <Number T, Number P>
 MANYHANDS_INLINE mask_t<T> boxes_meet(const Colliders<real_t<T>>& colliders, const ColliderPair& pair,
                                       const Params<P>& params, T margin, const std::vector<Transform<T>>& X_WG,
@@ -84,6 +112,9 @@ MANYHANDS_INLINE mask_t<T> boxes_meet(const Colliders<real_t<T>>& colliders, con
   if (b.type == ShapeType::kPlane) return true;
   const Transform<T>&X_A = X_WG[pair.a], &X_B = X_WG[pair.b];
   const auto size = [&](const Collider<real_t<T>>& geom) { return broadcast<T>(params.geom_size[geom.geom]); };
+  if (b.type == ShapeType::kConvex && a.type != ShapeType::kSphere) {
+    return internal::box_meets_hull(a, size(a), X_A, b, X_B, margin);
+  }
   mask_t<T> meets(true);
   if (!is_wide(a)) meets = internal::sphere_meets_box_of(X_B.p, radius[pair.b] + margin, a, size(a), X_A);
   if (!is_wide(b)) meets = meets & internal::sphere_meets_box_of(X_A.p, radius[pair.a] + margin, b, size(b), X_B);

@@ -18,9 +18,7 @@ class PairFinder {
                                                    const CollisionWorkspace<R>& cw) {
     for (std::size_t g = 0; g < bounds_.size(); ++g) {
       const Collider<R>& geom = colliders.geoms[g];
-      const bool by_size = geom.type < ShapeType::kMesh;
-      const Vec3<R> ball{cw.radius[g], cw.radius[g], cw.radius[g]};
-      const Aabb<R> box = world_bounds(geom.type, by_size ? Vec3<R>(params.geom_size[geom.geom]) : ball, cw.X_WG[g]);
+      const Aabb<R> box = bounds_of(geom, params.geom_size[geom.geom], cw.radius[g], cw.X_WG[g]);
       const double ahead = cw.ahead[g];
       bounds_[g] = grown(Aabb<double>{broadcast<double>(box.low), broadcast<double>(box.high)}, ahead);
     }
@@ -35,6 +33,12 @@ class PairFinder {
   }
 
  private:
+  /// Of a surface, those of the sphere about it.
+  static Aabb<R> bounds_of(const Collider<R>& geom, const Vec3<R>& size, R radius, const Transform<R>& X_WG) {
+    if (geom.type == ShapeType::kConvex) return world_bounds(geom.type, geom.half, {X_WG.R, X_WG * geom.centre});
+    return world_bounds(geom.type, geom.type < ShapeType::kMesh ? size : Vec3<R>{radius, radius, radius}, X_WG);
+  }
+
   static std::vector<bool> fixed(const Colliders<R>& colliders) {
     std::vector<bool> result;
     result.reserve(colliders.geoms.size());

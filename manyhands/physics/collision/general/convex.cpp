@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "manyhands/base/assert.h"
+#include "manyhands/model/support_vertex.h"
 
 namespace manyhands {
 namespace {
@@ -11,32 +12,6 @@ using Vec = Vec3<double>;
 
 // Sine of the angle between feature and contact plane beyond which points of the feature count no more.
 constexpr double kLying = 0.2;
-
-std::size_t support_vertex(const ConvexPolyhedron& hull, const Vec& d) {
-  const auto climb = [&](std::size_t best) {
-    double height = dot(hull.vertices[best], d);
-    for (bool higher = true; higher;) {
-      higher = false;
-      for (const int n : hull.neighbours[best]) {
-        const auto i = static_cast<std::size_t>(n);
-        if (const double h = dot(hull.vertices[i], d); h > height) {
-          best = i;
-          height = h;
-          higher = true;
-        }
-      }
-    }
-    return best;
-  };
-  constexpr std::size_t kScan = 32;  // few enough to look at each
-  if (hull.vertices.size() > kScan) return climb(0);
-  std::size_t best = 0;
-  double height = dot(hull.vertices[0], d);
-  for (std::size_t i = 1; i < hull.vertices.size(); ++i) {
-    if (const double h = dot(hull.vertices[i], d); h > height) best = i, height = h;
-  }
-  return best;
-}
 
 void segment_feature(double half, const Vec& d, SupportingFeature& f) {
   if (std::abs(d.z) > kLying) {

@@ -17,7 +17,6 @@ struct Face {
   std::array<int, 3> neighbour;  // across the edge v[i], v[i + 1]
   std::array<int, 3> twin;       // that edge's index there
   Vec normal;
-  double distance;  // of the plane from the origin; infinite for a face without area
   bool alive;
 };
 
@@ -91,20 +90,22 @@ class Polytope {
   void add_vertex(const MinkowskiVertex& v) { vertices_[static_cast<std::size_t>(vertex_count_++)] = v; }
   [[nodiscard]] const Vec& w(int i) const { return vertices_[static_cast<std::size_t>(i)].w; }
   Face& face(int i) { return faces_[static_cast<std::size_t>(i)]; }
+  double& distance(int i) { return distance_[static_cast<std::size_t>(i)]; }
   int add_face(int a, int b, int c);
   void link(int f, int edge, int g, int twin);
   [[nodiscard]] int nearest_face();
   bool add_cone(int seed, int apex);
   void flood(int f, int entered, const Vec& apex);
   [[nodiscard]] int holding_face(int nearest);
-  [[nodiscard]] std::array<double, 3> weights(const Face& f) const;
-  [[nodiscard]] Penetration report(int f);
+  [[nodiscard]] std::array<double, 3> weights(int f);
+  [[nodiscard]] Vec nearest_on_a(int f);
   bool grow_along(const Vec& d, const Vec& base, double least);
 
   const CorePair& pair_;
   double scale_;
   std::array<MinkowskiVertex, kMaxVertices> vertices_;
   std::array<Face, kMaxFaces> faces_;
+  std::array<double, kMaxFaces> distance_;  // of a face's plane from the origin; infinite if it is gone or has no area
   std::array<int, kMaxFaces> free_;
   std::array<std::array<int, 2>, kMaxFaces> horizon_;  // face beyond, and its edge
   int vertex_count_ = 0, face_count_ = 0, free_count_ = 0, horizon_count_ = 0;
@@ -164,7 +165,7 @@ int Polytope::add_face(int a, int b, int c) {
   const double length = norm(n);
   f.normal = length > 0 ? (1 / length) * n : Vec::zero();
   const bool sliver = length <= 1e-13 * max(lab, max(lbc, lca));
-  f.distance = sliver ? std::numeric_limits<double>::infinity() : max(dot(f.normal, w(a)), dot(f.normal, w(b)));
+  distance(i) = sliver ? std::numeric_limits<double>::infinity() : max(dot(f.normal, w(a)), dot(f.normal, w(b)));
   return i;
 }
 
@@ -175,13 +176,14 @@ void Polytope::link(int f, int edge, int g, int twin) {
   face(g).twin[static_cast<std::size_t>(twin)] = edge;
 }
 
+/// None, -1, if no face has an area.
 int Polytope::nearest_face() {
   int best = -1;
-  double distance = std::numeric_limits<double>::infinity();
+  double least = std::numeric_limits<double>::infinity();
   for (int i = 0; i < face_count_; ++i) {
-    if (face(i).alive && face(i).distance < distance) {
+    if (distance(i) < least) {
       best = i;
-      distance = face(i).distance;
+      least = distance(i);
     }
   }
   return best;
@@ -192,13 +194,14 @@ int Polytope::nearest_face() {
 void Polytope::flood(int f, int entered, const Vec& apex) {
   Face& here = face(f);
   if (!here.alive) return;
-  const bool flat = std::isinf(here.distance);
+  const bool flat = std::isinf(distance(f));
   const bool seen = entered < 0 || flat || dot(here.normal, apex - w(here.v[0])) > 1e-15 * scale_;
   if (!seen) {
     if (horizon_count_ < kMaxFaces) horizon_[static_cast<std::size_t>(horizon_count_++)] = {f, entered};
     return;
   }
   here.alive = false;
+  distance(f) = std::numeric_limits<double>::infinity();
   if (free_count_ < kMaxFaces) free_[static_cast<std::size_t>(free_count_++)] = f;
   for (int k = entered < 0 ? 0 : 1; k < 3; ++k) {
     const auto edge = static_cast<std::size_t>((std::max(entered, 0) + k) % 3);
@@ -234,11 +237,10 @@ bool Polytope::add_cone(int seed, int apex) {
 int Polytope::holding_face(int nearest) {
   int best = nearest;
   double inside = -std::numeric_limits<double>::infinity();
-  const Face here = face(nearest);
   for (int i = 0; i < face_count_; ++i) {
-    const Face& f = face(i);
-    if (!f.alive || !(f.distance <= here.distance + kGap * scale_) || dot(f.normal, here.normal) < 1 - 1e-9) continue;
-    const auto [u, v, w] = weights(f);
+    if (!(distance(i) <= distance(nearest) + kGap * scale_)) continue;
+    if (dot(face(i).normal, face(nearest).normal) < 1 - 1e-9) continue;
+    const auto [u, v, w] = weights(i);
     if (const double least = min(u, min(v, w)); least > inside) {
       best = i;
       inside = least;
@@ -248,21 +250,21 @@ int Polytope::holding_face(int nearest) {
 }
 
 /// Barycentric coordinates of the plane's nearest point to the origin.
-std::array<double, 3> Polytope::weights(const Face& f) const {
-  const Vec n = f.normal, p = f.distance * n;
+std::array<double, 3> Polytope::weights(int i) {
+  const Face& f = face(i);
+  const Vec n = f.normal, p = distance(i) * n;
   const Vec a = w(f.v[0]) - p, b = w(f.v[1]) - p, c = w(f.v[2]) - p;
   const double u = dot(n, cross(b, c)), v = dot(n, cross(c, a)), t = dot(n, cross(a, b)), sum = u + v + t;
   if (!(sum > 0)) return {1, 0, 0};
   return {u / sum, v / sum, t / sum};
 }
 
-/// The face's distance, with the point of A that belongs to its nearest point.
-Penetration Polytope::report(int i) {
-  const Face& f = face(i);
-  auto [u, v, t] = weights(f);
+/// The point of A that belongs to the face's nearest point.
+Vec Polytope::nearest_on_a(int i) {
+  auto [u, v, t] = weights(i);
   u = max(0.0, u), v = max(0.0, v), t = max(0.0, t);
-  const auto on_a = [&](std::size_t k) { return vertices_[static_cast<std::size_t>(f.v[k])].a; };
-  return {f.distance, f.normal, (1 / (u + v + t)) * fma(u, on_a(0), fma(v, on_a(1), t * on_a(2)))};
+  const auto on_a = [&](std::size_t k) { return vertices_[static_cast<std::size_t>(face(i).v[k])].a; };
+  return (1 / (u + v + t)) * fma(u, on_a(0), fma(v, on_a(1), t * on_a(2)));
 }
 
 Penetration Polytope::expand() {
@@ -270,11 +272,12 @@ Penetration Polytope::expand() {
   for (;;) {
     const int i = nearest_face();
     if (i < 0) break;
-    const Penetration here = report(i);
-    const MinkowskiVertex v = minkowski_support(pair_, here.normal);
-    const double reach = max(here.depth, dot(here.normal, v.w));
-    if (reach < best.depth) best = {reach, here.normal, here.a};
-    if (reach - here.depth <= kGap * scale_) return {reach, here.normal, report(holding_face(i)).a};
+    const Vec normal = face(i).normal;
+    const double depth = distance(i);
+    const MinkowskiVertex v = minkowski_support(pair_, normal);
+    const double reach = max(depth, dot(normal, v.w));
+    if (reach < best.depth) best = {reach, normal, {}};
+    if (reach - depth <= kGap * scale_) return {reach, normal, nearest_on_a(holding_face(i))};
     if (vertex_count_ == kMaxVertices) break;
     add_vertex(v);
     if (!add_cone(i, vertex_count_ - 1)) break;

@@ -1,6 +1,7 @@
 #include "manyhands/physics/collision/general/gjk.h"
 
 #include <limits>
+#include <optional>
 
 namespace manyhands {
 namespace {
@@ -13,93 +14,107 @@ constexpr double kTouch = 1e-11;  // of the size: nearer than this, the directio
 
 constexpr double kStuck = 1e-6;  // of the size: a gap between the bounds that no iteration on round shapes leaves
 
-struct Simplex {
-  std::array<MinkowskiVertex, 4> v{};
-  std::array<double, 4> weight{};
-  int size = 0;
+/// A part of a simplex: which of its vertices, and the weights by which they make the part's nearest point.
+struct Part {
+  std::array<std::size_t, 3> index{};
+  std::array<double, 3> weight{};
+  std::size_t size = 0;
+  Vec nearest{};
+  double distance2 = std::numeric_limits<double>::infinity();
+};
 
-  [[nodiscard]] Vec nearest() const {
-    Vec sum = Vec::zero();
-    for (std::size_t i = 0; i < static_cast<std::size_t>(size); ++i) sum = fma(weight[i], v[i].w, sum);
-    return sum;
-  }
+struct Simplex {
+  std::array<MinkowskiVertex, 4> v;  // the first `size` of them
+  std::array<double, 4> weight{};
+  std::size_t size = 0;
+
   [[nodiscard]] Vec on_a() const {
     Vec sum = Vec::zero();
-    for (std::size_t i = 0; i < static_cast<std::size_t>(size); ++i) sum = fma(weight[i], v[i].a, sum);
+    for (std::size_t i = 0; i < size; ++i) sum = fma(weight[i], v[i].a, sum);
     return sum;
+  }
+  /// Becomes the part of another simplex.
+  void take(const std::array<MinkowskiVertex, 4>& from, const Part& part) {
+    size = part.size;
+    for (std::size_t i = 0; i < size; ++i) {
+      v[i] = from[part.index[i]];
+      weight[i] = part.weight[i];
+    }
+  }
+  /// The part nearest to the origin; none if that lies in the simplex, a tetrahedron.
+  [[nodiscard]] std::optional<Part> nearest_part() const {
+    if (size == 2) return on_segment(0, 1);
+    if (size == 3) return on_triangle(0, 1, 2);
+    return on_tetrahedron();
+  }
+
+ private:
+  [[nodiscard]] Part on_segment(std::size_t i, std::size_t j) const {
+    const Vec &p = w(i), &q = w(j), d = q - p;
+    const double along = -dot(p, d), length2 = dot(d, d);
+    if (!(along > 0)) return part<1>({i}, {1});
+    if (along >= length2) return part<1>({j}, {1});
+    // From the nearer end, whose coordinates carry the smaller error.
+    const double t = along < 0.5 * length2 ? along / length2 : 1 - dot(q, d) / length2;
+    return part<2>({i, j}, {1 - t, t});
+  }
+
+  [[nodiscard]] Part on_triangle(std::size_t i, std::size_t j, std::size_t k) const {
+    const Vec &p = w(i), &q = w(j), &r = w(k);
+    const Vec n = cross(q - p, r - p);
+    const double n2 = squared_norm(n);
+    const double a = dot(n, cross(q, r)), b = dot(n, cross(r, p)), c = dot(n, cross(p, q));
+    Part best;
+    if (a > 0 && b > 0 && c > 0 && n2 > 0) {
+      const double sum = a + b + c;
+      best = part<3>({i, j, k}, {a / sum, b / sum, c / sum});
+      // A sliver's weights are noise; then an edge may do better.
+      const double edge2 = max(squared_norm(q - p), squared_norm(r - p));
+      if (n2 > 1e-16 * edge2 * edge2) return best;
+    }
+    keep_nearer(best, on_segment(i, j));
+    keep_nearer(best, on_segment(j, k));
+    keep_nearer(best, on_segment(k, i));
+    return best;
+  }
+
+  [[nodiscard]] std::optional<Part> on_tetrahedron() const {
+    constexpr std::array<std::array<std::size_t, 4>, 4> kFaces{
+        {{0, 1, 2, 3}, {0, 2, 3, 1}, {0, 3, 1, 2}, {1, 3, 2, 0}}};
+    std::optional<Part> best;
+    for (const auto& f : kFaces) {
+      const Vec &a = w(f[0]), to_apex = w(f[3]) - a, n = cross(w(f[1]) - a, w(f[2]) - a);
+      const double origin = -dot(n, a), apex = dot(n, to_apex);
+      const double noise2 = 1e-28 * squared_norm(n) * squared_norm(to_apex);
+      if (apex * apex > noise2 && origin * apex > 0) continue;
+      if (!best) best.emplace();
+      keep_nearer(*best, on_triangle(f[0], f[1], f[2]));
+    }
+    return best;
+  }
+
+  [[nodiscard]] const Vec& w(std::size_t i) const { return v[i].w; }
+
+  template <std::size_t N>
+  [[nodiscard]] Part part(const std::array<std::size_t, N>& index, const std::array<double, N>& weights) const {
+    Part result;
+    result.size = N;
+    for (std::size_t i = 0; i < N; ++i) {
+      result.index[i] = index[i];
+      result.weight[i] = weights[i];
+      result.nearest = fma(weights[i], w(index[i]), result.nearest);
+    }
+    result.distance2 = squared_norm(result.nearest);
+    return result;
+  }
+
+  static void keep_nearer(Part& best, const Part& other) {
+    if (other.distance2 < best.distance2) best = other;
   }
 };
 
-Simplex nearest_on_segment(const MinkowskiVertex& p, const MinkowskiVertex& q) {
-  const Vec d = q.w - p.w;
-  const double along = -dot(p.w, d), length2 = dot(d, d);
-  if (!(along > 0)) return {{p}, {1}, 1};
-  if (along >= length2) return {{q}, {1}, 1};
-  // From the nearer end, whose coordinates carry the smaller error.
-  const double t = along < 0.5 * length2 ? along / length2 : 1 - dot(q.w, d) / length2;
-  return {{p, q}, {1 - t, t}, 2};
-}
-
-/// The nearer of two candidates.
-void keep_nearer(Simplex& best, double& distance2, const Simplex& other) {
-  if (const double d2 = squared_norm(other.nearest()); d2 < distance2) {
-    best = other;
-    distance2 = d2;
-  }
-}
-
-Simplex nearest_on_triangle(const MinkowskiVertex& p, const MinkowskiVertex& q, const MinkowskiVertex& r) {
-  const Vec n = cross(q.w - p.w, r.w - p.w);
-  const double n2 = squared_norm(n);
-  const double u = dot(n, cross(q.w, r.w)), v = dot(n, cross(r.w, p.w)), w = dot(n, cross(p.w, q.w));
-  Simplex best;
-  double distance2 = std::numeric_limits<double>::infinity();
-  if (u > 0 && v > 0 && w > 0 && n2 > 0) {
-    const double sum = u + v + w;
-    best = {{p, q, r}, {u / sum, v / sum, w / sum}, 3};
-    distance2 = squared_norm(best.nearest());
-    // A sliver's weights are noise; then an edge may do better.
-    const double edge2 = max(squared_norm(q.w - p.w), squared_norm(r.w - p.w));
-    if (n2 > 1e-16 * edge2 * edge2) return best;
-  }
-  keep_nearer(best, distance2, nearest_on_segment(p, q));
-  keep_nearer(best, distance2, nearest_on_segment(q, r));
-  keep_nearer(best, distance2, nearest_on_segment(r, p));
-  return best;
-}
-
-/// Size 4 if the tetrahedron holds the origin.
-Simplex nearest_on_tetrahedron(const std::array<MinkowskiVertex, 4>& v) {
-  constexpr std::array<std::array<std::size_t, 4>, 4> kFaces{{{0, 1, 2, 3}, {0, 2, 3, 1}, {0, 3, 1, 2}, {1, 3, 2, 0}}};
-  Simplex best;
-  double distance2 = std::numeric_limits<double>::infinity();
-  bool inside = true;
-  for (const auto& f : kFaces) {
-    const Vec a = v[f[0]].w, n = cross(v[f[1]].w - a, v[f[2]].w - a);
-    const double origin = -dot(n, a), apex = dot(n, v[f[3]].w - a);
-    const double noise = 1e-14 * norm(n) * norm(v[f[3]].w - a);
-    if (std::abs(apex) > noise && origin * apex > 0) continue;
-    inside = false;
-    keep_nearer(best, distance2, nearest_on_triangle(v[f[0]], v[f[1]], v[f[2]]));
-  }
-  return inside ? Simplex{v, {0.25, 0.25, 0.25, 0.25}, 4} : best;
-}
-
-Simplex reduced(const Simplex& s) {
-  switch (s.size) {
-    case 1:
-      return {{s.v[0]}, {1}, 1};
-    case 2:
-      return nearest_on_segment(s.v[0], s.v[1]);
-    case 3:
-      return nearest_on_triangle(s.v[0], s.v[1], s.v[2]);
-    default:
-      return nearest_on_tetrahedron(s.v);
-  }
-}
-
 bool holds(const Simplex& s, const Vec& w) {
-  for (std::size_t i = 0; i < static_cast<std::size_t>(s.size); ++i) {
+  for (std::size_t i = 0; i < s.size; ++i) {
     const Vec& u = s.v[i].w;
     if (u.x == w.x && u.y == w.y && u.z == w.z) return true;
   }
@@ -118,12 +133,15 @@ GjkResult gjk(const CorePair& pair, double far) {
   GjkResult result;
   const double touch = kTouch * pair.scale();
   Vec v = pair.a.centre() - pair.X_AB * pair.b.centre();
+  if (!(squared_norm(v) > 0)) v = {-1, 0, 0};
   Simplex s;
-  s.v[0] = minkowski_support(pair, squared_norm(v) > 0 ? -v : Vec{1, 0, 0});
-  s = {{s.v[0]}, {1}, 1};
+  s.v[0] = minkowski_support(pair, -v);
+  s.weight[0] = 1;
+  s.size = 1;
+  result.lower_bound = max(0.0, dot(v, s.v[0].w) / norm(v));
   v = s.v[0].w;
   double bound = 0;  // by the last support
-  for (int i = 0; i < kIterations; ++i) {
+  for (int i = 0; i < kIterations && !(result.lower_bound > far); ++i) {
     const double distance = norm(v);
     if (distance <= touch) {
       result.overlap = true;
@@ -134,22 +152,22 @@ GjkResult gjk(const CorePair& pair, double far) {
     result.lower_bound = max(result.lower_bound, bound);
     if (result.lower_bound > far || distance - result.lower_bound <= kGap * distance || holds(s, w.w)) break;
     Simplex grown = s;
-    grown.v[static_cast<std::size_t>(grown.size++)] = w;
-    grown = reduced(grown);
-    if (grown.size == 4) {
+    grown.v[grown.size++] = w;
+    const std::optional<Part> part = grown.nearest_part();
+    if (!part) {
       s = grown;
+      s.weight.fill(0.25);
       result.overlap = true;
       break;
     }
-    const Vec next = grown.nearest();
-    if (squared_norm(next) >= squared_norm(v)) break;  // rounding allows no better
-    s = grown;
-    v = next;
+    if (part->distance2 >= squared_norm(v)) break;  // rounding allows no better
+    s.take(grown.v, *part);
+    v = part->nearest;
   }
   // Stuck in rounding, as between plates thinner than their breadth's digits: the bounds have not met, v means nothing.
   if (result.lower_bound <= far && norm(v) - bound > kStuck * pair.scale()) result.overlap = true;
   result.simplex = s.v;
-  result.size = s.size;
+  result.size = static_cast<int>(s.size);
   result.a = s.on_a();
   if (!result.overlap) {
     result.distance = norm(v);

@@ -42,7 +42,7 @@ struct ContactFrame {
 
 /// A feature seen along the normal, counter-clockwise, with its height as a function of place.
 struct SeenFeature {
-  Polygon outline{};
+  Polygon outline;
   Flat slope{};
   double base{};  // height where outline.p[0] lies
 
@@ -76,9 +76,9 @@ struct SeenFeature {
   [[nodiscard]] double height(Flat q) const { return base + dot(slope, q - outline.p[0]); }
 };
 
-/// What of the polygon lies to the left of the line from a to b (Sutherland and Hodgman, 1974).
-Polygon cut(const Polygon& polygon, Flat a, Flat b) {
-  Polygon result;
+/// What of the polygon lies to the left of the line from a to b (Sutherland and Hodgman, 1974), into `result`.
+void cut(const Polygon& polygon, Flat a, Flat b, Polygon& result) {
+  result.size = 0;
   const Flat edge = b - a;
   for (std::size_t i = 0; i < polygon.size; ++i) {
     const Flat p = polygon.p[i], q = polygon.p[(i + 1) % polygon.size];
@@ -86,7 +86,6 @@ Polygon cut(const Polygon& polygon, Flat a, Flat b) {
     if (at_p >= 0) result.add(p);
     if ((at_p > 0 && at_q < 0) || (at_p < 0 && at_q > 0)) result.add(mix(p, q, at_p / (at_p - at_q)));
   }
-  return result;
 }
 
 /// The part of a segment within a polygon.
@@ -137,9 +136,13 @@ Polygon shared(const Polygon& a, const Polygon& b) {
   if (a.size == 2 && b.size == 2) return beside(a, b);
   if (a.size == 2) return cut_segment(a, b);
   if (b.size == 2) return cut_segment(b, a);
-  Polygon result = a;
-  for (std::size_t i = 0; i < b.size && result.size > 0; ++i) result = cut(result, b.p[i], b.p[(i + 1) % b.size]);
-  return result;
+  std::array<Polygon, 2> parts;  // of odd and of even cuts
+  const Polygon* left = &a;
+  for (std::size_t i = 0; i < b.size && left->size > 0; ++i) {
+    cut(*left, b.p[i], b.p[(i + 1) % b.size], parts[i % 2]);
+    left = &parts[i % 2];
+  }
+  return *left;
 }
 
 /// The index that maximises a measure; the first of equals.
