@@ -95,6 +95,7 @@ void bind_model_class(nb::module_& m) {
       .def_prop_ro("meshes", [](const PythonModel& self) { return copy_of(self.model->meshes()); })
       .def_prop_ro("height_fields", [](const PythonModel& self) { return copy_of(self.model->height_fields()); })
       .def_prop_ro("equalities", [](const PythonModel& self) { return copy_of(self.model->equalities()); })
+      .def_prop_ro("tendons", [](const PythonModel& self) { return copy_of(self.model->tendons()); })
       .def_prop_ro("actuators", [](const PythonModel& self) { return copy_of(self.model->actuators()); })
       .def_prop_ro("contact_pairs", [](const PythonModel& self) { return copy_of(self.model->contact_pairs()); })
       .def_prop_ro(

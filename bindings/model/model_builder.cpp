@@ -2,7 +2,9 @@
 #include "manyhands/model/model_builder.h"
 
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/array.h>
 #include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
@@ -11,6 +13,8 @@
 #include <nanobind/stl/vector.h>
 
 #include <limits>
+#include <map>
+#include <tuple>
 
 #include "bindings/bindings.h"
 #include "bindings/model/model_values.h"
@@ -64,6 +68,13 @@ JointId joint_of(const ModelBuilder& builder, const std::string& name) {
     if (builder.joints()[i].name == name) return JointId(i);
   }
   throw std::out_of_range("joint '" + name + "' has not been added to the builder");
+}
+
+TendonId tendon_of(const ModelBuilder& builder, const std::string& name) {
+  for (std::size_t i = 0; i < builder.tendons().size(); ++i) {
+    if (builder.tendons()[i].name == name) return TendonId(i);
+  }
+  throw std::out_of_range("tendon '" + name + "' has not been added to the builder");
 }
 
 /// A row of three numbers for each vertex or triangle.
@@ -229,11 +240,17 @@ void bind_couplings(nb::class_<ModelBuilder>& builder) {
           "add_equality",
           [](ModelBuilder& self, const std::string& name, const std::string& type, const std::string& a,
              const std::string& b, const Numbers3& position_a, const Numbers4& quaternion_a, const Numbers3& position_b,
-             const Numbers4& quaternion_b, double ratio, double offset, double max_force) {
+             const Numbers4& quaternion_b, double ratio, double offset, const std::array<double, 5>& polynomial,
+             const std::pair<double, double>& references, double max_force) {
             EqualityConstraint equality{.name = name, .type = named("equality type", type, bindings::kEqualities)};
             if (equality.type == EqualityType::kJoint || equality.type == EqualityType::kGear) {
               equality.joint_a = joint_of(self, a);
               equality.joint_b = joint_of(self, b);
+            } else if (equality.type == EqualityType::kTendon) {
+              if (!a.empty()) equality.tendon_a = tendon_of(self, a);
+              equality.tendon_b = tendon_of(self, b);
+              equality.polynomial = polynomial;
+              std::tie(equality.reference_a, equality.reference_b) = references;
             } else {
               equality.link_a = link_of(self, a);
               equality.link_b = link_of(self, b);
@@ -247,37 +264,81 @@ void bind_couplings(nb::class_<ModelBuilder>& builder) {
           },
           "name"_a, "type"_a, "a"_a, "b"_a, nb::kw_only(), "position_a"_a = Numbers3{},
           "quaternion_a"_a = Numbers4{0, 0, 0, 1}, "position_b"_a = Numbers3{}, "quaternion_b"_a = Numbers4{0, 0, 0, 1},
-          "ratio"_a = 1.0, "offset"_a = 0.0, "max_force"_a = kInfinity,
+          "ratio"_a = 1.0, "offset"_a = 0.0, "polynomial"_a = std::array<double, 5>{0, 1, 0, 0, 0},
+          "references"_a = std::pair{0.0, 0.0}, "max_force"_a = kInfinity,
           nb::sig(
               "def add_equality(self, name: str, type: typing.Literal['point', 'hinge', 'fixed', 'prismatic', "
-              "'slider', 'joint', 'gear'], a: str, b: str, *, position_a: numpy.typing.ArrayLike = (0, 0, 0), "
+              "'slider', 'joint', 'gear', 'tendon'], a: str, b: str, *, position_a: numpy.typing.ArrayLike = (0, 0, "
+              "0), "
               "quaternion_a: numpy.typing.ArrayLike = (0, 0, 0, 1), position_b: numpy.typing.ArrayLike = (0, 0, 0), "
               "quaternion_b: numpy.typing.ArrayLike = (0, 0, 0, 1), ratio: float = 1.0, offset: float = 0.0, "
+              "polynomial: collections.abc.Sequence[float] = (0, 1, 0, 0, 0), references: tuple[float, float] = (0, "
+              "0), "
               "max_force: float = ...) -> None"),
           "Holds two parts together: frame B on link b coincides with frame A on link a ('point': in its origin; "
           "'hinge': may turn about z; 'fixed'; 'prismatic': may slide along z; 'slider': both); or joints a and b move "
-          "as q_b = ratio q_a + offset ('joint') or v_b = ratio v_a ('gear').")
+          "as q_b = ratio q_a + offset ('joint') or v_b = ratio v_a ('gear'); or the lengths of tendons a and b, less "
+          "their references, as length_b = polynomial(length_a), of powers 0 to 4 ('tendon'; without a, '', its length "
+          "counts as 0).")
+      .def(
+          "add_tendon",
+          [](ModelBuilder& self, const std::string& name, const std::map<std::string, double>& joints,
+             const std::vector<std::pair<double, std::vector<std::pair<std::string, Numbers3>>>>& branches,
+             const std::pair<double, double>& limits, double damping, double friction, double armature,
+             double stiffness, const std::pair<double, double>& rest) {
+            Tendon tendon{.name = name};
+            for (const auto& [joint, coefficient] : joints)
+              tendon.joints.push_back({joint_of(self, joint), coefficient});
+            for (const auto& [divisor, points] : branches) {
+              TendonBranch& branch = tendon.branches.emplace_back(TendonBranch{.divisor = divisor});
+              for (const auto& [link, p] : points) branch.points.push_back({link_of(self, link), {p[0], p[1], p[2]}});
+            }
+            std::tie(tendon.lower, tendon.upper) = limits;
+            tendon.damping = damping;
+            tendon.friction = friction;
+            tendon.armature = armature;
+            tendon.stiffness = stiffness;
+            std::tie(tendon.spring_lower, tendon.spring_upper) = rest;
+            self.add_tendon(std::move(tendon));
+          },
+          "name"_a, nb::kw_only(), "joints"_a = std::map<std::string, double>(),
+          "branches"_a = std::vector<std::pair<double, std::vector<std::pair<std::string, Numbers3>>>>(),
+          "limits"_a = std::pair{-kInfinity, kInfinity}, "damping"_a = 0.0, "friction"_a = 0.0, "armature"_a = 0.0,
+          "stiffness"_a = 0.0, "rest"_a = std::pair{0.0, 0.0},
+          nb::sig("def add_tendon(self, name: str, *, joints: dict[str, float] = ..., branches: "
+                  "list[tuple[float, list[tuple[str, numpy.typing.ArrayLike]]]] = ..., limits: tuple[float, float] = "
+                  "..., damping: float = 0.0, friction: float = 0.0, armature: float = 0.0, stiffness: float = 0.0, "
+                  "rest: tuple[float, float] = (0, 0)) -> None"),
+          "A length, and the forces along it; `Tendon` says what its numbers mean. Either a fixed tendon, the sum of "
+          "coefficient q over joints of one degree of freedom, or a spatial one, which runs from point to point: "
+          "branches of (divisor, [(link, point in its frame [m])]). Its spring pulls outside of `rest`.")
       .def(
           "add_actuator",
           [](ModelBuilder& self, const std::string& name, const std::string& type, const std::string& joint,
-             double gear, double kp, double kd, const std::pair<double, double>& ctrl_range, double max_force) {
+             const std::string& tendon, double gear, double kp, double kd, double ctrl_scale, double ctrl_offset,
+             const std::pair<double, double>& ctrl_range, double max_force) {
             self.add_actuator({.name = name,
                                .type = named("actuator type", type, bindings::kActuators),
-                               .joint = joint_of(self, joint),
+                               .joint = joint.empty() ? JointId() : joint_of(self, joint),
+                               .tendon = tendon.empty() ? TendonId() : tendon_of(self, tendon),
                                .gear = gear,
+                               .ctrl_scale = ctrl_scale,
+                               .ctrl_offset = ctrl_offset,
                                .kp = kp,
                                .kd = kd,
                                .min_ctrl = ctrl_range.first,
                                .max_ctrl = ctrl_range.second,
                                .max_force = max_force});
           },
-          "name"_a, "type"_a, "joint"_a, nb::kw_only(), "gear"_a = 1.0, "kp"_a = 0.0, "kd"_a = 0.0,
-          "ctrl_range"_a = std::pair{-kInfinity, kInfinity}, "max_force"_a = kInfinity,
-          nb::sig(
-              "def add_actuator(self, name: str, type: typing.Literal['force', 'position', 'velocity'], joint: str, "
-              "*, gear: float = 1.0, kp: float = 0.0, kd: float = 0.0, ctrl_range: tuple[float, float] = ..., "
-              "max_force: float = ...) -> None"),
-          "Drives a joint of one degree of freedom; `Actuator` says what its numbers mean.")
+          "name"_a, "type"_a, "joint"_a = "", nb::kw_only(), "tendon"_a = "", "gear"_a = 1.0, "kp"_a = 0.0,
+          "kd"_a = 0.0, "ctrl_scale"_a = 1.0, "ctrl_offset"_a = 0.0, "ctrl_range"_a = std::pair{-kInfinity, kInfinity},
+          "max_force"_a = kInfinity,
+          nb::sig("def add_actuator(self, name: str, type: typing.Literal['force', 'position', 'velocity'], joint: str "
+                  "= '', "
+                  "*, tendon: str = '', gear: float = 1.0, kp: float = 0.0, kd: float = 0.0, ctrl_scale: float = 1.0, "
+                  "ctrl_offset: float = 0.0, ctrl_range: tuple[float, float] = ..., "
+                  "max_force: float = ...) -> None"),
+          "Drives a joint of one degree of freedom, or a tendon; `Actuator` says what its numbers mean.")
       .def(
           "exclude_contact",
           [](ModelBuilder& self, const std::string& a, const std::string& b) {

@@ -1,6 +1,8 @@
 // manyhands._core: the parts of a model, as Python reads them.
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
@@ -182,7 +184,44 @@ void bind_geom(nb::module_& m) {
 }
 
 void bind_couplings(nb::module_& m) {
-  nb::class_<Actuator>(m, "Actuator", "A drive on a joint, commanded by one number, ctrl.")
+  nb::class_<Tendon>(
+      m, "Tendon",
+      "A length that follows from q, and the forces along it: of a spring, a damper, dry friction, limits "
+      "and actuators.")
+      .def_ro("name", &Tendon::name)
+      .def("__repr__", [](const Tendon& t) { return "<Tendon '" + t.name + "'>"; })
+      .def_prop_ro(
+          "joints",
+          [](const Tendon& t) {
+            std::vector<std::pair<int, double>> parts;
+            for (const TendonJoint& part : t.joints) parts.emplace_back(part.joint.value(), part.coefficient);
+            return parts;
+          },
+          "Of a fixed tendon, whose length is the sum of coefficient q: (index of the joint, coefficient).")
+      .def_prop_ro(
+          "branches",
+          [](const Tendon& t) {
+            std::vector<std::pair<double, std::vector<std::pair<int, std::array<double, 3>>>>> branches;
+            for (const TendonBranch& branch : t.branches) {
+              branches.emplace_back(branch.divisor, std::vector<std::pair<int, std::array<double, 3>>>());
+              for (const TendonPoint& point : branch.points)
+                branches.back().second.emplace_back(point.link.value(),
+                                                    std::array{point.p_L.x, point.p_L.y, point.p_L.z});
+            }
+            return branches;
+          },
+          "Of a spatial tendon, which runs from point to point: (divisor, [(index of the link, point in its frame "
+          "[m])]).")
+      .def_ro("lower", &Tendon::lower, "-inf without a limit.")
+      .def_ro("upper", &Tendon::upper, "inf without a limit.")
+      .def_ro("damping", &Tendon::damping, "Force per rate of length.")
+      .def_ro("friction", &Tendon::friction, "Dry friction [N].")
+      .def_ro("armature", &Tendon::armature, "Inertia that moves with the length [kg].")
+      .def_ro("stiffness", &Tendon::stiffness, "Of a spring that pulls outside of spring_lower to spring_upper [N/m].")
+      .def_ro("spring_lower", &Tendon::spring_lower)
+      .def_ro("spring_upper", &Tendon::spring_upper);
+
+  nb::class_<Actuator>(m, "Actuator", "A drive on a joint or tendon, commanded by one number, ctrl.")
       .def_ro("name", &Actuator::name)
       .def("__repr__",
            [](const Actuator& a) {
@@ -193,7 +232,13 @@ void bind_couplings(nb::module_& m) {
           "'force': force = gear ctrl; 'position': gear (kp (ctrl - gear q) - kd gear v); 'velocity': gear kd (ctrl - "
           "gear v).")
       .def_prop_ro(
-          "joint", [](const Actuator& a) { return a.joint.value(); }, "Index of the joint.")
+          "joint", [](const Actuator& a) { return a.joint.value(); },
+          "Index of the joint; -1 where it drives a tendon.")
+      .def_prop_ro(
+          "tendon", [](const Actuator& a) { return a.tendon.value(); },
+          "Index of the tendon, whose length is q above; -1 where it drives a joint.")
+      .def_ro("ctrl_scale", &Actuator::ctrl_scale, "ctrl_scale ctrl + ctrl_offset stands for ctrl above.")
+      .def_ro("ctrl_offset", &Actuator::ctrl_offset)
       .def_ro("gear", &Actuator::gear)
       .def_ro("kp", &Actuator::kp, "[N m/rad or N/m]")
       .def_ro("kd", &Actuator::kd, "[N m s/rad or N s/m]")
@@ -202,7 +247,7 @@ void bind_couplings(nb::module_& m) {
       .def_ro("max_force", &Actuator::max_force, "At the joint [N m or N]; inf without a limit.");
 
   nb::class_<EqualityConstraint>(m, "EqualityConstraint",
-                                 "An equation between two links or two joints that always holds.")
+                                 "An equation between two links, two joints or two tendons that always holds.")
       .def_ro("name", &EqualityConstraint::name)
       .def("__repr__",
            [](const EqualityConstraint& l) {
@@ -210,7 +255,7 @@ void bind_couplings(nb::module_& m) {
            })
       .def_prop_ro(
           "type", [](const EqualityConstraint& l) { return name_of(l.type, bindings::kEqualities); },
-          "'point', 'hinge', 'fixed', 'prismatic' or 'slider', of links; 'joint' or 'gear', of joints.")
+          "'point', 'hinge', 'fixed', 'prismatic' or 'slider', of links; 'joint' or 'gear', of joints; 'tendon'.")
       .def_prop_ro(
           "link_a", [](const EqualityConstraint& l) { return l.link_a.value(); }, "Index; -1 where joints are coupled.")
       .def_prop_ro(
@@ -231,6 +276,15 @@ void bind_couplings(nb::module_& m) {
           "joint_a", [](const EqualityConstraint& l) { return l.joint_a.value(); }, "Index; -1 where links are joined.")
       .def_prop_ro(
           "joint_b", [](const EqualityConstraint& l) { return l.joint_b.value(); }, "Index; -1 where links are joined.")
+      .def_prop_ro(
+          "tendon_a", [](const EqualityConstraint& l) { return l.tendon_a.value(); },
+          "Index; -1 of other types, and where tendon_b has one length.")
+      .def_prop_ro(
+          "tendon_b", [](const EqualityConstraint& l) { return l.tendon_b.value(); }, "Index; -1 of other types.")
+      .def_ro("polynomial", &EqualityConstraint::polynomial,
+              "'tendon': length_b - reference_b is this polynomial of length_a - reference_a; powers 0 to 4.")
+      .def_ro("reference_a", &EqualityConstraint::reference_a)
+      .def_ro("reference_b", &EqualityConstraint::reference_b)
       .def_ro("ratio", &EqualityConstraint::ratio, "'joint': q_b = ratio q_a + offset; 'gear': v_b = ratio v_a.")
       .def_ro("offset", &EqualityConstraint::offset, "[rad or m]")
       .def_ro("max_force", &EqualityConstraint::max_force, "Of each row [N or N m]; inf without a limit.");

@@ -100,14 +100,15 @@ inline constexpr std::array<std::pair<const char*, ShapeType>, 8> kShapes{{{"sph
                                                                            {"convex", ShapeType::kConvex},
                                                                            {"height_field", ShapeType::kHeightField}}};
 
-inline constexpr std::array<std::pair<const char*, EqualityType>, 7> kEqualities{
+inline constexpr std::array<std::pair<const char*, EqualityType>, 8> kEqualities{
     {{"point", EqualityType::kPoint},
      {"hinge", EqualityType::kHinge},
      {"fixed", EqualityType::kFixed},
      {"prismatic", EqualityType::kPrismatic},
      {"slider", EqualityType::kSlider},
      {"joint", EqualityType::kJoint},
-     {"gear", EqualityType::kGear}}};
+     {"gear", EqualityType::kGear},
+     {"tendon", EqualityType::kTendon}}};
 
 inline constexpr std::array<std::pair<const char*, ActuatorType>, 3> kActuators{
     {{"force", ActuatorType::kForce}, {"position", ActuatorType::kPosition}, {"velocity", ActuatorType::kVelocity}}};

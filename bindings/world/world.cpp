@@ -96,6 +96,13 @@ void bind_state(nb::class_<World>& world) {
           [](World& self, const Doubles& ctrl) { self.set_ctrl(ctrl); },
           nb::for_getter(nb::sig(getter("ctrl").c_str())), nb::for_setter(nb::sig(setter("ctrl").c_str())),
           "Commands of the actuators (nu), each kept within its range: a read-only copy; assign the whole.")
+      .def_prop_ro(
+          "tendon_lengths", [](const World& self) { return read_only(self.tendon_lengths()); },
+          nb::sig(getter("tendon_lengths").c_str()),
+          "Of `Model.tendons` (tendons): [m], or of fixed ones what their joints' q add up to.")
+      .def_prop_ro(
+          "tendon_velocities", [](const World& self) { return read_only(self.tendon_velocities()); },
+          nb::sig(getter("tendon_velocities").c_str()), "Their rates (tendons).")
       .def(
           "set_keyframe", [](World& self, const std::string& name) { self.set_keyframe(name); }, "name"_a,
           "Sets q, v, ctrl and the poses of mocap bodies as the model's keyframe has them. Raises KeyError where there "

@@ -34,5 +34,6 @@ using MeshId = Id<struct MeshTag>;
 using HeightFieldId = Id<struct HeightFieldTag>;
 using ActuatorId = Id<struct ActuatorTag>;
 using EqualityId = Id<struct EqualityTag>;
+using TendonId = Id<struct TendonTag>;
 
 }  // namespace manyhands

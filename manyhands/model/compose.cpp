@@ -24,6 +24,7 @@ class Appender {
     map_.links.assign(model.links().size(), -1);
     map_.joints.assign(model.joints().size(), -1);
     map_.geoms.assign(model.geoms().size(), -1);
+    map_.tendons.assign(model.tendons().size(), -1);
     map_.actuators.assign(model.actuators().size(), -1);
     meshes_.resize(model.meshes().size());
     fields_.resize(model.height_fields().size());
@@ -33,6 +34,7 @@ class Appender {
     add_links();
     add_joints();
     add_geoms();
+    add_tendons();
     add_equalities();
     add_actuators();
     add_contact_exceptions();
@@ -129,6 +131,30 @@ class Appender {
     }
   }
 
+  /// Tendons of which every part is there.
+  void add_tendons() {
+    for (std::size_t i = 0; i < model_.tendons().size(); ++i) {
+      Tendon tendon = model_.tendons()[i];
+      bool whole = true;
+      for (TendonJoint& part : tendon.joints) {
+        part.joint = JointId(map_.joints[part.joint.index()]);
+        whole = whole && part.joint.is_valid();
+      }
+      for (TendonBranch& branch : tendon.branches) {
+        for (TendonPoint& point : branch.points) {
+          if (point.link.value() == 0) point.p_L = moved() * point.p_L;
+          whole = whole && has(point.link);
+          point.link = link(point.link);
+        }
+      }
+      if (!whole) continue;
+      tendon.name = named(tendon.name);
+      map_.tendons[i] = builder_.add_tendon(std::move(tendon)).value();
+    }
+  }
+
+  [[nodiscard]] TendonId tendon(TendonId id) const { return id.is_valid() ? TendonId(map_.tendons[id.index()]) : id; }
+
   /// Equality constraints that the model was given; those of mimic joints come from the joints again.
   void add_equalities() {
     const auto is_mimic = [&](const EqualityConstraint& equality) {
@@ -142,6 +168,11 @@ class Appender {
         equality.joint_a = JointId(map_.joints[equality.joint_a.index()]);
         equality.joint_b = JointId(map_.joints[equality.joint_b.index()]);
         if (!equality.joint_a.is_valid() || !equality.joint_b.is_valid()) continue;
+      } else if (equality.type == EqualityType::kTendon) {
+        const bool has_a = equality.tendon_a.is_valid();
+        equality.tendon_a = tendon(equality.tendon_a);
+        equality.tendon_b = tendon(equality.tendon_b);
+        if (!equality.tendon_b.is_valid() || equality.tendon_a.is_valid() != has_a) continue;
       } else {
         if (!has(equality.link_a) || !has(equality.link_b)) continue;
         if (equality.link_a.value() == 0) equality.X_LA = moved() * equality.X_LA;
@@ -156,8 +187,9 @@ class Appender {
   void add_actuators() {
     for (std::size_t i = 0; i < model_.actuators().size(); ++i) {
       Actuator actuator = model_.actuators()[i];
-      actuator.joint = JointId(map_.joints[actuator.joint.index()]);
-      if (!actuator.joint.is_valid()) continue;
+      if (actuator.joint.is_valid()) actuator.joint = JointId(map_.joints[actuator.joint.index()]);
+      actuator.tendon = tendon(actuator.tendon);
+      if (!actuator.joint.is_valid() && !actuator.tendon.is_valid()) continue;
       actuator.name = named(actuator.name);
       map_.actuators[i] = builder_.add_actuator(std::move(actuator)).value();
     }
@@ -199,7 +231,7 @@ class Appender {
 
 PartMap PartMap::then(const PartMap& next) const {
   return {chained(links, next.links), chained(joints, next.joints), chained(geoms, next.geoms),
-          chained(actuators, next.actuators)};
+          chained(actuators, next.actuators), chained(tendons, next.tendons)};
 }
 
 PartMap append(ModelBuilder& builder, const Model& model, const AppendOptions& options) {

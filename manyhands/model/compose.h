@@ -9,7 +9,7 @@ namespace manyhands {
 
 /// Where the parts of a model have gone: for each one its index in the builder, or -1 where it was left out.
 struct PartMap {
-  std::vector<int> links, joints, geoms, actuators;
+  std::vector<int> links, joints, geoms, actuators, tendons;
 
   /// The way through this map and then through `next`.
   [[nodiscard]] PartMap then(const PartMap& next) const;
@@ -23,8 +23,9 @@ struct AppendOptions {
 
 /// Adds copies of the model's parts; its world becomes the builder's. What hangs on the world is moved by X_WM: bases,
 /// geoms and joint frames, and for free bodies where they start, so that their q stays a pose in the world. A link that
-/// is left out takes along its joint, geoms, equality constraints, actuators and what hangs on it; keyframes stay
-/// behind too. Gravity, time step and the rules of contact are the builder's. Throws ModelError if a name is taken.
+/// is left out takes along its joint, geoms, tendons, equality constraints, actuators and what hangs on it; keyframes
+/// stay behind too. Gravity, time step and the rules of contact are the builder's. Throws ModelError if a name is
+/// taken.
 PartMap append(ModelBuilder& builder, const Model& model, const AppendOptions& options = {});
 
 /// A builder that holds the model, its gravity, time step and rules of contact.

@@ -1,13 +1,48 @@
-// What acts between parts beyond joints: equality constraints, actuators, and exceptions to the rules of collision.
+// What acts between parts beyond joints: tendons, equality constraints, actuators, and exceptions to the rules of
+// collision.
 #pragma once
 
+#include <array>
 #include <limits>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "manyhands/model/description.h"
 
 namespace manyhands {
+
+/// A joint of one degree of freedom that a fixed tendon adds up.
+struct TendonJoint {
+  JointId joint{};
+  double coefficient = 1;
+};
+
+/// A point on a link, through which a spatial tendon runs.
+struct TendonPoint {
+  LinkId link{};       ///< link 0 is the world
+  Vec3<double> p_L{};  ///< in the link's frame [m]
+};
+
+/// A stretch of a spatial tendon, straight from point to point. Behind a pulley its length counts divided.
+struct TendonBranch {
+  double divisor = 1;
+  std::vector<TendonPoint> points{};
+};
+
+/// A length that follows from q, and the forces along it: of springs, dampers, dry friction, limits and actuators.
+struct Tendon {
+  std::string name{};
+  std::vector<TendonJoint> joints{};     ///< a fixed tendon: the sum of coefficient q
+  std::vector<TendonBranch> branches{};  ///< a spatial one: the way through points [m]; either of the two is empty
+  double lower = -std::numeric_limits<double>::infinity();
+  double upper = std::numeric_limits<double>::infinity();
+  double damping = 0;    ///< force per rate of length
+  double friction = 0;   ///< dry friction
+  double armature = 0;   ///< inertia that moves with the length
+  double stiffness = 0;  ///< of a spring that pulls below spring_lower and above spring_upper
+  double spring_lower = 0, spring_upper = 0;
+};
 
 enum class EqualityType {
   kPoint,      ///< the origins of A and B coincide
@@ -17,9 +52,11 @@ enum class EqualityType {
   kSlider,     ///< B slides in A along z and turns about it
   kJoint,      ///< joints: q_b = ratio q_a + offset
   kGear,       ///< joints: v_b = ratio v_a
+  kTendon,     ///< tendons: length_b - reference_b = polynomial(length_a - reference_a)
 };
 
-/// An equation between two links or two joints that always holds: it closes a loop of the tree, or couples joints.
+/// An equation between two links, two joints or two tendons that always holds: it closes a loop of the tree, or couples
+/// joints.
 struct EqualityConstraint {
   std::string name{};
   EqualityType type = EqualityType::kPoint;
@@ -27,6 +64,9 @@ struct EqualityConstraint {
   Transform<double> X_LA = Transform<double>::identity();  ///< frame A on link_a
   Transform<double> X_LB = Transform<double>::identity();  ///< frame B on link_b
   JointId joint_a{}, joint_b{};                            ///< of kJoint and kGear: joints of one degree of freedom
+  TendonId tendon_a{}, tendon_b{};                         ///< of kTendon; without tendon_a its length counts as 0
+  std::array<double, 5> polynomial{0, 1, 0, 0, 0};         ///< coefficients of powers 0 to 4
+  double reference_a = 0, reference_b = 0;
   double ratio = 1;
   double offset = 0;                                           ///< [rad or m]
   double max_force = std::numeric_limits<double>::infinity();  ///< of each row [N or N m]
@@ -38,15 +78,17 @@ enum class ActuatorType {
   kVelocity,  ///< force = gear kd (ctrl - gear v)
 };
 
-/// A drive on a joint of one degree of freedom, commanded by one number, `ctrl`. Drives of one joint add up, and so do
-/// their bounds.
+/// A drive on a joint of one degree of freedom, or on a tendon, whose length is its q; commanded by one number, `ctrl`.
+/// Drives of one joint or tendon add up, and so do their bounds.
 struct Actuator {
   std::string name{};
   ActuatorType type = ActuatorType::kForce;
   JointId joint{};
+  TendonId tendon{};  ///< either of the two
   double gear = 1;
-  double kp = 0;  ///< [N m/rad or N/m]
-  double kd = 0;  ///< [N m s/rad or N s/m]
+  double ctrl_scale = 1, ctrl_offset = 0;  ///< ctrl_scale ctrl + ctrl_offset stands where laws say ctrl
+  double kp = 0;                           ///< [N m/rad or N/m]
+  double kd = 0;                           ///< [N m s/rad or N s/m]
   double min_ctrl = -std::numeric_limits<double>::infinity();
   double max_ctrl = std::numeric_limits<double>::infinity();
   double max_force = std::numeric_limits<double>::infinity();  ///< at the joint [N m or N]

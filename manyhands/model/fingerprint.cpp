@@ -62,12 +62,25 @@ class Fingerprint {
     add(field.columns, field.rows, field.dx, field.dy);
     for (const double height : field.height) add(height);
   }
+  void add(const Tendon& t) {
+    add(t.name, t.lower, t.upper, t.damping, t.friction, t.armature, t.stiffness, t.spring_lower, t.spring_upper);
+    for (const TendonJoint& part : t.joints) add(part.joint.value(), part.coefficient);
+    for (const TendonBranch& branch : t.branches) {
+      add(branch.divisor, branch.points.size());
+      for (const TendonPoint& point : branch.points) add(point.link.value(), point.p_L);
+    }
+  }
   void add(const EqualityConstraint& e) {
     add(e.name, e.type, e.link_a.value(), e.link_b.value(), e.X_LA, e.X_LB, e.joint_a.value(), e.joint_b.value());
     add(e.ratio, e.offset, e.max_force);
+    if (e.type != EqualityType::kTendon) return;
+    add(e.tendon_a.value(), e.tendon_b.value(), e.reference_a, e.reference_b);
+    for (const double coefficient : e.polynomial) add(coefficient);
   }
   void add(const Actuator& a) {
     add(a.name, a.type, a.joint.value(), a.gear, a.kp, a.kd, a.min_ctrl, a.max_ctrl, a.max_force);
+    if (a.tendon.is_valid()) add(a.tendon.value());
+    if (a.ctrl_scale != 1 || a.ctrl_offset != 0) add(a.ctrl_scale, a.ctrl_offset);
   }
   void add(const ContactExclusion& exclusion) { add(exclusion.a.value(), exclusion.b.value()); }
   void add(const ContactPair& pair) { add(pair.a.value(), pair.b.value(), pair.surface); }
@@ -97,6 +110,7 @@ std::uint64_t fingerprint(const Model& model) {
     if (has_mesh) sum.add(model.meshes()[geom.shape.mesh.index()]);
   }
   sum.add(model.height_fields());
+  if (!model.tendons().empty()) sum.add(model.tendons());
   sum.add(model.equalities());
   sum.add(model.actuators());
   sum.add(model.exclusions());

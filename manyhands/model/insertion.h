@@ -35,7 +35,8 @@ struct Insertion {
   ListInsertion bodies;  ///< the world is in the first section of the old list, and in none of the new
   ListInsertion q, v;
   ListInsertion equalities;  ///< those of mimic joints are the second section
-  int links{}, joints{}, geoms{}, actuators{}, meshes{}, height_fields{}, lifts{}, mocaps{};  ///< how many there were
+  int links{}, joints{}, geoms{}, actuators{}, meshes{}, height_fields{}, lifts{}, mocaps{},
+      tendons{};  ///< how many there were
 
   [[nodiscard]] int new_body(int b) const { return b == 0 ? 0 : bodies.of_new(b - 1); }
   [[nodiscard]] int new_link(int i) const { return i <= 0 ? i : i + links - 1; }

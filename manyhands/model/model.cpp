@@ -126,6 +126,12 @@ FrameId Model::frame_id(std::string_view name) const {
   return FrameId(found->second);
 }
 
+TendonId Model::tendon_id(std::string_view name) const {
+  const auto found = std::ranges::find(tendons_, name, &Tendon::name);
+  if (found == tendons_.end()) throw_unknown(tendons_, name, name_, "tendon");
+  return TendonId(static_cast<std::size_t>(found - tendons_.begin()));
+}
+
 /// What names and parts belong to, once the parts stand.
 void Model::index_parts() {
   for (std::size_t i = links_.size(); i < frames_.size(); ++i) {

@@ -69,6 +69,7 @@ class Model {
   [[nodiscard]] std::span<const EqualityConstraint> equalities() const {
     return equalities_;
   }  ///< mimic joints' included
+  [[nodiscard]] std::span<const Tendon> tendons() const { return tendons_; }
   [[nodiscard]] std::span<const Actuator> actuators() const { return actuators_; }
   [[nodiscard]] int nu() const { return static_cast<int>(actuators_.size()); }  ///< length of ctrl
   [[nodiscard]] std::span<const ContactExclusion> exclusions() const { return exclusions_; }
@@ -91,6 +92,7 @@ class Model {
   [[nodiscard]] LinkId link_id(std::string_view name) const;
   [[nodiscard]] JointId joint_id(std::string_view name) const;
   [[nodiscard]] FrameId frame_id(std::string_view name) const;
+  [[nodiscard]] TendonId tendon_id(std::string_view name) const;
   /// The same, but invalid if there is none.
   [[nodiscard]] LinkId find_link(std::string_view name) const;
   [[nodiscard]] GeomId find_geom(std::string_view name) const;  ///< the first of several that share the name
@@ -147,6 +149,7 @@ class Model {
   std::vector<HeightField> height_fields_;
   std::vector<EqualityConstraint> equalities_;
   int described_equalities_ = 0;  // those that follow are of mimic joints
+  std::vector<Tendon> tendons_;
   std::vector<Actuator> actuators_;
   std::vector<ContactExclusion> exclusions_;
   std::vector<ContactPair> contact_pairs_;

@@ -108,65 +108,10 @@ MeshId ModelBuilder::add_mesh(Mesh mesh) {
   return MeshId(meshes_.size() - 1);
 }
 
-void ModelBuilder::require_link(const std::string& what, LinkId link) const {
-  if (!link.is_valid() || link.index() >= links_.size()) throw ModelError(what + " needs a link added before");
-}
-
-void ModelBuilder::require_single_dof(const std::string& what, JointId joint) const {
-  if (!joint.is_valid() || joint.index() >= joints_.size()) throw ModelError(what + " needs a joint added before");
-  if (velocity_size(joints_[joint.index()].type) != 1) {
-    throw ModelError(what + ": joint '" + joints_[joint.index()].name + "' is " +
-                     to_string(joints_[joint.index()].type) + "; expected one with one degree of freedom");
-  }
-}
-
 HeightFieldId ModelBuilder::add_height_field(HeightField field) {
   check_height_field(field);
   height_fields_.push_back(std::move(field));
   return HeightFieldId(height_fields_.size() - 1);
-}
-
-EqualityId ModelBuilder::add_equality(EqualityConstraint equality) {
-  const std::string what = "equality '" + equality.name + "'";
-  if (equality.type == EqualityType::kJoint || equality.type == EqualityType::kGear) {
-    require_single_dof(what, equality.joint_a);
-    require_single_dof(what, equality.joint_b);
-    if (equality.joint_a == equality.joint_b) throw ModelError(what + " couples a joint with itself");
-    if (!finite(equality.ratio) || !finite(equality.offset))
-      throw ModelError(what + ": ratio and offset must be finite");
-  } else {
-    require_link(what, equality.link_a);
-    require_link(what, equality.link_b);
-    if (equality.link_a == equality.link_b) throw ModelError(what + " joins a link to itself");
-  }
-  if (!(equality.max_force >= 0)) throw ModelError(what + ": max_force must be 0 or more");
-  equalities_.push_back(std::move(equality));
-  return EqualityId(equalities_.size() - 1);
-}
-
-ActuatorId ModelBuilder::add_actuator(Actuator actuator) {
-  const std::string what = "actuator '" + actuator.name + "'";
-  require_single_dof(what, actuator.joint);
-  if (!(actuator.kp >= 0) || !(actuator.kd >= 0) || !(actuator.max_force >= 0)) {
-    throw ModelError(what + ": kp, kd and max_force must be 0 or more");
-  }
-  if (!finite(actuator.gear) || actuator.gear == 0) throw ModelError(what + ": gear must be finite and not 0");
-  if (!(actuator.min_ctrl <= actuator.max_ctrl)) throw ModelError(what + ": min_ctrl is above max_ctrl");
-  actuators_.push_back(std::move(actuator));
-  return ActuatorId(actuators_.size() - 1);
-}
-
-void ModelBuilder::exclude_contact(LinkId a, LinkId b) {
-  require_link("a contact exclusion", a);
-  require_link("a contact exclusion", b);
-  exclusions_.push_back({a, b});
-}
-
-void ModelBuilder::add_contact_pair(const ContactPair& pair) {
-  for (const GeomId id : {pair.a, pair.b}) {
-    if (!id.is_valid() || id.index() >= geoms_.size()) throw ModelError("a contact pair needs two geoms added before");
-  }
-  contact_pairs_.push_back(pair);
 }
 
 void ModelBuilder::add_frame(std::string name, LinkId link, const Transform<double>& X_LF) {
@@ -211,6 +156,7 @@ Model ModelBuilder::compile() const {
   model.height_fields_ = height_fields_;
   model.equalities_ = equalities_;
   model.described_equalities_ = static_cast<int>(equalities_.size());
+  model.tendons_ = tendons_;
   model.actuators_ = actuators_;
   model.exclusions_ = exclusions_;
   model.contact_pairs_ = contact_pairs_;

@@ -35,9 +35,11 @@ class ModelBuilder {
   MeshId add_mesh(Mesh mesh);
   /// Throws ModelError unless the grid has 2 x 2 finite heights or more.
   HeightFieldId add_height_field(HeightField field);
-  /// Throws ModelError unless the links, or the joints of one degree of freedom, were added before.
+  /// Throws ModelError unless it is named, and its joints of one degree of freedom, or its links, were added before.
+  TendonId add_tendon(Tendon tendon);
+  /// Throws ModelError unless the links, the joints of one degree of freedom, or the tendons were added before.
   EqualityId add_equality(EqualityConstraint equality);
-  /// Throws ModelError unless the joint was added before and has one degree of freedom.
+  /// Throws ModelError unless the tendon, or the joint of one degree of freedom, was added before.
   ActuatorId add_actuator(Actuator actuator);
   void exclude_contact(LinkId a, LinkId b);
   void add_contact_pair(const ContactPair& pair);
@@ -54,6 +56,8 @@ class ModelBuilder {
   [[nodiscard]] const std::vector<Joint>& joints() const { return joints_; }
   [[nodiscard]] Link& link(LinkId id) { return links_[id.index()]; }
   [[nodiscard]] Joint& joint(JointId id) { return joints_[id.index()]; }
+  [[nodiscard]] const std::vector<Tendon>& tendons() const { return tendons_; }
+  [[nodiscard]] Tendon& tendon(TendonId id) { return tendons_[id.index()]; }
   [[nodiscard]] const std::vector<Actuator>& actuators() const { return actuators_; }
   [[nodiscard]] Actuator& actuator(ActuatorId id) { return actuators_[id.index()]; }
   [[nodiscard]] const std::vector<Geom>& geoms() const { return geoms_; }
@@ -79,6 +83,7 @@ class ModelBuilder {
   void add_keyframes(Model& model) const;
   void require_link(const std::string& what, LinkId link) const;
   void require_single_dof(const std::string& what, JointId joint) const;
+  void require_tendon(const std::string& what, TendonId tendon) const;
   void add_mimic_equalities(Model& model) const;
   static void compile_link(Model& model, LinkId id);
   static void compile_lift(Model& model, const Link& link);
@@ -91,6 +96,7 @@ class ModelBuilder {
   std::vector<Mesh> meshes_;
   std::vector<HeightField> height_fields_;
   std::vector<EqualityConstraint> equalities_;
+  std::vector<Tendon> tendons_;
   std::vector<Actuator> actuators_;
   std::vector<ContactExclusion> exclusions_;
   std::vector<ContactPair> contact_pairs_;

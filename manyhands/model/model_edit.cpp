@@ -62,7 +62,8 @@ Insertion ModelEdit::places_for(const Model& part) const {
           .meshes = count_of(model_.meshes_),
           .height_fields = count_of(model_.height_fields_),
           .lifts = count_of(model_.lifts_),
-          .mocaps = count_of(model_.mocap_bodies_)};
+          .mocaps = count_of(model_.mocap_bodies_),
+          .tendons = count_of(model_.tendons_)};
 }
 
 Insertion ModelEdit::insert(const Model& part) {
@@ -214,8 +215,16 @@ void ModelEdit::insert_couplings(const Model& part, const Insertion& at) {
   at.v.apply(model_.dof_friction_, part.dof_friction_);
   at.v.apply(model_.dof_stiffness_, part.dof_stiffness_);
   for (Actuator actuator : part.actuators_) {
-    actuator.joint = JointId(at.joints + actuator.joint.value());
+    if (actuator.joint.is_valid()) actuator.joint = JointId(at.joints + actuator.joint.value());
+    if (actuator.tendon.is_valid()) actuator.tendon = TendonId(at.tendons + actuator.tendon.value());
     model_.actuators_.push_back(std::move(actuator));
+  }
+  for (Tendon tendon : part.tendons_) {
+    for (TendonJoint& item : tendon.joints) item.joint = JointId(at.joints + item.joint.value());
+    for (TendonBranch& branch : tendon.branches) {
+      for (TendonPoint& point : branch.points) point.link = LinkId(at.new_link(point.link.value()));
+    }
+    model_.tendons_.push_back(std::move(tendon));
   }
   std::vector<EqualityConstraint> equalities = part.equalities_;
   for (EqualityConstraint& equality : equalities) {
@@ -223,6 +232,8 @@ void ModelEdit::insert_couplings(const Model& part, const Insertion& at) {
     equality.link_b = LinkId(at.new_link(equality.link_b.value()));
     if (equality.joint_a.is_valid()) equality.joint_a = JointId(at.joints + equality.joint_a.value());
     if (equality.joint_b.is_valid()) equality.joint_b = JointId(at.joints + equality.joint_b.value());
+    if (equality.tendon_a.is_valid()) equality.tendon_a = TendonId(at.tendons + equality.tendon_a.value());
+    if (equality.tendon_b.is_valid()) equality.tendon_b = TendonId(at.tendons + equality.tendon_b.value());
   }
   at.equalities.apply(model_.equalities_, equalities);
   model_.described_equalities_ += part.described_equalities_;
@@ -243,7 +254,7 @@ void ModelEdit::forget(LinkId id) {
   }
   if (link.joint.is_valid()) drop(model_.joint_names_, model_.joints_[link.joint.index()].name);
   for (Actuator& actuator : model_.actuators_) {
-    if (actuator.joint == link.joint) actuator.name.clear();
+    if (link.joint.is_valid() && actuator.joint == link.joint) actuator.name.clear();
   }
   for (const GeomId geom_id : model_.link_geoms_[id.index()]) {
     std::string& name = model_.geoms_[geom_id.index()].name;

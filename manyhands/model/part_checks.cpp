@@ -64,6 +64,40 @@ void check_geom(const Geom& geom) {
   }
 }
 
+namespace {
+
+void check_tendon_path(const std::string& what, const Tendon& tendon) {
+  if (tendon.joints.empty() == tendon.branches.empty())
+    throw ModelError(what + " runs over joints or through points; expected one of them, not both");
+  for (const TendonJoint& part : tendon.joints) {
+    if (!finite(part.coefficient) || part.coefficient == 0)
+      throw ModelError(what + ": a coefficient is " + std::to_string(part.coefficient) + "; expected one other than 0");
+  }
+  for (const TendonBranch& branch : tendon.branches) {
+    if (branch.points.size() < 2) throw ModelError(what + ": a branch needs two points or more");
+    if (!finite(branch.divisor) || !(branch.divisor > 0))
+      throw ModelError(what + ": a divisor is " + std::to_string(branch.divisor) + "; expected one above 0");
+    for (const TendonPoint& point : branch.points) {
+      if (!finite(point.p_L)) throw ModelError(what + ": its points must be finite numbers");
+    }
+  }
+}
+
+}  // namespace
+
+void check_tendon(const Tendon& tendon) {
+  const std::string what = "tendon '" + tendon.name + "'";
+  check_tendon_path(what, tendon);
+  for (const double value : {tendon.damping, tendon.friction, tendon.armature, tendon.stiffness}) {
+    if (!finite(value) || value < 0)
+      throw ModelError(what + ": damping, friction, armature and stiffness must be finite, 0 or more");
+  }
+  if (!(tendon.lower <= tendon.upper)) throw ModelError(what + ": its lower limit is above the upper one");
+  const bool rests = finite(tendon.spring_lower) && finite(tendon.spring_upper);
+  if (!rests || tendon.spring_lower > tendon.spring_upper)
+    throw ModelError(what + ": its spring rests between two finite lengths, the lesser first");
+}
+
 void check_mesh(const Mesh& mesh) {
   const std::string what = "mesh '" + mesh.source + "'";
   for (const Vec3<float>& v : mesh.vertices) {

@@ -19,6 +19,10 @@ void check_inertial(const std::string& link, const Inertial& inertial);
 /// texture that is not repeated more than 0 times.
 void check_geom(const Geom& geom);
 
+/// Throws ModelError unless it is either fixed, with coefficients other than 0, or spatial, with two points or more and
+/// a divisor above 0 in each branch, and on numbers that are negative, not finite, or limits out of order.
+void check_tendon(const Tendon& tendon);
+
 /// Throws ModelError on vertices that are not finite and triangles of vertices that do not exist.
 void check_mesh(const Mesh& mesh);
 

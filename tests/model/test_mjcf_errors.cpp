@@ -115,7 +115,7 @@ INSTANTIATE_TEST_SUITE_P(
         Malformed{"ControlTurnedRound", actuator("<motor joint=\"j\" ctrlrange=\"1 -1\"/>"),
                   "min_ctrl is above max_ctrl"},
         Malformed{"InheritsNoRange", actuator("<position joint=\"j\" inheritrange=\"1\"/>"),
-                  "'inheritrange' needs a joint with a range"},
+                  "'inheritrange' needs a joint or tendon with a range"},
         Malformed{"NoAnchor", equality("<connect body1=\"b\"/>"), "attribute 'anchor' of <connect> is missing"},
         Malformed{"WeldedToItself", equality("<weld body1=\"b\" body2=\"b\"/>"), "joins a link to itself"},
         Malformed{"CoupledToItself", equality("<joint joint1=\"j\" joint2=\"j\"/>"), "couples a joint with itself"},

@@ -17,7 +17,7 @@ constexpr std::string_view kScene = R"(<mujoco model="seed">
     <hfield name="h" nrow="2" ncol="3" size="1 1 1 1" elevation="0 1 2 3 4 5"/><texture name="x" builtin="checker"
     type="2d" rgb1="1 0 0"/><texture file="none.png"/><material name="g" texture="x" texrepeat="2 3" rgba="0 1 0 1"/></asset>
   <worldbody>
-    <geom name="floor" type="plane" size="0 0 1"/><geom type="hfield" hfield="h"/><light pos="0 0 1"/>
+    <geom name="floor" type="plane" size="0 0 1"/><geom type="hfield" hfield="h"/><light pos="0 0 1"/><site name="o" pos="1 1 1"/>
     <body name="a" pos="0 0 1" quat="1 0 0 0" childclass="c"><freejoint/><geom name="ga"/><geom type="mesh" mesh="m"/>
       <body name="b" euler="0.1 0.2 0.3"><joint name="j" axis="0 1 0" range="-1 1" pos="0 0 0.1" ref="0.1"/>
         <joint name="k" type="slide"/><geom type="ellipsoid" size="1 2 3" material="g"/><site name="s" zaxis="1 0 0"/>
@@ -28,10 +28,15 @@ constexpr std::string_view kScene = R"(<mujoco model="seed">
   </worldbody>
   <contact><pair geom1="ga" geom2="gd" friction="1 1 0.1 0 0" condim="4"/><exclude body1="a" body2="d"/></contact>
   <equality><connect body1="a" body2="d" anchor="0 0 1"/><weld body1="b"/>
-    <joint joint1="j" joint2="k" polycoef="0 1 0 0 0"/></equality>
+    <joint joint1="j" joint2="k" polycoef="0 1 0 0 0"/>
+    <tendon tendon1="tf" tendon2="ts"/></equality>
+  <tendon><fixed name="tf" range="-1 1" stiffness="2"><joint joint="j" coef="1"/><joint joint="k" coef="2"/></fixed>
+    <spatial name="ts" springlength="0.1 0.2" damping="1"><site site="s"/><site site="o"/><pulley divisor="2"/>
+      <site site="o"/><site site="s"/></spatial></tendon>
   <actuator><motor joint="j" gear="2" class="c"/><position joint="k" kp="10" dampratio="1" forcerange="-1 1"/>
-    <general joint="j" gainprm="3" biastype="affine" biasprm="0 -3 -1"/><muscle joint="j"/></actuator>
-  <keyframe><key qpos="0 0 1 1 0 0 0 0 0 1 0 0 0" ctrl="0 0 0 0"/></keyframe><sensor><clock/></sensor>
+    <general joint="j" gainprm="3" biastype="affine" biasprm="0 -3 -1"/><muscle joint="j"/>
+    <motor tendon="ts"/></actuator>
+  <keyframe><key qpos="0 0 1 1 0 0 0 0 0 1 0 0 0" ctrl="0 0 0 0 0"/></keyframe><sensor><clock/></sensor>
 </mujoco>)";
 
 void expect_whole(const Model& model) {
@@ -50,6 +55,8 @@ void expect_whole(const Model& model) {
   }
   for (const EqualityConstraint& loop : model.equalities())
     ASSERT_TRUE(std::isfinite(loop.X_LB.p.x + loop.ratio + loop.offset));
+  for (const Tendon& tendon : model.tendons())
+    ASSERT_TRUE(tendon.lower <= tendon.upper && std::isfinite(tendon.spring_lower + tendon.stiffness));
   for (const Body& body : model.bodies()) ASSERT_TRUE(std::isfinite(body.inertia.I.xx + body.X_PF.p.x));
   for (const double q : model.initial_configuration()) ASSERT_TRUE(std::isfinite(q));
   for (const Keyframe& key : model.keyframes()) ASSERT_EQ(std::ssize(key.q), model.nq());
@@ -77,7 +84,7 @@ TEST(MjcfFuzz, ScenesLoadOrGiveTheOneError) {
 TEST(MjcfFuzz, TheSeedItselfLoads) {
   const LoadedModel loaded = load_scene(std::string(kScene));
   EXPECT_EQ(loaded.model.nq(), 13);
-  EXPECT_EQ(loaded.model.nu(), 3);
+  EXPECT_EQ(loaded.model.nu(), 4);
 }
 
 }  // namespace

@@ -43,14 +43,14 @@ std::string world(const std::string& contents) { return "<worldbody>" + contents
 TEST(MjcfRules, WhatIsNotUsedIsCountedWithItsFirstLine) {
   const auto [model, report] = load_scene(one_body(
       "<light/><camera/>\n<camera/><geom size=\"1\" solref=\"0.1 1\"/><geom size=\"1\" solref=\"0.1 1\" fancy=\"2\"/>",
-      "<sensor><clock/></sensor><tendon/>"));
+      "<sensor><clock/></sensor><deformable/>"));
   EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "body 'b'", "<camera> in <body> is not used (and in 1 further"),
             1);
   EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "body 'b'", "<light> in <body> is not used"), 1);
   EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "geom 'geom_0'", "'solref' of <geom> is not used (and in 1"), 1);
   EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "geom 'geom_1'", "'fancy' of <geom> is not used"), 1);
   EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "mujoco", "the section <sensor>, with 1 elements"), 1);
-  EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "mujoco", "the section <tendon>, with 0 elements"), 1);
+  EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "mujoco", "the section <deformable>, with 0 elements"), 1);
   const auto camera = std::ranges::find_if(
       report.notes, [](const LoadNote& note) { return contains(note.message, "<camera> in <body>"); });
   EXPECT_EQ(camera->line, 3);
@@ -247,20 +247,56 @@ TEST(MjcfRules, InertiasThatNoBodyHasAreRepaired) {
 TEST(MjcfRules, ActuatorsThatAreNeitherMotorsNorServosAreLeftOut) {
   const auto [model, report] =
       load_scene(one_body("<joint name=\"j\"/>",
-                          "<tendon><fixed name=\"t\"><joint joint=\"j\" coef=\"1\"/></fixed></tendon><actuator>"
+                          "<tendon><spatial name=\"t\"><geom geom=\"g\"/></spatial></tendon><actuator>"
                           "<muscle name=\"a\" joint=\"j\"/><motor name=\"b\" tendon=\"t\"/>"
                           "<general name=\"c\" joint=\"j\" dyntype=\"filter\"/>"
-                          "<general name=\"d\" joint=\"j\" gainprm=\"2\" biastype=\"affine\" biasprm=\"0 -3 0\"/>"
+                          "<general name=\"d\" joint=\"j\" gainprm=\"2\" biastype=\"affine\" biasprm=\"0 3 0\"/>"
                           "<motor name=\"e\" joint=\"j\" forcerange=\"-1 2\" gear=\"3\"/></actuator>"
                           "<keyframe><key ctrl=\"1 2 3 4 5\"/></keyframe>"));
   ASSERT_EQ(model.actuators().size(), 1u);
   EXPECT_EQ(model.actuators()[0].max_force, 6);
   EXPECT_EQ(count_notes(report, LoadAction::kRepaired, "actuator 'e'", "'forcerange' is not symmetric"), 1);
   EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "actuator 'a'", "of kind <muscle> is not read"), 1);
-  EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "actuator 'b'", "does not act on a joint"), 1);
+  EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "actuator 'b'", "tendon 't' was left out"), 1);
+  EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "tendon 't'", "wraps around a geom"), 1);
   EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "actuator 'c'", "dyntype 'filter' is not read"), 1);
   EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "actuator 'd'", "neither a motor's nor a servo's"), 1);
   EXPECT_EQ(model.keyframes()[0].ctrl, std::vector<double>{5});
+}
+
+TEST(MjcfRules, GeneralServosMayScaleTheirCommand) {
+  const Model model =
+      load_scene(one_body("<joint name=\"j\"/>",
+                          "<actuator><general joint=\"j\" gainprm=\"2\" biastype=\"affine\" biasprm=\"0.5 -4 -1\"/>"
+                          "<general joint=\"j\" gainprm=\"3\" biastype=\"affine\" biasprm=\"6 0 0\" gear=\"5\"/>"
+                          "</actuator>"))
+          .model;
+  const std::span<const Actuator> actuators = model.actuators();
+  EXPECT_EQ(actuators[0].type, ActuatorType::kPosition);
+  EXPECT_EQ(actuators[0].kp, 4);
+  EXPECT_EQ(actuators[0].kd, 1);
+  EXPECT_EQ(actuators[0].ctrl_scale, 0.5);
+  EXPECT_EQ(actuators[0].ctrl_offset, 0.125);
+  EXPECT_EQ(actuators[1].type, ActuatorType::kForce);
+  EXPECT_EQ(actuators[1].gear, 5);
+  EXPECT_EQ(actuators[1].ctrl_scale, 3);
+  EXPECT_EQ(actuators[1].ctrl_offset, 6);
+}
+
+TEST(MjcfRules, TendonsWithoutWhatTheyNeedAreErrors) {
+  const auto refused = [](const std::string& tendon) {
+    const std::string scene = one_body("<joint name=\"j\"/><site name=\"s\"/><joint name=\"k\" axis=\"1 0 0\"/>",
+                                       "<tendon>" + tendon + "</tendon>");
+    EXPECT_THROW((void)load_scene(scene), MjcfError) << tendon;
+  };
+  const std::string way = "<site site=\"s\"/><site site=\"s\"/>";
+  refused("<fixed><joint joint=\"none\" coef=\"1\"/></fixed>");
+  refused("<spatial><site site=\"none\"/><site site=\"s\"/></spatial>");
+  refused("<spatial><site site=\"s\"/></spatial>");
+  refused("<spatial>" + way + "<pulley divisor=\"0\"/>" + way + "</spatial>");
+  refused("<fixed range=\"2 1\"><joint joint=\"j\" coef=\"1\"/></fixed>");
+  const std::string fixed = "<fixed name=\"t\"><joint joint=\"j\" coef=\"1\"/></fixed>";
+  refused(fixed + fixed);
 }
 
 TEST(MjcfRules, BoundedServosOfOneJointAreNoted) {
@@ -274,6 +310,14 @@ TEST(MjcfRules, BoundedServosOfOneJointAreNoted) {
   EXPECT_EQ(notes(bounded + "<motor joint=\"j\" forcerange=\"-1 1\"/>"), 0);
   EXPECT_EQ(notes(free + bounded), 1);
   EXPECT_EQ(notes(bounded + bounded), 1);
+  const std::string pulls = "<position tendon=\"t\" forcerange=\"-1 1\"/>";
+  const LoadReport report = load_scene(one_body("<joint name=\"j\"/>",
+                                                "<tendon><fixed name=\"t\"><joint joint=\"j\" coef=\"1\"/></fixed>"
+                                                "</tendon><actuator>" +
+                                                    pulls + pulls + bounded + "</actuator>"))
+                                .report;
+  EXPECT_EQ(count_notes(report, LoadAction::kRepaired, "actuator", "another servo drives its tendon"), 1);
+  EXPECT_EQ(count_notes(report, LoadAction::kRepaired, "actuator", "another servo drives its joint"), 0);
 }
 
 TEST(MjcfRules, HullsThatMuJoCoWouldMakeCoarserAreNoted) {

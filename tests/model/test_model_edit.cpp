@@ -129,7 +129,7 @@ void expect_same_trees(const Tree<double>& a, const Tree<double>& b) {
   }
   ASSERT_EQ(a.actuators.size(), b.actuators.size());
   for (std::size_t i = 0; i < a.actuators.size(); ++i) {
-    EXPECT_EQ((std::array{a.actuators[i].dof, a.actuators[i].q}), (std::array{b.actuators[i].dof, b.actuators[i].q}));
+    EXPECT_EQ((std::array{a.actuators[i].law, a.actuators[i].q}), (std::array{b.actuators[i].law, b.actuators[i].q}));
   }
 }
 

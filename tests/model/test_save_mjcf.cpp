@@ -149,6 +149,77 @@ TEST(SaveMjcf, AfterOneRoundEveryModelIsReadBackToTheBit) {
   }
 }
 
+/// A scene with tendons of both kinds, whose references are not the lengths at the start.
+Model with_tendons() {
+  ModelBuilder builder("tendons");
+  std::vector<JointId> joints;
+  std::vector<LinkId> links{builder.world()};
+  for (const char* const name : {"a", "b", "c"}) {
+    const LinkId link = builder.add_link(name, {.mass = 1, .com = {}, .inertia = {1, 1, 1, 0, 0, 0}});
+    joints.push_back(builder.add_joint({.name = name,
+                                        .type = JointType::kRevolute,
+                                        .parent = links.back(),
+                                        .child = link,
+                                        .X_PF = {Mat3<double>::identity(), {0.1, 0.2, 0.3}},
+                                        .axis = {0, 1, 0},
+                                        .initial = {0.3}}));
+    links.push_back(link);
+  }
+  builder.add_frame("tip", links[3], {Mat3<double>::identity(), {0.5, 0, 0}});
+  const TendonId sum = builder.add_tendon({.name = "sum",
+                                           .joints = {{joints[0], 2}, {joints[2], -1}},
+                                           .lower = -1,
+                                           .damping = 0.1,
+                                           .armature = 0.3,
+                                           .stiffness = 5,
+                                           .spring_lower = -1,
+                                           .spring_upper = -1});
+  const TendonId way = builder.add_tendon(
+      {.name = "way",
+       .branches = {{1, {{links[0], {0, 0, 2}}, {links[3], {0.5, 0, 0}}}}, {3, {{links[1], {}}, {links[3], {}}}}},
+       .upper = 4,
+       .friction = 0.2});
+  builder.add_equality({.name = "couple",
+                        .type = EqualityType::kTendon,
+                        .tendon_a = sum,
+                        .tendon_b = way,
+                        .polynomial = {0.1, 2, -0.5, 0.25, 0.125},
+                        .reference_a = 0.5});
+  builder.add_equality({.name = "hold", .type = EqualityType::kTendon, .tendon_b = sum, .polynomial = {1, 0, 0, 0, 0}});
+  builder.add_actuator({.name = "pull", .tendon = way, .gear = -2, .max_force = 3});
+  builder.add_actuator({.name = "servo",
+                        .type = ActuatorType::kPosition,
+                        .tendon = sum,
+                        .ctrl_scale = 0.3,
+                        .ctrl_offset = 0.1,
+                        .kp = 7,
+                        .kd = 2});
+  return builder.build();
+}
+
+TEST(SaveMjcf, TendonsAreReadBack) {
+  const Model model = with_tendons();
+  const Model once = read_again(model);
+  ASSERT_EQ(once.tendons().size(), 2u);
+  EXPECT_EQ(once.tendons()[0].joints[1].coefficient, -1);
+  EXPECT_EQ(once.tendons()[0].spring_upper, -1);
+  EXPECT_NEAR(once.tendons()[0].spring_lower, -1, 1e-15);
+  EXPECT_EQ(once.tendons()[1].branches[1].divisor, 3);
+  EXPECT_EQ(once.actuators()[1].ctrl_scale, 0.3);
+  EXPECT_EQ(once.actuators()[1].ctrl_offset, 0.1);
+  for (const double x : {-0.7, 0.0, 1.3}) {  // the same curves
+    const auto curve = [x](const EqualityConstraint& e) {
+      double p = 0;
+      for (std::size_t i = 5; i-- > 0;) p = p * (x - e.reference_a) + e.polynomial[i];
+      return p + e.reference_b;
+    };
+    EXPECT_NEAR(curve(once.equalities()[0]), curve(model.equalities()[0]), 1e-12);
+  }
+  const EqualityConstraint& hold = once.equalities()[1];
+  EXPECT_NEAR(hold.reference_b + hold.polynomial[0], 1, 1e-12);
+  EXPECT_EQ(fingerprint(read_again(once)), fingerprint(once));
+}
+
 TEST(SaveMjcf, ShippedRobots) {
   for (const char* const robot : {"panda/panda.urdf", "arm6/arm6.urdf"}) {
     const Tree tree("shipped");

@@ -123,14 +123,17 @@ def test_actuators(source: str | Path) -> None:
             assert any(f"actuator '{name}'" == note.element and note.action == "ignored" for note in scene.report.notes)
             continue
         a = ours[name]
-        assert scene.names("joint", model.njnt)[model.actuator_trnid[i, 0]] == scene.ours.joints[a.joint].name
-        gear, gain, bias = model.actuator_gear[i, 0], model.actuator_gainprm[i, 0], model.actuator_biasprm[i, :3]
-        if a.type == "force":
-            found = [a.gear, 0, 0]
+        on = model.actuator_trnid[i, 0]
+        if a.joint >= 0:
+            assert scene.names("joint", model.njnt)[on] == scene.ours.joints[a.joint].name
         else:
-            found = [a.gear * (a.kp if a.type == "position" else a.kd), -(a.gear**2) * a.kp, -(a.gear**2) * a.kd]
-        assert bias[0] == 0
-        assert_close(np.array(found), np.array([gear * gain, gear**2 * bias[1], gear**2 * bias[2]]), name)
+            assert scene.names("tendon", model.ntendon)[on] == scene.ours.tendons[a.tendon].name
+        gear, gain, bias = model.actuator_gear[i, 0], model.actuator_gainprm[i, 0], model.actuator_biasprm[i, :3]
+        k = {"force": 1, "position": a.kp, "velocity": a.kd}[a.type]
+        kp, kd = (a.kp if a.type == "position" else 0), (a.kd if a.type != "force" else 0)
+        found = [a.gear * k * a.ctrl_scale, a.gear * k * a.ctrl_offset, -(a.gear**2) * kp, -(a.gear**2) * kd]
+        expected = [gear * gain, gear * bias[0], gear**2 * bias[1], gear**2 * bias[2]]
+        assert_close(np.array(found), np.array(expected), name)
         limits = model.actuator_ctrlrange[i] if model.actuator_ctrllimited[i] else [-np.inf, np.inf]
         assert np.allclose([a.min_ctrl, a.max_ctrl], limits, rtol=0, atol=1e-12), name
         force = np.max(np.abs(model.actuator_forcerange[i])) if model.actuator_forcelimited[i] else np.inf
@@ -301,6 +304,7 @@ def test_what_acts_on_attached_parts_comes_along() -> None:
     assert [a.name or "" for a in scene.ours.actuators if not a.name.startswith("actuator_")] == [
         model.actuator(i).name for i in range(model.nu) if model.actuator(i).name
     ]
+    assert [t.name for t in scene.ours.tendons] == [model.tendon(i).name for i in range(model.ntendon)]
     geoms = {geom.name: i for i, geom in enumerate(scene.ours.geoms)}
     theirs = {frozenset(geoms[model.geom(g[i]).name] for g in (model.pair_geom1, model.pair_geom2)) for i in range(2)}
     ours = {frozenset((p.geom_a, p.geom_b)): p.friction for p in scene.ours.contact_pairs}

@@ -11,8 +11,8 @@ namespace manyhands {
 /// The best iterate of a search, and how long it may go on. Scratch: nothing of it outlives a step.
 template <Number T>
 struct ActiveSetSearch {
-  explicit ActiveSetSearch(int nv)
-      : next_state(index(nv)), kept_dv(next_state), kept_rhs(next_state), best_set(next_state) {}
+  explicit ActiveSetSearch(int laws)
+      : next_state(index(laws)), kept_dv(next_state), kept_rhs(next_state), best_set(next_state) {}
 
   mask_t<T> active{true};   ///< worlds that are not done
   mask_t<T> changed{true};  ///< worlds whose active set has just changed
@@ -20,10 +20,10 @@ struct ActiveSetSearch {
   T batch{};                ///< iterations until the next look at the joints
   T looks{};                ///< at which the active set changed
 
-  std::vector<T> next_state;           ///< (nv) the states to which the present iterate points
-  std::vector<T> kept_dv, kept_rhs;    ///< (nv) of worlds that go on with their active set while others change theirs
+  std::vector<T> next_state;           ///< (laws) the states to which the present iterate points
+  std::vector<T> kept_dv, kept_rhs;    ///< (laws) of worlds that go on with their active set while others change theirs
   T best_merit{};                      ///< [rad/s or m/s]
-  std::vector<T> best_set;             ///< (nv)
+  std::vector<T> best_set;             ///< (laws)
   std::vector<Vec3<T>> best_impulses;  ///< of contacts, torsions and equality constraints
 };
 
@@ -72,7 +72,7 @@ MANYHANDS_INLINE T merit(const ContactProblem<T>& problem, const Iterate<T>& ite
   T worst = zero;
   for (std::size_t i = 0; i < next_state.size(); ++i) {
     const bool is_drive = problem.tree->dof_drive[i] >= 0;
-    const T state = iterate.active_set[i], inertia = max(tree_row(*problem.tree, problem.M(), i)[i], tiny);
+    const T state = iterate.active_set[i], inertia = max(law_inertia(problem, i), tiny);
     const T excess = max(abs(iterate.joint_impulse[i]) - strength(problem.joints, i), zero) / inertia;
     const T passed = abs(iterate.dv[i] - law_piece(is_drive, next_state[i], i, problem.joints).held_dv);
     const T error = select(law_piece(is_drive, state, i, problem.joints).saturated, passed, excess);

@@ -10,12 +10,6 @@ namespace manyhands {
 
 namespace internal {
 
-template <Number T>
-MANYHANDS_INLINE T bounded_arc(T velocity) {
-  const T most = constant<T>(contact_settings::kMaxArc);
-  return clamp(velocity, -most, most);
-}
-
 /// The second derivative of the gap by the present velocities alone, where that of the point itself is `flat`. A round
 /// side keeps its distance to its axis or centre as it turns, so that it is this that counts; a flat side moves with
 /// the body.

@@ -114,6 +114,7 @@ MANYHANDS_INLINE void assemble_equalities(const State<T>& state, real_t<T> h, co
                                           ContactProblem<T>& problem) {
   const auto& equalities = problem.tree->equalities;
   for (std::size_t i = 0; i < equalities.size(); ++i) {
+    if (equalities[i].type == EqualityType::kTendon) continue;  // a law of joint_laws.h
     if (equalities[i].type == EqualityType::kJoint || equalities[i].type == EqualityType::kGear) {
       internal::add_joint_equality(state, h, i, problem);
     } else {

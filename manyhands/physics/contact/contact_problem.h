@@ -54,7 +54,7 @@ struct EqualityRows {
 template <Number T>
 struct ContactProblem {
   ContactProblem(const Tree<real_t<T>>& of, const Colliders<real_t<T>>& colliders)
-      : joints(of.nv), free_dv(index(of.nv)) {
+      : joints(of.num_laws()), free_dv(index(of.nv)) {
     patches.reserve(colliders.num_manifolds);
     points.reserve(kManifoldPoints * colliders.num_manifolds);
     equalities.reserve(of.equality_rows / 3);
@@ -75,6 +75,18 @@ struct ContactProblem {
   RowEntries<T> rows;
   std::vector<T> free_dv;  ///< (nv) M^-1 smooth, where something asks for it
 };
+
+/// The velocity (at the step's beginning) and the inertia of a dof, or of a length behind them.
+template <Number T>
+MANYHANDS_INLINE T law_velocity(const ContactProblem<T>& problem, std::size_t i) {
+  const std::size_t nv = index(problem.tree->nv);
+  return i < nv ? problem.v[i] : problem.dynamics->length_rate[i - nv];
+}
+template <Number T>
+MANYHANDS_INLINE T law_inertia(const ContactProblem<T>& problem, std::size_t i) {
+  const std::size_t nv = index(problem.tree->nv);
+  return i < nv ? tree_row(*problem.tree, problem.M(), i)[i] : problem.dynamics->length_inertia[i - nv];
+}
 
 /// J x of one point, for x (nv).
 template <Number T>

@@ -20,12 +20,12 @@ struct ContactSolver {
 
   ContactSolver(const Tree<R>& tree, const Colliders<R>& colliders)
       : problem(tree, colliders),
-        iterate(tree.nv),
+        iterate(tree.num_laws()),
         factors(tree),
-        search(tree.nv),
+        search(tree.num_laws()),
         recovery(tree.nv),
         energy(tree.nv),
-        kept(tree.nv),
+        kept(tree.num_laws()),
         free_dv(index(tree.nv)) {}
 
   ContactProblem<T> problem;
@@ -77,11 +77,13 @@ MANYHANDS_INLINE mask_t<T> iterate_and_refine(const SolverSettings& settings, Co
   return converged;
 }
 
-/// The impulses of motors and limits at the present dv, in constrained trees: there every dof is saturated or yields.
+/// The impulses of motors, limits and tendons at the present dv, in constrained trees: there every dof is saturated or
+/// yields.
 template <Number T>
 MANYHANDS_INLINE void find_joint_impulses(const ContactProblem<T>& problem, const Factors<T>& factors,
                                           Iterate<T>& iterate) {
   const T zero = constant<T>(0);
+  follow_lengths(problem, iterate);
   for (std::size_t i = 0; i < iterate.dv.size(); ++i) {
     const bool is_drive = problem.tree->dof_drive[i] >= 0;
     const LawPiece<T> piece = law_piece(is_drive, iterate.active_set[i], i, problem.joints);

@@ -54,15 +54,15 @@ MANYHANDS_INLINE T norm_of_opening(const ContactProblem<T>& problem, const Facto
   return sqrt(sum);
 }
 
-/// The norm of what motors and limits ask of the dofs, and of all that moves at a speed of which there is never too
-/// much [J^1/2].
+/// The norm of what motors and limits ask of dofs and tendons, and of all that moves at a speed of which there is never
+/// too much [J^1/2].
 template <Number T>
 MANYHANDS_INLINE T norm_of_joints(const ContactProblem<T>& problem) {
   const JointLaws<T>& laws = problem.joints;
   const T zero = constant<T>(0), half = constant<T>(0.5);
   T sum = zero, inertia = zero;
-  for (std::size_t i = 0; i < index(problem.tree->nv); ++i) {
-    const T v = problem.v[i], M = tree_row(*problem.tree, problem.M(), i)[i];
+  for (std::size_t i = 0; i < laws.target.size(); ++i) {
+    const T v = law_velocity(problem, i), M = law_inertia(problem, i);
     const T driven = v + laws.target[i], returns = max(return_speed(v, i, laws), zero);
     const T reaches = half * M * (driven * driven), works = laws.max_impulse[i] * abs(driven);
     const T motor = select(laws.max_impulse[i] > zero, min(works, reaches), zero);

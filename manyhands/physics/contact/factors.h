@@ -2,7 +2,8 @@
 // responses of all rows under it.
 //
 // A dof is free where its state prescribes the impulse (saturated) or where it yields: a held dof in a constrained tree
-// gives way like a penalty, impulse = multiplier + penalty (dv_held - dv). A = (M + penalty)^-1 over the free dofs.
+// gives way like a penalty, impulse = multiplier + penalty (dv_held - dv), and so does every held tendon. A = (M +
+// penalty)^-1 over the free dofs, where a tendon's penalty is J^T penalty J.
 // A = B B^T with B = L^-1 D^-1/2 of M + penalty = L^T D L, so that Y = J B.
 #pragma once
 
@@ -16,12 +17,13 @@ struct Factors {
   explicit Factors(const Tree<real_t<T>>& tree)
       : L(tree.M_size, constant<T>(0)),
         sqrt_D_inverse(index(tree.nv)),
-        penalty(sqrt_D_inverse),
-        multiplier(sqrt_D_inverse),
-        free(sqrt_D_inverse),
-        held_dv(sqrt_D_inverse),
+        penalty(index(tree.num_laws())),
+        multiplier(penalty),
+        free(penalty),
+        held_dv(penalty),
         is_free(sqrt_D_inverse.size()),
         free_parent(sqrt_D_inverse.size()),
+        length_change(tree.lengths.empty() ? 0 : sqrt_D_inverse.size()),
         Y_by_dof(sqrt_D_inverse.size()),
         K(tree.equality_rows * tree.equality_rows),
         K_pivot_inverse(tree.equality_rows),
@@ -36,13 +38,14 @@ struct Factors {
   // Of the active set.
   std::vector<T> L;                   ///< (M_size) factors of M + penalty among the free dofs, 1 / D on the diagonal
   std::vector<T> sqrt_D_inverse;      ///< (nv)
-  std::vector<T> penalty;             ///< (nv) [kg or kg m^2]; 0 where the dof is rigid or saturated
-  std::vector<T> multiplier;          ///< (nv) [N s or N m s]
-  std::vector<T> free;                ///< (nv) 1 where the dof is free, else 0
-  std::vector<T> held_dv;             ///< (nv) dv where it is not, else 0
+  std::vector<T> penalty;             ///< (laws) [kg or kg m^2]; 0 where the dof is rigid or saturated
+  std::vector<T> multiplier;          ///< (laws) [N s or N m s]
+  std::vector<T> free;                ///< (laws) 1 where the dof is free, else 0
+  std::vector<T> held_dv;             ///< (laws) dv where it is not, else 0
   std::vector<std::uint8_t> is_free;  ///< (nv) whether the dof is free in some lane
   std::vector<int> free_parent;       ///< (nv) the next dof towards the root that is free in some lane, or -1
   std::vector<int> free_dofs;         ///< those dofs, leaves first
+  std::vector<T> length_change;       ///< (nv) scratch
 
   // Of the rows.
   std::vector<Vec3<T>> Y;                 ///< half responses of all rows; RowBlock::Y says where
@@ -71,8 +74,8 @@ MANYHANDS_INLINE void unconstrained_change(const ContactProblem<T>& problem, Fac
   const Tree<real_t<T>>& tree = *problem.tree;
   factors.L = problem.dynamics->M;
   dv = problem.joints.smooth;
-  factor_ltdl(tree.dofs_from_leaves, tree.dof_parent.data(), tree.M_row.data(), factors.L.data());
-  solve_ltdl(tree.dofs_from_leaves, tree.dof_parent.data(), tree.M_row.data(), factors.L.data(), dv.data());
+  factor_ltdl(tree.dofs_from_leaves, tree.M_parent.data(), tree.M_row.data(), factors.L.data());
+  solve_ltdl(tree.dofs_from_leaves, tree.M_parent.data(), tree.M_row.data(), factors.L.data(), dv.data());
 }
 
 /// dv += B y, and y = 0. Over the dofs of which there are factors: what else lies there is of other steps, and even
@@ -101,7 +104,7 @@ MANYHANDS_INLINE void compute_Y(const ContactProblem<T>& problem, const RowBlock
   visit_Y(rows, [&](std::size_t, std::size_t i) { x[i] = Vec3<T>::zero(); });
   visit_J(tree, rows, [&](std::size_t entry, std::size_t i, real_t<T>) { x[i] = J[entry]; });
   for (const std::span<const int> dofs : {rows.response_a, rows.response_b})
-    solve_to_root(dofs, tree.dof_parent.data(), tree.M_row.data(), factors.L.data(), x);
+    solve_to_root(dofs, tree.M_parent.data(), tree.M_row.data(), factors.L.data(), x);
   visit_Y(rows, [&](std::size_t, std::size_t i) { x[i] = factors.sqrt_D_inverse[i] * x[i]; });
 }
 

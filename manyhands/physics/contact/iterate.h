@@ -26,17 +26,17 @@ struct PatchIterate {
 /// Impulses and active set: what a search may go back to.
 template <Number T>
 struct Iterate {
-  explicit Iterate(int nv) : dv(index(nv)), rhs(dv), joint_impulse(dv), active_set(dv), y(dv) {}
+  explicit Iterate(int laws) : dv(index(laws)), rhs(dv), joint_impulse(dv), active_set(dv), y(dv) {}
 
-  std::vector<T> dv;                      ///< (nv) M dv = rhs + joint_impulse
-  std::vector<T> rhs;                     ///< (nv) smooth, and the impulses of contacts and equality constraints
-  std::vector<T> joint_impulse;           ///< (nv) of motors, drives, dry friction and limits
-  std::vector<T> active_set;              ///< (nv) see JointConstraintState
+  std::vector<T> dv;             ///< (laws) M dv = rhs + joint_impulse, tendons' included; behind that J dv of lengths
+  std::vector<T> rhs;            ///< (laws) smooth, and the impulses of contacts and equality constraints
+  std::vector<T> joint_impulse;  ///< (laws) of motors, drives, dry friction and limits
+  std::vector<T> active_set;     ///< (laws) see JointConstraintState
   std::vector<PointImpulse<T>> points;    ///< (points)
   std::vector<PointImpulse<T>> torsions;  ///< (torsions)
   std::vector<Vec3<T>> equalities;        ///< (equalities) [N s or N m s]
   std::vector<PatchIterate<T>> patches;   ///< (patches)
-  std::vector<T> y;                       ///< (nv) change of dv = B y that is not yet in dv
+  std::vector<T> y;                       ///< (laws) change of dv = B y that is not yet in dv
   T iterations{};                         ///< that each world took
   T calm{};                               ///< steps to come in which constraints demand nothing: see runaway.h
 };

@@ -5,7 +5,7 @@
 // alone, which is Murty's finite method.
 #pragma once
 
-#include "manyhands/physics/contact/factors.h"
+#include "manyhands/physics/contact/length_solver.h"
 
 namespace manyhands {
 
@@ -22,7 +22,7 @@ MANYHANDS_INLINE void list_free_dofs(const Tree<real_t<T>>& tree, Factors<T>& fa
     factors.is_free[index(k)] = is_free;
   }
   for (std::size_t i = 0; i < factors.is_free.size(); ++i) {
-    const int parent = tree.dof_parent[i];
+    const int parent = tree.M_parent[i];
     factors.free_parent[i] = parent < 0 || factors.is_free[index(parent)] ? parent : factors.free_parent[index(parent)];
   }
 }
@@ -35,7 +35,7 @@ MANYHANDS_INLINE mask_t<T> prescribe_dofs(const ContactProblem<T>& problem, cons
   const JointLaws<T>& laws = problem.joints;
   const T zero = constant<T>(0), one = constant<T>(1), stiff = constant<T>(contact_settings::kPenalty);
   mask_t<T> any_free(false);
-  for (std::size_t i = 0; i < active_set.size(); ++i) {
+  for (std::size_t i = 0; i < index(tree.nv); ++i) {
     const bool drive = tree.dof_drive[i] >= 0;
     const LawPiece<T> piece = law_piece(drive, active_set[i], i, laws);
     const T yields = laws.constrained[i] * (stiff * tree_row(tree, problem.M(), i)[i]);
@@ -71,6 +71,7 @@ MANYHANDS_INLINE void solve_free_dofs(const ContactProblem<T>& problem, Factors<
     L[i] = select(free, M[i] + penalty, one);
     for (int j = parent[k]; j >= 0; j = parent[j]) L[j] = M[j] * (factors.free[i] * factors.free[index(j)]);
   }
+  add_length_penalties(problem, factors);
   factor_ltdl(factors.free_dofs, parent, tree.M_row.data(), factors.L.data());
   solve_ltdl(factors.free_dofs, parent, tree.M_row.data(), factors.L.data(), iterate.dv.data());
 }
@@ -83,13 +84,15 @@ MANYHANDS_INLINE void solve_active_set(const ContactProblem<T>& problem, Factors
   const mask_t<T> any_free = prescribe_dofs(problem, iterate.active_set, factors);
   for (T& dv : iterate.dv) dv = zero;
   multiply_tree_matrix<T>(tree, problem.M(), factors.held_dv.data(), iterate.joint_impulse.data());
+  begin_lengths(problem, factors, iterate);
   when(any_free, [&] {
     list_free_dofs(tree, factors);
     solve_free_dofs(problem, factors, iterate);
+    finish_lengths(problem, factors, iterate);
     for (const int k : factors.free_dofs)
       add_tree_column<T>(tree, problem.M(), k, iterate.dv[index(k)], iterate.joint_impulse.data());
   });
-  for (std::size_t i = 0; i < iterate.dv.size(); ++i) {
+  for (std::size_t i = 0; i < index(tree.nv); ++i) {
     iterate.joint_impulse[i] = iterate.joint_impulse[i] - iterate.rhs[i];
     // + 0: a zero's sign would tell which other lanes were solved
     iterate.dv[i] = (iterate.dv[i] + factors.held_dv[i]) + zero;

@@ -2,24 +2,13 @@
 #pragma once
 
 #include "manyhands/physics/contact/rows.h"
-#include "manyhands/physics/dynamics/workspace.h"
+#include "manyhands/physics/dynamics/lengths.h"
 
 namespace manyhands::internal {
 
-/// How a point of a body moves: its velocity, and the acceleration that it has by the present velocities alone, gravity
-/// taken off everywhere alike.
-template <Number T>
-struct PointMotion {
-  Vec3<T> velocity, acceleration;
-};
-
 template <Number T>
 MANYHANDS_INLINE PointMotion<T> point_motion(const Workspace<T>& ws, std::size_t body, const Vec3<T>& p) {
-  if (body == 0) return {Vec3<T>::zero(), ws.A[0].v};
-  const Motion<T>&A = ws.A[body], &V = ws.V[body];
-  const Vec3<T> r = p - ws.p_WO[body];
-  const Vec3<T> velocity = V.v + cross(V.w, r);
-  return {velocity, A.v + cross(A.w, r) + cross(V.w, velocity)};
+  return motion_at(ws, body, p - ws.p_WO[body]);
 }
 
 /// Of B's point at p (world) against A's.

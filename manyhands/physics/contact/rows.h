@@ -71,8 +71,8 @@ MANYHANDS_INLINE RowBlock rows_between(const Tree<real_t<T>>& tree, std::size_t 
     }
     rows.common = a;
   }
-  // What both bodies share responds too, and equality constraints spread an impulse over their whole cluster.
-  if (joined || !tree.equalities.empty()) {
+  // What both bodies share responds too; equality constraints and tendons spread an impulse over their whole cluster.
+  if (joined || !tree.equalities.empty() || !tree.lengths.empty()) {
     rows.response_a = all(rows.begin_a, rows.end_a);
     rows.response_b = all(rows.begin_b, rows.end_b);
   }

@@ -12,13 +12,24 @@
 
 namespace manyhands::internal {
 
+/// How fast an equation between tendons closes; 0 of other laws [m/s].
+template <Number T>
+MANYHANDS_INLINE T closing_speed(const ContactProblem<T>& problem, std::size_t i) {
+  const std::size_t nv = index(problem.tree->nv);
+  const bool couples = i >= nv && problem.tree->lengths[i - nv].type == LengthType::kCoupling;
+  return couples ? abs(law_velocity(problem, i) + problem.joints.target[i]) : constant<T>(0);
+}
+
 /// The worlds in which a correction is demanded that is not slow.
 template <Number T>
 MANYHANDS_INLINE mask_t<T> demands_much(const ContactProblem<T>& problem, const Recovery<T>& recovery,
                                         const Factors<T>& factors) {
   const JointLaws<T>& laws = problem.joints;
   T fastest = constant<T>(0);
-  for (std::size_t i = 0; i < laws.lower.size(); ++i) fastest = max(fastest, return_speed(problem.v[i], i, laws));
+  for (std::size_t i = 0; i < laws.lower.size(); ++i)
+    fastest = max(fastest, return_speed(law_velocity(problem, i), i, laws));
+  for (std::size_t i = index(problem.tree->nv); i < laws.target.size(); ++i)
+    fastest = max(fastest, closing_speed(problem, i));
   for (std::size_t i = 0; i < problem.num_equality_rows; ++i) fastest = max(fastest, abs(factors.closing[i]));
   return recovery.asked | (fastest > constant<T>(contact_settings::kSlowCorrection));
 }
@@ -32,11 +43,12 @@ MANYHANDS_INLINE void demand_nothing(mask_t<T> asked, ContactProblem<T>& problem
   for (ContactPoint<T>& point : problem.points) point.target = select(asked & shall_open(point), zero, point.target);
   for (EqualityRows<T>& block : problem.equalities) block.closing = select(asked, Vec3<T>::zero(), block.closing);
   for (std::size_t i = 0; i < laws.lower.size(); ++i) {
-    const T stop = -problem.v[i];
+    const T stop = -law_velocity(problem, i);
     const auto returns = asked & ((laws.lower[i] > stop) | (laws.upper[i] < stop));
     laws.lower[i] = select(returns, min(laws.lower[i], stop), laws.lower[i]);
     laws.upper[i] = select(returns, max(laws.upper[i], stop), laws.upper[i]);
-    laws.target[i] = select(returns, stop, laws.target[i]);
+    const auto closes = asked & (closing_speed(problem, i) > zero);
+    laws.target[i] = select(returns | closes, stop, laws.target[i]);
   }
 }
 
@@ -99,7 +111,7 @@ template <Number T>
 MANYHANDS_INLINE void stand_still(const ContactProblem<T>& problem, Iterate<T>& iterate) {
   const T zero = constant<T>(0);
   clear_impulses(iterate);
-  for (std::size_t i = 0; i < iterate.dv.size(); ++i) {
+  for (std::size_t i = 0; i < index(problem.tree->nv); ++i) {
     const auto constrained = problem.joints.constrained[i] > zero;
     iterate.dv[i] = select(constrained, -problem.v[i], iterate.dv[i]);
     iterate.joint_impulse[i] = select(constrained, zero, iterate.joint_impulse[i]);

@@ -31,6 +31,8 @@ struct SolverTraits<double> {
   static constexpr int kSlideSteps = 20;
   /// By how much a joint's impulse or velocity may contradict its state, relative to its size: rounding.
   static constexpr double kStateTolerance = 1e-12;
+  /// Passes that make a held tendon rigid, each ten thousand times as much.
+  static constexpr int kLengthPasses = 3;
   /// Relative changes of an impulse that its precision cannot resolve.
   static constexpr double kResolution = 1e-14;
   /// Equality rows of which the rows before leave a smaller part are redundant.
@@ -51,6 +53,7 @@ struct SolverTraits<float> {
   /// One: the next visit goes on from there.
   static constexpr int kSlideSteps = 1;
   static constexpr float kStateTolerance = 1e-5F;
+  static constexpr int kLengthPasses = 1;
   static constexpr float kResolution = 3e-7F;
   static constexpr float kRedundancy = 1e-4F;
   static constexpr float kCancellation = 2e-6F;

@@ -72,7 +72,7 @@ MANYHANDS_INLINE void warm_start(const ContactProblem<T>& problem, std::span<con
 template <Number T>
 MANYHANDS_INLINE void store_warm_start(const ContactProblem<T>& problem, const Iterate<T>& iterate, State<T>& state) {
   const T zero = constant<T>(0);
-  for (std::size_t i = 0; i < iterate.dv.size(); ++i) {
+  for (std::size_t i = 0; i < index(problem.tree->nv); ++i) {
     state.active_set()[i] = iterate.active_set[i];
     state.dv()[i] = iterate.dv[i] + zero;
     state.joint_impulse()[i] = iterate.joint_impulse[i] + zero;

@@ -26,7 +26,13 @@ MANYHANDS_INLINE void mass_matrix_rows(const Tree<real_t<T>>& tree, const Params
 
 }  // namespace internal
 
-/// ws.M (lower triangle; 0 between dofs of different branches) at q (nq), armature included.
+/// Clears what tendons alone fill in M.
+template <Number T>
+MANYHANDS_INLINE void clear_joined(const Tree<real_t<T>>& tree, Workspace<T>& ws) {
+  for (const std::size_t entry : tree.M_joined) ws.M[entry] = T(real_t<T>(0));
+}
+
+/// ws.M (lower triangle; 0 between dofs of different branches) at q (nq), armature of joints included.
 template <Number T, Number P>
 void crba(const Tree<real_t<T>>& tree, const Params<P>& params, const T* q, Workspace<T>& ws) {
   MANYHANDS_ASSERT(internal::fit(tree, params, ws));
@@ -34,6 +40,7 @@ void crba(const Tree<real_t<T>>& tree, const Params<P>& params, const T* q, Work
     place(tree, b, q, ws);
     internal::place_inertia(b, params, ws);
   }
+  clear_joined(tree, ws);
   for (std::size_t b = tree.bodies.size() - 1; b > 0; --b) {
     internal::mass_matrix_rows(tree, params, b, ws);
     const auto parent = static_cast<std::size_t>(tree.bodies[b].parent);
@@ -47,6 +54,7 @@ template <Number T, Number P>
 void bias_and_mass_matrix(const Tree<real_t<T>>& tree, const Params<P>& params, const T* q, const T* v,
                           Workspace<T>& ws) {
   internal::newton_euler_pass<T>(tree, params, q, v, nullptr, ws);
+  clear_joined(tree, ws);
   for (std::size_t b = tree.bodies.size() - 1; b > 0; --b) {
     const TreeBody<real_t<T>>& body = tree.bodies[b];
     for (int k = body.iv; k < body.iv + body.nv; ++k) {

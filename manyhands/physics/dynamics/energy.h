@@ -1,6 +1,7 @@
 // Energy, momentum and centre of mass: the invariants that tests watch.
 #pragma once
 
+#include "manyhands/physics/dynamics/lengths.h"
 #include "manyhands/physics/dynamics/measures.h"
 #include "manyhands/physics/dynamics/rnea.h"
 #include "manyhands/physics/dynamics/springs.h"
@@ -31,9 +32,15 @@ Energy<T> energy(const Tree<real_t<T>>& tree, const Params<P>& params, const T* 
   for (std::size_t i = 0; i < static_cast<std::size_t>(tree.nv); ++i) {
     sum.kinetic = fma(half * broadcast<T>(params.armature[i]), v[i] * v[i], sum.kinetic);
   }
-  visit_springs<T>(tree, params, q, [&](std::size_t, T stiffness, T stretch) {
+  const auto add_spring = [&](std::size_t, T stiffness, T stretch) {
     sum.potential = fma(half * stiffness, stretch * stretch, sum.potential);
-  });
+  };
+  visit_springs<T>(tree, params, q, add_spring);
+  place_lengths(tree, q, v, ws);
+  visit_tendon_springs(params, ws, add_spring);
+  for (std::size_t k = 0; k < params.tendon_armature.size(); ++k)
+    sum.kinetic =
+        fma(half * broadcast<T>(params.tendon_armature[k]), ws.length_rate[k] * ws.length_rate[k], sum.kinetic);
   return sum;
 }
 

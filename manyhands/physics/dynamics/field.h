@@ -27,8 +27,9 @@ enum class Each : std::uint8_t {
   kLink,           ///< the world included
   kLift,           ///< see Model::lifts
   kMocapNumber,    ///< seven for every body that a user moves: x y z, quaternion xyzw
+  kTendon,         ///<
 };
-inline constexpr std::size_t kKindsOfEach = 11;
+inline constexpr std::size_t kKindsOfEach = 12;
 
 /// What the numbers of a field may be; a snapshot with others is refused.
 enum class Range : std::uint8_t {

@@ -1,4 +1,5 @@
-// M = L^T D L of a tree's inertia matrix without fill-in (Featherstone 2008, section 6.5).
+// M = L^T D L of a tree's inertia matrix without fill-in but where tendons join branches (Featherstone 2008,
+// section 6.5).
 //
 // The functions take the dofs to treat, leaves first, and for each the next such dof towards the root: all of a tree's,
 // or a subset, whose rows and columns then stand alone.
@@ -78,7 +79,7 @@ MANYHANDS_INLINE void solve_ltdl(std::span<const int> dofs_from_leaves, const in
 /// y (nv) = M x (nv), with the packed lower triangle M of a tree.
 template <Number T>
 MANYHANDS_INLINE void multiply_tree_matrix(const Tree<real_t<T>>& tree, const T* M, const T* x, T* y) {
-  const int* parent = tree.dof_parent.data();
+  const int* parent = tree.M_parent.data();
   for (int k = 0; k < tree.nv; ++k) {
     const T* row = M + tree.M_row[static_cast<std::size_t>(k)];
     T sum = row[k] * x[k];
@@ -94,7 +95,7 @@ MANYHANDS_INLINE void multiply_tree_matrix(const Tree<real_t<T>>& tree, const T*
 template <Number T>
 MANYHANDS_INLINE void add_tree_column(const Tree<real_t<T>>& tree, const T* M, int k, T x, T* y) {
   const T* row = M + tree.M_row[static_cast<std::size_t>(k)];
-  for (int i = k; i >= 0; i = tree.dof_parent[static_cast<std::size_t>(i)]) y[i] = fma(row[i], x, y[i]);
+  for (int i = k; i >= 0; i = tree.M_parent[static_cast<std::size_t>(i)]) y[i] = fma(row[i], x, y[i]);
   const int root = tree.root_dof[static_cast<std::size_t>(k)];
   for (int i = k + 1; i < tree.nv && tree.root_dof[static_cast<std::size_t>(i)] == root; ++i)
     y[i] = fma(M[static_cast<std::size_t>(tree.M_row[static_cast<std::size_t>(i)] + k)], x, y[i]);

@@ -18,7 +18,8 @@ Layout::Layout(const Model& model, std::size_t contact_numbers)
               model.geoms().size(),
               model.links().size(),
               model.lifts().size(),
-              kPoseNumbers * model.mocap_bodies().size()} {}
+              kPoseNumbers * model.mocap_bodies().size(),
+              model.tendons().size()} {}
 
 bool Layout::has_room(const FieldInsertion& at) const {
   for (std::size_t k = 0; k < kKindsOfEach; ++k) {
@@ -66,6 +67,17 @@ void Params<T>::take(const Model& model) {
     geom_spinning[i] = number(surface.spinning_friction);
     geom_rolling[i] = number(surface.rolling_friction);
     geom_restitution[i] = number(surface.restitution);
+  }
+  for (std::size_t i = 0; i < tendon_damping.size(); ++i) {
+    const Tendon& tendon = model.tendons()[i];
+    tendon_damping[i] = number(tendon.damping);
+    tendon_armature[i] = number(tendon.armature);
+    tendon_friction[i] = number(tendon.friction);
+    tendon_stiffness[i] = number(tendon.stiffness);
+    tendon_rest_lower[i] = number(tendon.spring_lower);
+    tendon_rest_upper[i] = number(tendon.spring_upper);
+    tendon_lower[i] = number(tendon.lower);
+    tendon_upper[i] = number(tendon.upper);
   }
   for (std::size_t i = 0; i < gear.size(); ++i) {
     const Actuator& actuator = model.actuators()[i];

@@ -27,6 +27,14 @@ namespace manyhands {
   field(motor_kp,         T,               kDof,      kNotNegative) /* per step, dimensionless: World::set_motors */  \
   field(motor_kd,         T,               kDof,      kNotNegative) /* likewise */                                    \
   field(motor_max_force,  T,               kDof,      kForceLimit)  /* [N m or N]; 0 where there is no motor */       \
+  field(tendon_damping,    T,              kTendon,   kNotNegative) /* see Tendon */                                  \
+  field(tendon_armature,   T,              kTendon,   kNotNegative) /* likewise, as all of tendons */                 \
+  field(tendon_friction,   T,              kTendon,   kForceLimit)                                                    \
+  field(tendon_stiffness,  T,              kTendon,   kNotNegative)                                                   \
+  field(tendon_rest_lower, T,              kTendon,   kFinite)      /* its spring pulls below it, */                  \
+  field(tendon_rest_upper, T,              kTendon,   kFinite)      /* and above it */                                \
+  field(tendon_lower,      T,              kTendon,   kLimit)                                                         \
+  field(tendon_upper,      T,              kTendon,   kLimit)                                                         \
   field(gear,             T,               kActuator, kFinite)      /* see ActuatorType */                            \
   field(drive_kp,         T,               kActuator, kFinite)      /* see Actuator */                                \
   field(drive_kd,         T,               kActuator, kFinite)      /* see Actuator */                                \

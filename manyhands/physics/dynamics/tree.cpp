@@ -1,10 +1,12 @@
 #include "manyhands/physics/dynamics/tree.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "manyhands/base/assert.h"
 #include "manyhands/math/instantiate.h"
 #include "manyhands/physics/dynamics/checks.h"
+#include "manyhands/physics/dynamics/tree_lengths.h"
 
 namespace manyhands {
 
@@ -50,7 +52,7 @@ TreeEquality<R> tree_equality(const Model& model, const EqualityConstraint& equa
     result.dof_b = static_cast<std::size_t>(b.iv);
     result.q_a = static_cast<std::size_t>(a.iq);
     result.q_b = static_cast<std::size_t>(b.iq);
-  } else {
+  } else if (equality.type != EqualityType::kTendon) {
     const Link &a = model.link(equality.link_a), &b = model.link(equality.link_b);
     result.body_a = a.body.index();
     result.body_b = b.body.index();
@@ -84,11 +86,79 @@ void include_both_joints(const Tree<R>& tree, TreeEquality<R>& equality) {
   }
 }
 
+/// Rows of an equality constraint; those of tendons are lengths.
+std::size_t rows_of(EqualityType type) { return type == EqualityType::kTendon ? 0 : turns(type) ? 6 : 3; }
+
+/// Widens the ranges [begin, end) of dofs until no pair of dofs, -1 for none, leaves its own and no two overlap in
+/// part.
+void join_ranges(const std::vector<std::pair<int, int>>& pairs, std::vector<int>& begins, std::vector<int>& ends) {
+  const auto join = [&](int i, int j) {
+    if (i < 0 || j < 0) return false;
+    const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
+    const int begin = std::min(begins[a], begins[b]), end = std::max(ends[a], ends[b]);
+    bool grew = false;
+    for (auto k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k) {
+      grew = grew || begins[k] != begin || ends[k] != end;
+      begins[k] = begin;
+      ends[k] = end;
+    }
+    return grew;
+  };
+  for (bool grew = true; grew;) {
+    grew = false;
+    for (const auto& [a, b] : pairs) {
+      grew = join(a, b) || grew;
+      for (const int i : {a, b}) {
+        if (i >= 0) grew = join(begins[static_cast<std::size_t>(i)], ends[static_cast<std::size_t>(i)] - 1) || grew;
+      }
+    }
+  }
+}
+
+/// Lets one way towards the root pass both dofs and all that lie on either's: ways fall, so that they merge like lists.
+void join_ways(int i, int j, std::vector<int>& parent) {
+  while (i >= 0 && j >= 0 && i != j) {
+    if (i < j) std::swap(i, j);
+    int& next = parent[static_cast<std::size_t>(i)];
+    const int after = next;
+    next = std::max(after, j);
+    i = next;
+    j = std::min(after, j);
+  }
+}
+
+/// What M needs room for: the dofs of a tree that lie on one way, and what tendons join.
+template <Real R>
+void find_pattern(Tree<R>& tree) {
+  tree.M_parent = tree.dof_parent;
+  std::vector<std::pair<int, int>> joined;
+  for (const TreeLength<R>& length : tree.lengths) {
+    for (std::size_t k = 1; k < length.dofs.size(); ++k) {
+      joined.emplace_back(length.dofs[k - 1], length.dofs[k]);
+      join_ways(length.dofs[k - 1], length.dofs[k], tree.M_parent);
+    }
+  }
+  join_ranges(joined, tree.root_dof, tree.end_dof);
+  for (int k = 0; k < tree.nv; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    tree.M_row.push_back(static_cast<std::ptrdiff_t>(tree.M_size) - tree.root_dof[i]);
+    tree.M_size += static_cast<std::size_t>(k - tree.root_dof[i] + 1);
+    int own = tree.dof_parent[i];
+    for (int j = tree.M_parent[i]; j >= 0; j = tree.M_parent[static_cast<std::size_t>(j)]) {
+      if (j != own) {
+        tree.M_joined.push_back(static_cast<std::size_t>(tree.M_row[i] + j));
+      } else {
+        own = tree.dof_parent[static_cast<std::size_t>(own)];
+      }
+    }
+  }
+}
+
 }  // namespace
 
 std::size_t equality_rows(const Model& model) {
   std::size_t rows = 0;
-  for (const EqualityConstraint& equality : model.equalities()) rows += turns(equality.type) ? 6 : 3;
+  for (const EqualityConstraint& equality : model.equalities()) rows += rows_of(equality.type);
   return rows;
 }
 
@@ -119,8 +189,6 @@ Tree<R>::Tree(const Model& model)
   for (int k = 0; k < nv; ++k) {
     const auto i = static_cast<std::size_t>(k);
     root_dof.push_back(dof_parent[i] < 0 ? k : root_dof[static_cast<std::size_t>(dof_parent[i])]);
-    M_row.push_back(static_cast<std::ptrdiff_t>(M_size) - root_dof[i]);
-    M_size += static_cast<std::size_t>(k - root_dof[i] + 1);
   }
   end_dof.assign(root_dof.size(), nv);
   for (std::size_t i = end_dof.size(); i-- > 1;) {
@@ -134,14 +202,24 @@ Tree<R>::Tree(const Model& model)
     for (int i = last_dof.back(); i >= 0; i = dof_parent[static_cast<std::size_t>(i)]) path.push_back(i);
   }
   path_begin.push_back(path.size());
+  add_lengths(model, *this);
+  find_pattern(*this);
   set_equalities(model);
-  dof_drive.assign(static_cast<std::size_t>(nv), -1);
+  dof_drive.assign(static_cast<std::size_t>(num_laws()), -1);
   for (const Actuator& actuator : model.actuators()) {
-    const Joint& joint = model.joint(actuator.joint);
-    if (actuator.type != ActuatorType::kForce) {
-      dof_drive[static_cast<std::size_t>(joint.iv)] = static_cast<int>(actuators.size());
+    TreeActuator<R> added{.type = actuator.type,
+                          .scale = static_cast<R>(actuator.ctrl_scale),
+                          .offset = static_cast<R>(actuator.ctrl_offset)};
+    if (actuator.tendon.is_valid()) {
+      added.q = actuator.tendon.index();
+      added.law = static_cast<std::size_t>(nv) + added.q;
+    } else {
+      const Joint& joint = model.joint(actuator.joint);
+      added.law = static_cast<std::size_t>(joint.iv);
+      added.q = static_cast<std::size_t>(joint.iq);
     }
-    actuators.push_back({actuator.type, static_cast<std::size_t>(joint.iv), static_cast<std::size_t>(joint.iq)});
+    if (actuator.type != ActuatorType::kForce) dof_drive[added.law] = static_cast<int>(actuators.size());
+    actuators.push_back(added);
   }
   for (const JointLimits& limits : model.dof_limits()) {
     dof_limited.push_back(is_finite(limits.lower) || is_finite(limits.upper));
@@ -153,31 +231,10 @@ template <Real R>
 void Tree<R>::join_clusters() {
   cluster_begin = root_dof;
   cluster_end = end_dof;
-  const auto join = [&](int i, int j) {
-    if (i < 0 || j < 0) return false;
-    const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
-    const int begin = std::min(cluster_begin[a], cluster_begin[b]);
-    const int end = std::max(cluster_end[a], cluster_end[b]);
-    bool grew = false;
-    for (auto k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k) {
-      grew = grew || cluster_begin[k] != begin || cluster_end[k] != end;
-      cluster_begin[k] = begin;
-      cluster_end[k] = end;
-    }
-    return grew;
-  };
-  for (bool grew = true; grew;) {
-    grew = false;
-    for (const TreeEquality<R>& equality : equalities) {
-      const int a = last_dof[equality.body_a], b = last_dof[equality.body_b];
-      grew = join(a, b) || grew;
-      for (const int end : {a, b}) {
-        if (end < 0) continue;
-        const auto i = static_cast<std::size_t>(end);
-        grew = join(cluster_begin[i], cluster_end[i] - 1) || grew;
-      }
-    }
-  }
+  std::vector<std::pair<int, int>> joined;
+  for (const TreeEquality<R>& equality : equalities)
+    joined.emplace_back(last_dof[equality.body_a], last_dof[equality.body_b]);
+  join_ranges(joined, cluster_begin, cluster_end);
 }
 
 template <Real R>
@@ -189,7 +246,7 @@ void Tree<R>::set_equalities(const Model& model) {
     if (equality.type == EqualityType::kJoint || equality.type == EqualityType::kGear)
       include_both_joints(*this, equalities.back());
     equalities.back().row = equality_rows;
-    equality_rows += equalities.back().turns ? 6 : 3;
+    equality_rows += rows_of(equality.type);
   }
   join_clusters();
 }

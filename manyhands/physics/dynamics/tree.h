@@ -36,10 +36,51 @@ struct TreeBody {
 };
 
 /// A drive of the model as kernels read it.
+template <Real R>
 struct TreeActuator {
   ActuatorType type{};
-  std::size_t dof{};
-  std::size_t q{};  ///< the coordinate it measures
+  std::size_t law{};        ///< the dof that it drives; of tendons nv more than the length
+  std::size_t q{};          ///< the coordinate it measures; of tendons the length
+  R scale = 1, offset = 0;  ///< scale ctrl + offset is its command
+
+  [[nodiscard]] bool is_scaled() const { return scale != 1 || offset != 0; }
+};
+
+enum class LengthType {
+  kJoints,    ///< the sum of coefficient q over joints
+  kPath,      ///< the way from point to point
+  kCoupling,  ///< (b - reference_b) - polynomial(a - reference_a), of two other lengths
+};
+
+/// What a dof does to one end of a segment: sign -1 where it moves the first.
+template <Real R>
+struct TreeLever {
+  std::size_t dof{}, entry{};  ///< the entry of J to which it adds
+  R sign{};
+};
+
+/// A straight part of a path between points of two bodies.
+template <Real R>
+struct TreeSegment {
+  std::size_t body_a{}, body_b{};
+  Vec3<R> p_A{}, p_B{};  ///< in the bodies' frames [m]
+  R share{};             ///< what of it counts as length
+  std::vector<TreeLever<R>> levers{};
+};
+
+/// A number that follows from q, and moves by J v: the length of a tendon, or what couples two of them.
+template <Real R>
+struct TreeLength {
+  LengthType type{};
+  std::vector<int> dofs{};                      ///< on which it depends, ascending: the entries of J
+  std::size_t J{};                              ///< the first of them in Workspace::length_J
+  std::vector<int> q{};                         ///< of kJoints: their coordinates
+  std::vector<R> weights{};                     ///< of kJoints: their coefficients
+  std::vector<TreeSegment<R>> segments{};       ///< of kPath
+  int a = -1, b = -1;                           ///< of kCoupling: the lengths; without a it counts as 0
+  std::vector<int> in_a{}, in_b{};              ///< of kCoupling, by entry: its place among those of a and b, or -1
+  std::array<R, 5> polynomial{};                ///< of kCoupling
+  R reference_a{}, reference_b{}, max_force{};  ///< of kCoupling
 };
 
 /// An equality constraint of the model between two bodies, or two dofs, as kernels read it.
@@ -59,10 +100,12 @@ template <Real R>
 struct Tree {
   explicit Tree(const Model& model);
 
-  /// Takes in the tree of a part that `ModelEdit::insert` put into the model.
+  /// Takes in the tree of a part that `ModelEdit::insert` put into the model. Neither has tendons.
   void insert(const Tree& part, const Insertion& at);
   /// Takes over the model's equality constraints anew.
   void set_equalities(const Model& model);
+  /// Of dofs, and behind them of lengths.
+  [[nodiscard]] int num_laws() const { return nv + static_cast<int>(lengths.size()); }
   /// Widens the ranges of dofs until no equality constraint leaves its own and no two overlap in part.
   void join_clusters();
 
@@ -70,7 +113,11 @@ struct Tree {
   int nq{}, nv{};
   std::vector<TreeBody<R>> bodies;         ///< (nb)
   std::vector<int> dof_parent;             ///< (nv) next dof towards the root, or -1
-  std::vector<int> root_dof;               ///< (nv) first dof of the dof's tree; trees take consecutive dofs
+  std::vector<int> M_parent;               ///< (nv) the same in M's pattern, in which tendons join branches: entry
+                                           ///< (i, j) may be other than 0 where that way from i passes j
+  std::vector<std::size_t> M_joined;       ///< entries of M, as stored, that only tendons fill
+  std::vector<int> root_dof;               ///< (nv) first dof of the dof's tree; trees take consecutive dofs, and those
+                                           ///< that tendons join are one
   std::vector<int> end_dof;                ///< (nv) one past the last dof of the dof's tree
   std::vector<int> last_dof;               ///< (nb) the body's last dof, or its next ancestor's; -1 if it never moves
   std::vector<int> path;                   ///< of each body: the dofs that move it, leaves first
@@ -81,15 +128,17 @@ struct Tree {
   std::vector<int> dofs_from_leaves;       ///< (nv) nv - 1, ..., 0
   std::vector<int> dof_q;                  ///< (nv) the coordinate that the dof integrates, or -1
   std::vector<std::uint8_t> dof_limited;   ///< (nv) whether the joint has position limits
-  std::vector<TreeActuator> actuators;     ///< (nu)
+  std::vector<TreeActuator<R>> actuators;  ///< (nu)
   std::vector<std::size_t> lifted_bodies;  ///< that gravity compensation acts on, in the order of Model::lifts
   std::vector<std::size_t> mocap_bodies;   ///< that a user moves
   std::vector<TreeEquality<R>> equalities;
-  std::size_t equality_rows{};  ///< three for every equality constraint, six where it holds rotations
+  std::vector<TreeLength<R>> lengths;  ///< of tendons, then of equality constraints between them
+  std::size_t length_entries{};        ///< of J, over all lengths
+  std::size_t equality_rows{};         ///< three for every equality constraint, six where it holds rotations
   std::vector<int>
       cluster_begin;  ///< (nv) first dof of the trees that equality constraints join to the dof's, as one range
   std::vector<int> cluster_end;  ///< (nv) one past their last
-  std::vector<int> dof_drive;    ///< (nv) the position or velocity actuator of the dof, or -1
+  std::vector<int> dof_drive;    ///< (nv, lengths) the position or velocity actuator of the dof or tendon, or -1
 };
 
 /// Rows of all equality constraints of a model: three each, six where they hold rotations.

@@ -113,14 +113,15 @@ void insert_equalities(const Tree<R>& part, const Insertion& at, Tree<R>& tree) 
 /// The position or velocity drives of dofs.
 template <Real R>
 void insert_actuators(const Tree<R>& part, const Insertion& at, Tree<R>& tree) {
-  for (TreeActuator& actuator : tree.actuators) {
+  for (TreeActuator<R>& actuator : tree.actuators) {
     if (!at.v.shifts()) break;
-    actuator.dof = index(at.v.of_old(static_cast<int>(actuator.dof)));
+    actuator.law = index(at.v.of_old(static_cast<int>(actuator.law)));
     actuator.q = index(at.q.of_old(static_cast<int>(actuator.q)));
   }
-  for (const TreeActuator& actuator : part.actuators) {
-    tree.actuators.push_back({actuator.type, index(at.v.of_new(static_cast<int>(actuator.dof))),
-                              index(at.q.of_new(static_cast<int>(actuator.q)))});
+  for (TreeActuator<R> actuator : part.actuators) {
+    actuator.law = index(at.v.of_new(static_cast<int>(actuator.law)));
+    actuator.q = index(at.q.of_new(static_cast<int>(actuator.q)));
+    tree.actuators.push_back(actuator);
   }
   std::vector<int> drives = part.dof_drive;
   for (int& drive : drives) drive += drive < 0 ? 0 : at.actuators;
@@ -176,6 +177,7 @@ void Tree<R>::insert(const Tree& part, const Insertion& at) {
   insert_dofs({part.last_dof.begin() + 1, part.last_dof.end()}, at.bodies, at.v, last_dof);
 
   insert_dofs(part.dof_parent, at.v, at.v, dof_parent);
+  M_parent = dof_parent;
   insert_dofs(part.root_dof, at.v, at.v, root_dof);
   std::vector<int> ends = part.end_dof;
   for (int& i : ends) i = at.v.of_new(i - 1) + 1;

@@ -26,7 +26,12 @@ struct Workspace {
         D_inverse(size(tree.nv)),
         u(size(tree.nv)),
         bias(size(tree.nv)),
-        M(tree.M_size, T(real_t<T>(0))) {
+        M(tree.M_size, T(real_t<T>(0))),
+        length(tree.lengths.size()),
+        length_rate(length),
+        length_bend(length),
+        length_inertia(length),
+        length_J(tree.length_entries) {
     take_mocap(tree);
   }
 
@@ -36,6 +41,8 @@ struct Workspace {
     all(size(tree.nb), R_WB, p_OB, p_WO, V, A, F, I, I_A);
     all(size(tree.nv), S, U, D_inverse, u, bias);
     all(tree.M_size, M);
+    all(tree.lengths.size(), length, length_rate, length_bend, length_inertia);
+    all(tree.length_entries, length_J);
   }
 
   std::vector<Mat3<T>> R_WB;               ///< (nb)
@@ -51,6 +58,10 @@ struct Workspace {
   std::vector<T> D_inverse, u;             ///< (nv)
   std::vector<T> bias;                     ///< (nv) C(q, v) v + g(q) [N m or N]
   std::vector<T> M;                        ///< (nv, nv) lower triangle of each tree, packed by rows (see Tree::M_row)
+  std::vector<T> length, length_rate;      ///< (lengths) of tendons [m or rad], and what couples them
+  std::vector<T> length_bend;              ///< (lengths) dJ/dt v
+  std::vector<T> length_inertia;           ///< (lengths) 1 / (J diag(M)^-1 J^T): against which laws are judged
+  std::vector<T> length_J;                 ///< rows of J by TreeLength::dofs
 
  private:
   void take_mocap(const Tree<real_t<T>>& tree) {

@@ -41,6 +41,7 @@ template <Real R>
 void require_undriven(const Model& model, std::span<const R> max_force) {
   std::string names;
   for (const Actuator& actuator : model.actuators()) {
+    if (!actuator.joint.is_valid()) continue;
     const Joint& joint = model.joint(actuator.joint);
     const bool drives = actuator.type != ActuatorType::kForce && max_force[static_cast<std::size_t>(joint.iv)] > 0;
     if (drives) names += (names.empty() ? "'" : ", '") + joint.name + "' (by '" + actuator.name + "')";

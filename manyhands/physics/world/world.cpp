@@ -157,6 +157,8 @@ void World::runge_kutta_step_or_throw(WorldCore& core) {
     throw std::runtime_error("the rk4 integrator knows no motors: set their max_force to 0, or use semi_implicit");
   }
   if (core.nu() > 0) throw std::runtime_error("the rk4 integrator knows no actuators: use semi_implicit");
+  if (!core.model->tendons().empty())
+    throw std::runtime_error("the rk4 integrator knows no tendons: use semi_implicit");
   require_within_limits(core, "before");
   require_apart(core);
   runge_kutta_step(core.system.tree, core.params, time_step_, core.state, core.runge_kutta);
@@ -231,6 +233,18 @@ Energy<double> World::energy() const {
   const WorldCore& now = core();
   now.is_placed = false;
   return manyhands::energy(now.system.tree, now.params, now.state.q(), now.state.v(), now.scratch);
+}
+
+std::vector<double> World::tendon_lengths() const {
+  const WorldCore& now = core();
+  const Workspace<double>& placed = now.placed_lengths();
+  return {placed.length.begin(), placed.length.begin() + std::ssize(now.model->tendons())};
+}
+
+std::vector<double> World::tendon_velocities() const {
+  const WorldCore& now = core();
+  const Workspace<double>& placed = now.placed_lengths();
+  return {placed.length_rate.begin(), placed.length_rate.begin() + std::ssize(now.model->tendons())};
 }
 
 MassProperties<double> World::mass_properties() const {

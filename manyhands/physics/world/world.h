@@ -106,6 +106,9 @@ class World {
   /// Throws std::invalid_argument where a position or velocity actuator drives the dof already.
   void set_motors(const MotorCommands& commands);
 
+  [[nodiscard]] std::vector<double> tendon_lengths() const;     ///< in the order of Model::tendons [m, or as q]
+  [[nodiscard]] std::vector<double> tendon_velocities() const;  ///< their rates
+
   [[nodiscard]] Energy<double> energy() const;                   ///< [J]
   [[nodiscard]] MassProperties<double> mass_properties() const;  ///< centre of mass, momentum about the world's origin
 

@@ -63,6 +63,12 @@ void carry_actuators(const WorldCore& from, const std::vector<int>& actuators, W
   }
 }
 
+void carry_tendons(const WorldCore& from, const std::vector<int>& tendons, WorldCore& to) {
+  for (std::size_t i = 0; i < tendons.size(); ++i) {
+    if (tendons[i] >= 0) copy_items(from.params, to.params, Each::kTendon, static_cast<int>(i), tendons[i], 1);
+  }
+}
+
 /// Impulses of pairs whose geoms are both still there.
 void carry_contacts(const WorldCore& from, const std::vector<int>& geoms, WorldCore& to) {
   std::vector<CachedContact> kept;
@@ -90,6 +96,7 @@ void carry(const WorldCore& from, const PartMap& map, WorldCore& to) {
   carry_links(from, map.links, to);
   carry_geoms(from, map.geoms, to);
   carry_actuators(from, map.actuators, to);
+  carry_tendons(from, map.tendons, to);
   carry_contacts(from, map.geoms, to);
   let_resist_turning(view(to.params, 0), to.system.colliders);
 }

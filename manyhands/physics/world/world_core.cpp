@@ -75,6 +75,7 @@ FieldInsertion places_of(const Insertion& at, const ListInsertion& rows, const M
   put(Each::kLift, behind(at.lifts, part.lifts().size()));
   const auto mocaps = static_cast<int>(kPoseNumbers) * at.mocaps;
   put(Each::kMocapNumber, behind(mocaps, kPoseNumbers * part.mocap_bodies().size()));
+  put(Each::kTendon, behind(at.tendons, part.tendons().size()));
   return places;
 }
 
@@ -131,6 +132,12 @@ void WorldCore::place_from(std::size_t body) const {
   }
 }
 
+const Workspace<double>& WorldCore::placed_lengths() const {
+  const Workspace<double>& all = placed();
+  place_lengths(system.tree, state.q(), state.v(), scratch);
+  return all;
+}
+
 const GeomPlaces& WorldCore::placed_geoms() const {
   const std::size_t known = geom_places_.X_WG.size();
   geom_places_.extend(system.colliders, params, placed());
@@ -152,7 +159,13 @@ void WorldCore::insert(const Model& part, ContactRules rules) {
   const ListInsertion rows{rows_before(tree, at.equalities.old_first), static_cast<int>(tree.equality_rows),
                            rows_before(alone.tree, at.equalities.new_first),
                            static_cast<int>(alone.tree.equality_rows)};
-  tree.insert(alone.tree, at);
+  if (model->tendons().empty()) {
+    tree.insert(alone.tree, at);
+  } else {
+    tree = Tree<double>(*model);  // what tendons join may lie anywhere
+    scratch = Workspace<double>(tree);
+    is_placed = false;
+  }
   WorldBlock<double>::insert(numbers, places_of(at, rows, part));
   for (const LinkId id : part.links_of(BodyId(0))) {
     const Link& link = part.link(id);
@@ -237,7 +250,8 @@ std::span<const double> WorldCore::living(const double* numbers, Each each, std:
   shown.clear();
   if (each == Each::kActuator) {
     for (std::size_t i = 0; i < nu(); ++i) {
-      if (!is_gone(model->joint(model->actuators()[i].joint).child)) shown.push_back(numbers[i]);
+      const JointId joint = model->actuators()[i].joint;
+      if (!joint.is_valid() || !is_gone(model->joint(joint).child)) shown.push_back(numbers[i]);
     }
     return shown;
   }

@@ -30,6 +30,8 @@ struct WorldCore : WorldBlock<double> {
 
   /// Poses and velocities of all bodies in the present state.
   [[nodiscard]] const Workspace<double>& placed() const;
+  /// The same with the lengths of tendons.
+  [[nodiscard]] const Workspace<double>& placed_lengths() const;
   /// Of all colliding geoms; what was removed meets nothing.
   [[nodiscard]] const GeomPlaces& placed_geoms() const;
   void moved() {

@@ -177,7 +177,8 @@ void World::remove(const std::string& name) {
     found.insert(found.end(), children.begin(), children.end());
     now.remove(link);
   }
-  if (2 * now.num_gone > now.model->links().size()) rebuild();
+  // A tendon that has lost a part is none.
+  if (2 * now.num_gone > now.model->links().size() || !now.model->tendons().empty()) rebuild();
 }
 
 std::vector<std::string> World::names() const {

@@ -112,7 +112,7 @@ struct JointLaw {
   template <Real R>
   void drive(const JointProblem<R>& p, std::size_t i, const std::vector<double>& q) {
     const auto k = static_cast<std::size_t>(p.tree.dof_drive[i]);
-    const TreeActuator& actuator = p.tree.actuators[k];
+    const TreeActuator<R>& actuator = p.tree.actuators[k];
     const double h = p.h, gear = p.params.gear[k], kp = p.params.drive_kp[k], kd = p.params.drive_kd[k];
     const double ctrl = p.state.ctrl()[k];
     const bool position = actuator.type == ActuatorType::kPosition;

@@ -41,6 +41,17 @@ const MjcfJoint& MjcfScene::joint(const MjcfElement& user, const char* attribute
   return find_part(joints, joint_names, user, attribute, "joint");
 }
 
+const MjcfTendon& MjcfScene::tendon(const MjcfElement& user, const char* attribute) const {
+  return find_part(tendons, tendon_names, user, attribute, "tendon");
+}
+
+const MjcfSite& MjcfScene::site(const MjcfElement& user, const char* attribute) const {
+  const std::string name = user.text(attribute);
+  const auto found = sites.find(name);
+  if (found == sites.end()) user.fail("there is no site " + in_quotes(name) + "; expected the name of a <site>");
+  return found->second;
+}
+
 std::size_t MjcfScene::geom(const MjcfElement& user, const char* attribute) const {
   return static_cast<std::size_t>(&find_part(geoms, geom_names, user, attribute, "geom") - geoms.data());
 }
@@ -57,9 +68,9 @@ void reserve_names(const MjcfElement& around, MjcfScene& scene) {
 }
 
 void note_unused_sections(const MjcfElement& root) {
-  static const std::set<std::string_view> kUsed{"compiler", "option",   "default",  "asset",    "worldbody",
-                                                "contact",  "equality", "actuator", "keyframe", "size"};
-  static const std::set<std::string_view> kMoves{"tendon", "deformable", "extension"};
+  static const std::set<std::string_view> kUsed{"compiler", "option",   "default",  "asset",    "worldbody", "contact",
+                                                "tendon",   "equality", "actuator", "keyframe", "size"};
+  static const std::set<std::string_view> kMoves{"deformable", "extension"};
   root.expect({"model"},
               {"compiler", "option", "default", "asset", "worldbody", "contact", "equality", "actuator", "keyframe",
                "size", "visual", "statistic", "custom", "extension", "sensor", "tendon", "deformable"});
@@ -85,6 +96,7 @@ Model read_scene(MjcfSource& source, const MjcfOptions& options) {
   reserve_names(root, scene);
   read_world(scene);
   read_contacts(scene);
+  read_tendons(scene);
   read_equalities(scene);
   read_actuators(scene);
   read_keyframes(scene);
@@ -149,7 +161,7 @@ std::vector<MjcfElement> MjcfScene::sections(std::string_view tag) const {
 }
 
 std::vector<MjcfElement> MjcfScene::elements(const MjcfElement& section) const {
-  const std::array<std::pair<const char*, const MjcfNames*>, 10> kinds{{{"body", &body_names},
+  const std::array<std::pair<const char*, const MjcfNames*>, 13> kinds{{{"body", &body_names},
                                                                         {"body1", &body_names},
                                                                         {"body2", &body_names},
                                                                         {"joint", &joint_names},
@@ -158,7 +170,10 @@ std::vector<MjcfElement> MjcfScene::elements(const MjcfElement& section) const {
                                                                         {"jointinparent", &joint_names},
                                                                         {"geom", &geom_names},
                                                                         {"geom1", &geom_names},
-                                                                        {"geom2", &geom_names}}};
+                                                                        {"geom2", &geom_names},
+                                                                        {"tendon", &tendon_names},
+                                                                        {"tendon1", &tendon_names},
+                                                                        {"tendon2", &tendon_names}}};
   const auto is_missing = [&](const MjcfElement& e) {
     const auto names_no = [&](const auto& kind) {
       return e.has_own(kind.first) && !kind.second->contains(e.text(kind.first));
@@ -167,9 +182,12 @@ std::vector<MjcfElement> MjcfScene::elements(const MjcfElement& section) const {
     return std::ranges::any_of(kinds, names_no) ||
            std::ranges::any_of(std::array{"site", "site1", "site2"}, names_no_site);
   };
+  const auto misses_any = [&](const MjcfElement& e) {
+    return is_missing(e) || std::ranges::any_of(e.children(), is_missing);  // what a tendon passes
+  };
   std::vector<MjcfElement> found;
   for (const MjcfElement& element : section.children()) {
-    if (element.model() == 0 || !is_missing(element)) {
+    if (element.model() == 0 || !misses_any(element)) {
       found.push_back(element);
     } else if (root.source().models()[element.model()].is_repeated) {
       element.note_serious(LoadAction::kIgnored, "what acts on parts of a model attached in a <replicate> is left out");

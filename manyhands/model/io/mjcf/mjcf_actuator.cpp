@@ -1,4 +1,4 @@
-// <actuator>: motors, position and velocity servos on joints, however they are written.
+// <actuator>: motors, position and velocity servos on joints and tendons, however they are written.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -7,6 +7,15 @@
 #include "manyhands/model/io/text_numbers.h"
 
 namespace manyhands::io {
+
+bool is_limited(const MjcfScene& scene, const MjcfElement& e, const char* range, const char* limited) {
+  const std::string word = e.word_or(limited, {"true", "false", "auto"}, "auto");
+  if (word == "auto" && e.has(range) && !scene.settings_of(e).autolimits) {
+    e.fail(std::string("it has '") + range + "' but not '" + limited + "', and autolimits is false");
+  }
+  if (word == "true" && !e.has(range)) e.fail(std::string("it is limited but has no '") + range + "'");
+  return word == "true" || (word == "auto" && e.has(range));
+}
 
 namespace {
 
@@ -21,10 +30,10 @@ double first_number(const MjcfElement& e, const char* attribute, double fallback
 }
 
 /// kd of a position servo: kv, or the damping of a ratio to critical (MuJoCo's mj_setConst).
-double damping_of(const MjcfElement& e, const MjcfJoint& joint, double kp, double gear) {
+double damping_of(const MjcfElement& e, double inertia, double kp) {
   if (!e.has("dampratio")) return e.positive_or("kv", 0);
   if (e.has_own("kv")) e.fail("both 'kv' and 'dampratio' are given; expected one");
-  return e.positive_or("dampratio", 1) * 2 * std::sqrt(kp * joint.inertia / (gear * gear));
+  return e.positive_or("dampratio", 1) * 2 * std::sqrt(kp * inertia);
 }
 
 /// The law of a <general>; nothing, with a note, if it is of another kind.
@@ -47,7 +56,8 @@ std::optional<Law> general_law(const MjcfElement& e) {
   return law;
 }
 
-std::optional<Law> law_of(const MjcfElement& e, const MjcfJoint& joint, double gear) {
+/// `inertia`: that which the actuator moves, at its own length.
+std::optional<Law> law_of(const MjcfElement& e, double inertia) {
   const std::string_view tag = e.tag();
   if (tag == "motor") return Law{};
   if (tag == "general") return general_law(e);
@@ -59,36 +69,34 @@ std::optional<Law> law_of(const MjcfElement& e, const MjcfJoint& joint, double g
     e.note_serious(LoadAction::kIgnored, "the filter of 'timeconst' is not used");
   }
   const double kp = e.has("kp") ? e.positive_or("kp", 1) : std::abs(first_number(e, "gainprm", 1));
-  return Law{kp, {0, -kp, -damping_of(e, joint, kp, gear)}};
+  return Law{kp, {0, -kp, -damping_of(e, inertia, kp)}};
 }
 
 /// Writes the law into the actuator; false if none of its types can hold it.
 bool apply(const Law& law, Actuator& actuator) {
   const auto& [b0, b1, b2] = law.bias;
-  if (law.gain == 0 || b0 != 0 || b1 > 0 || b2 > 0) return false;
-  if (b1 == 0 && b2 == 0) {
+  if ((law.gain == 0 && b0 == 0) || b1 > 0 || b2 > 0) return false;
+  if (b0 == 0 && b1 == 0 && b2 == 0) {
     actuator.type = ActuatorType::kForce;
     actuator.gear *= law.gain;
     return true;
   }
-  if (b1 == 0 && b2 == -law.gain) {
-    actuator.type = ActuatorType::kVelocity;
-    actuator.kd = law.gain;
-    return true;
-  }
-  actuator.type = ActuatorType::kPosition;
-  actuator.kp = law.gain;
+  const double k = b1 != 0 ? -b1 : b2 != 0 ? -b2 : 1;
+  actuator.type = b1 != 0 ? ActuatorType::kPosition : b2 != 0 ? ActuatorType::kVelocity : ActuatorType::kForce;
+  actuator.kp = -b1;
   actuator.kd = -b2;
-  return b1 == -law.gain;
+  actuator.ctrl_scale = law.gain / k;
+  actuator.ctrl_offset = b0 / k;
+  return true;
 }
 
-bool is_limited(const MjcfScene& scene, const MjcfElement& e, const char* range, const char* limited) {
-  const std::string word = e.word_or(limited, {"true", "false", "auto"}, "auto");
-  if (word == "auto" && e.has(range) && !scene.settings_of(e).autolimits) {
-    e.fail(std::string("it has '") + range + "' but not '" + limited + "', and autolimits is false");
+std::pair<double, double> limits_of(const MjcfScene& scene, const Actuator& actuator) {
+  if (actuator.tendon.is_valid()) {
+    const Tendon& tendon = scene.builder.tendons()[actuator.tendon.index()];
+    return {tendon.lower, tendon.upper};
   }
-  if (word == "true" && !e.has(range)) e.fail(std::string("it is limited but has no '") + range + "'");
-  return word == "true" || (word == "auto" && e.has(range));
+  const JointLimits& limits = scene.builder.joints()[actuator.joint.index()].limits;
+  return {limits.lower, limits.upper};
 }
 
 void read_ranges(const MjcfScene& scene, const MjcfElement& e, double gear, Actuator& actuator) {
@@ -97,10 +105,10 @@ void read_ranges(const MjcfScene& scene, const MjcfElement& e, double gear, Actu
     if (range[0] > -kMjcfUnlimited) actuator.min_ctrl = range[0];
     if (range[1] < kMjcfUnlimited) actuator.max_ctrl = range[1];
   } else if (e.tag() == "position" && e.number_or("inheritrange", 0) > 0) {
-    const JointLimits& limits = scene.builder.joints()[actuator.joint.index()].limits;
-    if (!is_finite(limits.lower)) e.fail("'inheritrange' needs a joint with a range");
-    const double middle = 0.5 * (limits.lower + limits.upper);
-    const double half = 0.5 * (limits.upper - limits.lower) * e.number_or("inheritrange", 0);
+    const auto [lower, upper] = limits_of(scene, actuator);
+    if (!is_finite(lower)) e.fail("'inheritrange' needs a joint or tendon with a range");
+    const double middle = 0.5 * (lower + upper);
+    const double half = 0.5 * (upper - lower) * e.number_or("inheritrange", 0);
     actuator.min_ctrl = middle - half;
     actuator.max_ctrl = middle + half;
   }
@@ -113,15 +121,55 @@ void read_ranges(const MjcfScene& scene, const MjcfElement& e, double gear, Actu
   }
 }
 
-/// Servos of one joint act as one, whose force is bounded by the sum of their bounds.
+/// What MuJoCo takes for the inertia that a tendon's actuator moves, by which 'dampratio' counts [at its length].
+double inertia_of(const MjcfScene& scene, const MjcfElement& e, const Tendon& tendon) {
+  if (e.has("dampratio") && tendon.joints.empty())
+    e.note_serious(LoadAction::kIgnored, "'dampratio' of a spatial tendon's actuator is not used");
+  double sum = 0;
+  for (const TendonJoint& part : tendon.joints) {
+    const auto joint = std::ranges::find(scene.joints, part.joint, &MjcfJoint::id);
+    sum += joint->inertia / (part.coefficient * part.coefficient);
+  }
+  return sum;
+}
+
+/// What the actuator drives, and the inertia that it moves; nothing, with a note, if that is not read.
+std::optional<double> read_transmission(const MjcfScene& scene, const MjcfElement& e, Actuator& actuator) {
+  const double squared = actuator.gear * actuator.gear;
+  if (e.has("tendon")) {
+    const MjcfTendon& tendon = scene.tendon(e, "tendon");
+    if (!tendon.id) {
+      e.note_serious(LoadAction::kIgnored, "tendon " + in_quotes(tendon.name) + " was left out, and so is it");
+      return std::nullopt;
+    }
+    actuator.tendon = *tendon.id;
+    return inertia_of(scene, e, scene.builder.tendons()[tendon.id->index()]) / squared;
+  }
+  const char* const on = e.has("joint") ? "joint" : "jointinparent";
+  if (!e.has(on)) {
+    e.note_serious(LoadAction::kIgnored, "it does not act on a joint or tendon; it is left out");
+    return std::nullopt;
+  }
+  const MjcfJoint& joint = scene.joint(e, on);
+  if (velocity_size(scene.builder.joints()[joint.id.index()].type) != 1) {
+    e.note_serious(LoadAction::kIgnored,
+                   "joint " + in_quotes(joint.name) + " is no hinge or slide; the actuator is left out");
+    return std::nullopt;
+  }
+  actuator.joint = joint.id;
+  return joint.inertia / squared;
+}
+
+/// Servos of one joint or tendon act as one, whose force is bounded by the sum of their bounds.
 void note_shared_servo(const MjcfScene& scene, const MjcfElement& e, const Actuator& servo) {
   const auto is_servo = [](const Actuator& a) { return a.type != ActuatorType::kForce; };
   if (!is_servo(servo)) return;
   for (const Actuator& other : scene.builder.actuators()) {
-    if (!is_servo(other) || other.joint != servo.joint) continue;
+    if (!is_servo(other) || other.joint != servo.joint || other.tendon != servo.tendon) continue;
     if (!is_finite(servo.max_force) && !is_finite(other.max_force)) continue;
-    return e.note_serious(LoadAction::kRepaired,
-                          "another servo drives its joint, too; their forces are bounded together");
+    return e.note_serious(LoadAction::kRepaired, "another servo drives its " +
+                                                     std::string(servo.tendon.is_valid() ? "tendon" : "joint") +
+                                                     ", too; their forces are bounded together");
   }
 }
 
@@ -132,25 +180,16 @@ int add_actuator(MjcfScene& scene, const MjcfElement& e, const std::string& name
     e.note_serious(LoadAction::kIgnored, "an actuator of kind <" + tag + "> is not read; it is left out");
     return -1;
   }
-  const char* const on = e.has("joint") ? "joint" : "jointinparent";
-  if (!e.has(on)) {
-    e.note_serious(LoadAction::kIgnored, "it does not act on a joint; it is left out");
-    return -1;
-  }
-  const MjcfJoint& joint = scene.joint(e, on);
-  if (velocity_size(scene.builder.joints()[joint.id.index()].type) != 1) {
-    e.note_serious(LoadAction::kIgnored,
-                   "joint " + in_quotes(joint.name) + " is no hinge or slide; the actuator is left out");
-    return -1;
-  }
-  e.expect(
-      {"name",         "class",   "joint",   "jointinparent", "gear",      "ctrlrange",    "ctrllimited", "forcerange",
-       "forcelimited", "kp",      "kv",      "dampratio",     "timeconst", "inheritrange", "gaintype",    "gainprm",
-       "biastype",     "biasprm", "dyntype", "dynprm",        "group"});
   const double gear = first_number(e, "gear", 1);
+  Actuator actuator{.name = name, .gear = gear};
+  const std::optional<double> inertia = read_transmission(scene, e, actuator);
+  if (!inertia) return -1;
   if (gear == 0) e.fail("its gear is 0; expected another number");
-  Actuator actuator{.name = name, .joint = joint.id, .gear = gear};
-  const std::optional<Law> law = law_of(e, joint, gear);
+  e.expect({"name",      "class",       "joint",        "jointinparent", "tendon",  "gear",
+            "ctrlrange", "ctrllimited", "forcerange",   "forcelimited",  "kp",      "kv",
+            "dampratio", "timeconst",   "inheritrange", "gaintype",      "gainprm", "biastype",
+            "biasprm",   "dyntype",     "dynprm",       "group"});
+  const std::optional<Law> law = law_of(e, *inertia);
   if (!law) return -1;
   if (!apply(*law, actuator)) {
     e.note_serious(LoadAction::kIgnored, "its gain and bias are neither a motor's nor a servo's; it is left out");

@@ -1,4 +1,6 @@
-// <equality>: connect, weld and joint as equalities.
+// <equality>: connect, weld, joint and tendon as equalities.
+#include <algorithm>
+
 #include "manyhands/model/io/mjcf/mjcf_scene.h"
 #include "manyhands/model/io/text_numbers.h"
 
@@ -7,13 +9,7 @@ namespace manyhands::io {
 namespace {
 
 void read_sites(const MjcfScene& scene, const MjcfElement& e, EqualityConstraint& equality) {
-  const auto site = [&](const char* attribute) {
-    const std::string name = e.text(attribute);
-    const auto found = scene.sites.find(name);
-    if (found == scene.sites.end()) e.fail("there is no site " + in_quotes(name) + "; expected the name of a <site>");
-    return found->second;
-  };
-  const MjcfSite a = site("site1"), b = site("site2");
+  const MjcfSite &a = scene.site(e, "site1"), &b = scene.site(e, "site2");
   equality.link_a = a.link;
   equality.link_b = b.link;
   equality.X_LA = a.X_LS;
@@ -53,7 +49,7 @@ void read_weld(const MjcfScene& scene, const MjcfElement& e, EqualityConstraint&
 }
 
 /// q1 - q1_0 = a0 + a1 (q2 - q2_0) + ...; false if it cannot be an equality constraint, which is noted.
-bool read_joints(const MjcfScene& scene, const MjcfElement& e, EqualityConstraint& equality) {
+bool read_coupled_joints(const MjcfScene& scene, const MjcfElement& e, EqualityConstraint& equality) {
   equality.type = EqualityType::kJoint;
   const MjcfJoint& driven = scene.joint(e, "joint1");
   if (!e.has("joint2")) {
@@ -78,15 +74,37 @@ bool read_joints(const MjcfScene& scene, const MjcfElement& e, EqualityConstrain
   return true;
 }
 
+/// length1 - length1_0 = a0 + a1 (length2 - length2_0) + ...; false if a tendon was left out, which is noted.
+bool read_coupled_tendons(const MjcfScene& scene, const MjcfElement& e, EqualityConstraint& equality) {
+  equality.type = EqualityType::kTendon;
+  const MjcfTendon& driven = scene.tendon(e, "tendon1");
+  const MjcfTendon* const driver = e.has("tendon2") ? &scene.tendon(e, "tendon2") : nullptr;
+  if (!driven.id || (driver != nullptr && !driver->id)) {
+    e.note_serious(LoadAction::kIgnored, "a tendon of it was left out, and so is it");
+    return false;
+  }
+  const std::vector<double> c = e.numbers("polycoef", 1, 5);
+  std::ranges::copy(c, equality.polynomial.begin());
+  equality.tendon_b = *driven.id;
+  equality.reference_b = driven.length;
+  if (driver == nullptr) {
+    equality.polynomial = {equality.polynomial[0], 0, 0, 0, 0};
+    return true;
+  }
+  equality.tendon_a = *driver->id;
+  equality.reference_a = driver->length;
+  return true;
+}
+
 void read_equality(MjcfScene& scene, const MjcfElement& element) {
   const std::string kind(element.tag());
-  if (kind != "connect" && kind != "weld" && kind != "joint") return;
+  if (kind != "connect" && kind != "weld" && kind != "joint" && kind != "tendon") return;
   const std::string given = element.text_or("name", "");
   const std::string name = given.empty() ? kind + "_" + std::to_string(scene.num_equalities) : given;
   ++scene.num_equalities;
   const MjcfElement e = element.named("equality " + in_quotes(name)).with_defaults(scene.classes, "equality");
   e.expect({"name", "class", "active", "body1", "body2", "anchor", "site1", "site2", "relpose", "torquescale", "joint1",
-            "joint2", "polycoef", "solref", "solimp"});
+            "joint2", "tendon1", "tendon2", "polycoef", "solref", "solimp"});
   e.ignore({"solref", "solimp", "torquescale"});
   if (!e.boolean_or("active", true)) {
     e.note(LoadAction::kIgnored, "it is not active, and left out");
@@ -95,7 +113,8 @@ void read_equality(MjcfScene& scene, const MjcfElement& element) {
   EqualityConstraint equality{.name = name};
   if (kind == "connect") read_connect(scene, e, equality);
   if (kind == "weld") read_weld(scene, e, equality);
-  if (kind == "joint" && !read_joints(scene, e, equality)) return;
+  if (kind == "joint" && !read_coupled_joints(scene, e, equality)) return;
+  if (kind == "tendon" && !read_coupled_tendons(scene, e, equality)) return;
   checked(e, [&] { scene.builder.add_equality(equality); });
 }
 
@@ -104,7 +123,7 @@ void read_equality(MjcfScene& scene, const MjcfElement& element) {
 void read_equalities(MjcfScene& scene) {
   if (!scene.settings.flags.equality) return;
   for (const MjcfElement& section : scene.sections("equality")) {
-    section.named("equality").expect({}, {"connect", "weld", "joint"});
+    section.named("equality").expect({}, {"connect", "weld", "joint", "tendon"});
     for (const MjcfElement& element : scene.elements(section)) read_equality(scene, element);
   }
 }

@@ -13,6 +13,15 @@ void apply_flags(MjcfScene& scene) {
     if (!flags.friction_loss) joint.friction = 0;
     if (!flags.limit) joint.limits = {.effort = joint.limits.effort, .velocity = joint.limits.velocity};
   }
+  for (std::size_t i = 0; i < builder.tendons().size(); ++i) {
+    Tendon& tendon = builder.tendon(TendonId(i));
+    if (!flags.spring) tendon.stiffness = 0;
+    if (!flags.damper) tendon.damping = 0;
+    if (!flags.friction_loss) tendon.friction = 0;
+    if (flags.limit) continue;
+    tendon.lower = -std::numeric_limits<double>::infinity();
+    tendon.upper = std::numeric_limits<double>::infinity();
+  }
   const bool has_passive = flags.spring || flags.damper;  // MuJoCo's gravcomp goes with the last of them
   for (std::size_t i = 0; i < builder.links().size() && !has_passive; ++i) {
     builder.link(LinkId(i)).gravity_compensation = 0;

@@ -8,6 +8,18 @@
 
 namespace manyhands::io {
 
+double linear_part(const MjcfElement& e, const char* attribute) {
+  if (!e.has(attribute)) return 0;
+  const std::vector<double> values = e.numbers(attribute, 1, 3);
+  if (std::ranges::any_of(values.begin() + 1, values.end(), [](double x) { return x != 0; })) {
+    e.note_serious(LoadAction::kIgnored, std::string("the nonlinear part of '") + attribute + "' is not used");
+  }
+  if (values[0] >= 0) return values[0];
+  e.note_serious(LoadAction::kRepaired,
+                 std::string(attribute) + " " + format_number(values[0]) + " is negative; 0 taken");
+  return 0;
+}
+
 namespace {
 
 struct Read {
@@ -57,19 +69,6 @@ void read_effort(const MjcfElement& e, Joint& joint) {
     e.note(LoadAction::kRepaired, "'actuatorfrcrange' is not symmetric; an effort of " +
                                       format_number(joint.limits.effort) + " both ways taken");
   }
-}
-
-/// A coefficient that recent files may give as a polynomial, of which the linear part counts.
-double linear_part(const MjcfElement& e, const char* attribute) {
-  if (!e.has(attribute)) return 0;
-  const std::vector<double> values = e.numbers(attribute, 1, 3);
-  if (std::ranges::any_of(values.begin() + 1, values.end(), [](double x) { return x != 0; })) {
-    e.note_serious(LoadAction::kIgnored, std::string("the nonlinear part of '") + attribute + "' is not used");
-  }
-  if (values[0] >= 0) return values[0];
-  e.note_serious(LoadAction::kRepaired,
-                 std::string(attribute) + " " + format_number(values[0]) + " is negative; 0 taken");
-  return 0;
 }
 
 Read read_joint(const MjcfScene& scene, const MjcfElement& e, const Transform<double>& X_BF) {

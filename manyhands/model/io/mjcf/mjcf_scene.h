@@ -50,6 +50,12 @@ struct MjcfSite {
   Transform<double> X_LS;
 };
 
+struct MjcfTendon {
+  std::string name;
+  std::optional<TendonId> id{};  ///< none for what was left out
+  double length = 0;             ///< at qpos0
+};
+
 /// Indices by name; a name comes once.
 using MjcfNames = std::map<std::string, int, std::less<>>;
 
@@ -67,7 +73,8 @@ struct MjcfScene {
   std::vector<MjcfJoint> joints;
   std::vector<MjcfGeom> geoms;
   std::map<std::string, MjcfSite, std::less<>> sites;
-  MjcfNames body_names, joint_names, geom_names;
+  std::vector<MjcfTendon> tendons;
+  MjcfNames body_names, joint_names, geom_names, tendon_names;
   std::set<std::string, std::less<>> reserved;         ///< every name in the file: what is named here must differ
   std::set<std::string, std::less<>> declared_bodies;  ///< the names of bodies among them
   std::size_t num_sites = 0, num_equalities = 0;
@@ -87,6 +94,8 @@ struct MjcfScene {
   [[nodiscard]] const MjcfBody& body(const MjcfElement& user, const char* attribute) const;
   [[nodiscard]] const MjcfJoint& joint(const MjcfElement& user, const char* attribute) const;
   [[nodiscard]] std::size_t geom(const MjcfElement& user, const char* attribute) const;
+  [[nodiscard]] const MjcfSite& site(const MjcfElement& user, const char* attribute) const;
+  [[nodiscard]] const MjcfTendon& tendon(const MjcfElement& user, const char* attribute) const;
 };
 
 /// The name of an element, or kind_index, which is lengthened until nothing in the file bears it; fails if it is taken.
@@ -106,6 +115,7 @@ auto checked(const MjcfElement& element, Make make) {
 // The readers, in the order in which they run.
 void read_world(MjcfScene& scene);     ///< bodies, joints, geoms, sites
 void read_contacts(MjcfScene& scene);  ///< filters, pairs, exclusions and rules
+void read_tendons(MjcfScene& scene);
 void read_equalities(MjcfScene& scene);
 void read_actuators(MjcfScene& scene);
 void read_keyframes(MjcfScene& scene);
@@ -131,6 +141,10 @@ struct MjcfPlaced {
 /// Adds the joints between a parent link and a new body; returns the body's link.
 [[nodiscard]] LinkId add_joints(MjcfScene& scene, MjcfBody& body, LinkId parent, const Transform<double>& X_PB,
                                 const std::vector<MjcfPlaced>& joints);
+/// A coefficient that recent files may give as a polynomial, of which the linear part counts.
+[[nodiscard]] double linear_part(const MjcfElement& e, const char* attribute);
+/// Whether it has the range: by `limited`, or on its own where autolimits is true.
+[[nodiscard]] bool is_limited(const MjcfScene& scene, const MjcfElement& e, const char* range, const char* limited);
 /// condim: 1, 3, 4 or 6.
 [[nodiscard]] int read_condim(const MjcfElement& element, int fallback);
 /// The frictions (sliding, spinning, rolling) of which contacts of so many dimensions know.

@@ -33,6 +33,8 @@ class EqualityWriter {
       case EqualityType::kGear:
         writer_.notes.loss(LoadAction::kRepaired, what, "a gear, which couples velocities, becomes a joint equality");
         return write_joint(e);
+      case EqualityType::kTendon:
+        return write_tendon(e);
       case EqualityType::kPrismatic:
       case EqualityType::kSlider:
         return writer_.notes.loss(LoadAction::kIgnored, what, "a slider between two bodies of a loop is left out");
@@ -46,27 +48,9 @@ class EqualityWriter {
     return node;
   }
 
-  [[nodiscard]] const MjcfPlace& place_of(LinkId link) const {
-    return writer_.bodies.at(writer_.carried_by[link.index()]);
-  }
-
-  /// A site there is at X, or one of the equality's own: readers take its pose as it is.
-  std::string add_site(LinkId link, const Pose& X, const std::string& wanted) {
-    for (const int i : writer_.frames_of[link.index()]) {
-      const Frame& frame = writer_.model.frames()[static_cast<std::size_t>(i)];
-      if (same(frame.X_LF.p, X.p) && same(frame.X_LF.R, X.R)) return frame.name;
-    }
-    const std::string name = writer_.names.claim("site", wanted, "site", writer_.notes);
-    pugi::xml_node body = place_of(link).node;
-    pugi::xml_node site = body.append_child("site");
-    set(site, "name", name);
-    write_pose(site, X);
-    return name;
-  }
-
   /// By one anchor, if readers find the other point where it is: by the poses at the start.
   void write_point(const EqualityConstraint& e) {
-    const Vec3<double> p_B = inverse(place_of(e.link_b).X_WB) * (place_of(e.link_a).X_WB * e.X_LA.p);
+    const Vec3<double> p_B = inverse(writer_.place_of(e.link_b).X_WB) * (writer_.place_of(e.link_a).X_WB * e.X_LA.p);
     const bool is_turned = !same(e.X_LA.R, Mat3<double>::identity()) || !same(e.X_LB.R, Mat3<double>::identity());
     if (is_turned || !same(p_B, e.X_LB.p)) return write_poses("connect", e, e.name, e.X_LA, e.X_LB);
     pugi::xml_node node = add("connect", e.name);
@@ -79,8 +63,8 @@ class EqualityWriter {
                    const Pose& X_LB) {
     pugi::xml_node node = add(kind, name);
     const std::string stem = node.attribute("name").value();
-    set(node, "site1", add_site(e.link_a, X_LA, stem + "_a"));
-    set(node, "site2", add_site(e.link_b, X_LB, stem + "_b"));
+    set(node, "site1", site_at(writer_, e.link_a, X_LA, stem + "_a"));
+    set(node, "site2", site_at(writer_, e.link_b, X_LB, stem + "_b"));
   }
 
   /// Two points on the axis.
@@ -120,6 +104,31 @@ class EqualityWriter {
     set(node, "polycoef", std::array{offset, e.ratio, 0.0, 0.0, 0.0});
   }
 
+  /// MuJoCo counts both tendons from their lengths at the start.
+  void write_tendon(const EqualityConstraint& e) {
+    pugi::xml_node node = add("tendon", e.name);
+    const Tendon& b = writer_.model.tendons()[e.tendon_b.index()];
+    set(node, "tendon1", b.name);
+    std::array<double, 5> c = e.polynomial;
+    if (e.tendon_a.is_valid()) {
+      const Tendon& a = writer_.model.tendons()[e.tendon_a.index()];
+      set(node, "tendon2", a.name);
+      shift(beyond_rounding(length_at_start(writer_, a), e.reference_a), c);
+    }
+    c[0] -= beyond_rounding(length_at_start(writer_, b), e.reference_b);
+    set(node, "polycoef", c);
+  }
+
+  /// a - b, or 0 where that is rounding.
+  static double beyond_rounding(double a, double b) { return std::abs(a - b) < 1e-12 * (1 + std::abs(a)) ? 0 : a - b; }
+
+  /// The polynomial of x + d.
+  static void shift(double d, std::array<double, 5>& c) {
+    for (std::size_t i = 0; i + 1 < c.size(); ++i) {
+      for (std::size_t k = c.size() - 1; k-- > i;) c[k] += d * c[k + 1];
+    }
+  }
+
   MjcfWriter& writer_;
   pugi::xml_node section_;
 };
@@ -130,15 +139,35 @@ bool is_written(const MjcfWriter& writer, const EqualityConstraint& e) {
   return has_name(e.joint_a) && has_name(e.joint_b) && has_body(e.link_a) && has_body(e.link_b);
 }
 
+/// The law of an actuator whose command is scaled: gain ctrl + bias.
+void write_law(pugi::xml_node node, const Actuator& actuator) {
+  const bool is_position = actuator.type == ActuatorType::kPosition;
+  const double k = actuator.type == ActuatorType::kForce ? 1 : is_position ? actuator.kp : actuator.kd;
+  const auto read = [&](double x) { return x / k; };
+  set(node, "gainprm", number_for(k * actuator.ctrl_scale, actuator.ctrl_scale, read, 1 / k));
+  set(node, "biastype", "affine");
+  const double offset = number_for(k * actuator.ctrl_offset, actuator.ctrl_offset, read, 1 / k);
+  set(node, "biasprm", std::array{offset, is_position ? -actuator.kp : 0.0, -actuator.kd});
+}
+
 void write_actuator(MjcfWriter& writer, pugi::xml_node section, const Actuator& actuator) {
   const bool is_force = actuator.type == ActuatorType::kForce, is_velocity = actuator.type == ActuatorType::kVelocity;
-  pugi::xml_node node = section.append_child(is_force ? "motor" : is_velocity ? "velocity" : "position");
+  const bool is_general = actuator.ctrl_scale != 1 || actuator.ctrl_offset != 0;
+  pugi::xml_node node = section.append_child(is_general    ? "general"
+                                             : is_force    ? "motor"
+                                             : is_velocity ? "velocity"
+                                                           : "position");
   const std::string name = writer.names.claim("actuator", actuator.name, "actuator", writer.notes);
   set(node, "name", name);
-  set(node, "joint", writer.model.joint(actuator.joint).name);
+  if (actuator.tendon.is_valid()) {
+    set(node, "tendon", writer.model.tendons()[actuator.tendon.index()].name);
+  } else {
+    set(node, "joint", writer.model.joint(actuator.joint).name);
+  }
   set_unless(node, "gear", actuator.gear, 1);
-  if (actuator.type == ActuatorType::kPosition) set(node, "kp", actuator.kp);
-  if (!is_force) set(node, "kv", actuator.kd);
+  if (is_general) write_law(node, actuator);
+  if (!is_general && actuator.type == ActuatorType::kPosition) set(node, "kp", actuator.kp);
+  if (!is_general && !is_force) set(node, "kv", actuator.kd);
   const double gain = is_force ? 1 : is_velocity ? actuator.kd : actuator.kp;
   if (gain == 0)
     writer.notes.loss(LoadAction::kRepaired, part("actuator", name), "its gain is 0, which readers leave out");
@@ -208,7 +237,8 @@ void write_actuators(MjcfWriter& writer) {
   if (writer.model.actuators().empty()) return;
   pugi::xml_node section = writer.root.append_child("actuator");
   for (const Actuator& actuator : writer.model.actuators()) {
-    if (!writer.model.joint(actuator.joint).name.empty()) write_actuator(writer, section, actuator);
+    if (!actuator.joint.is_valid() || !writer.model.joint(actuator.joint).name.empty())
+      write_actuator(writer, section, actuator);
   }
 }
 

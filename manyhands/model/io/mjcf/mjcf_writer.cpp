@@ -29,6 +29,35 @@ void write_pose(pugi::xml_node node, const Vec3<double>& p, const Quat<double>& 
 
 void write_pose(pugi::xml_node node, const Transform<double>& X) { write_pose(node, X.p, quat_for(X.R)); }
 
+namespace {
+
+template <class Lies>
+std::string find_or_add_site(MjcfWriter& writer, LinkId link, const Transform<double>& X, const std::string& wanted,
+                             Lies lies) {
+  for (const int i : writer.frames_of[link.index()]) {
+    const Frame& frame = writer.model.frames()[static_cast<std::size_t>(i)];
+    if (lies(frame.X_LF)) return frame.name;
+  }
+  const std::string name = writer.names.claim("site", wanted, "site", writer.notes);
+  pugi::xml_node body = writer.place_of(link).node;
+  pugi::xml_node site = body.append_child("site");
+  set(site, "name", name);
+  write_pose(site, X);
+  return name;
+}
+
+}  // namespace
+
+std::string site_at(MjcfWriter& writer, LinkId link, const Transform<double>& X, const std::string& wanted) {
+  return find_or_add_site(writer, link, X, wanted,
+                          [&](const Transform<double>& X_LF) { return same(X_LF.p, X.p) && same(X_LF.R, X.R); });
+}
+
+std::string site_at(MjcfWriter& writer, LinkId link, const Vec3<double>& p, const std::string& wanted) {
+  return find_or_add_site(writer, link, {Mat3<double>::identity(), p}, wanted,
+                          [&](const Transform<double>& X_LF) { return same(X_LF.p, p); });
+}
+
 void write_settings(MjcfWriter& writer) {
   const Model& model = writer.model;
   require_text(model.name());
@@ -58,6 +87,7 @@ SavedText saved(const Model& model, const std::string& file, AssetFiles* files, 
   choose_filters(writer);
   write_world(writer);
   write_contacts(writer);
+  write_tendons(writer);
   write_equalities(writer);
   write_actuators(writer);
   write_keyframes(writer);

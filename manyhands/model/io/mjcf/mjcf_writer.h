@@ -35,6 +35,7 @@ struct MjcfWriter {
   std::map<std::string, std::string> textures, materials;  ///< by all that they say
   std::vector<std::vector<int>> frames_of;                 ///< by link: the frames that are written on it
 
+  [[nodiscard]] const MjcfPlace& place_of(LinkId link) const { return bodies.at(carried_by[link.index()]); }
   /// The name of a link's body.
   [[nodiscard]] const std::string& body(LinkId link) const { return model.link(carried_by[link.index()]).name; }
 };
@@ -44,6 +45,7 @@ void write_settings(MjcfWriter& writer);
 void choose_filters(MjcfWriter& writer);
 void write_world(MjcfWriter& writer);
 void write_contacts(MjcfWriter& writer);
+void write_tendons(MjcfWriter& writer);
 void write_equalities(MjcfWriter& writer);
 void write_actuators(MjcfWriter& writer);
 void write_keyframes(MjcfWriter& writer);
@@ -51,6 +53,12 @@ void write_keyframes(MjcfWriter& writer);
 /// pos and quat, where they are not those of no pose at all.
 void write_pose(pugi::xml_node node, const Vec3<double>& p, const Quat<double>& q);
 void write_pose(pugi::xml_node node, const Transform<double>& X);
+/// The name of a site on the link at X, or one that is turned otherwise at p: one that is written, or a new one.
+[[nodiscard]] std::string site_at(MjcfWriter& writer, LinkId link, const Transform<double>& X,
+                                  const std::string& wanted);
+[[nodiscard]] std::string site_at(MjcfWriter& writer, LinkId link, const Vec3<double>& p, const std::string& wanted);
+/// Where its readers find the length of a tendon at the start.
+[[nodiscard]] double length_at_start(const MjcfWriter& writer, const Tendon& tendon);
 /// wxyz: the only place where MJCF's order is made.
 [[nodiscard]] std::array<double, 4> wxyz(const Quat<double>& q);
 

@@ -255,6 +255,8 @@ class UrdfWriter {
     const auto left_out = [&](std::size_t count, const char* what) {
       if (count > 0) notes_.left_out("robot", std::to_string(count) + " " + what + " left out: URDF has none");
     };
+    for (const Tendon& tendon : model_.tendons())
+      notes_.loss(LoadAction::kIgnored, part("tendon", tendon.name), "it is left out");
     for (const Actuator& actuator : model_.actuators()) {
       if (!actuator.name.empty()) notes_.loss(LoadAction::kIgnored, part("actuator", actuator.name), "it is left out");
     }

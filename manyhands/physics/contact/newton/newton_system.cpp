@@ -124,7 +124,7 @@ void NewtonSystem::make_room(const NewtonContext& context) {
   small_.reset(static_cast<int>(most));
 }
 
-/// Trees in the order of minimum degree, each from its leaves: within a tree that fills nothing in.
+/// Trees in the order of minimum degree, each from its leaves: within M's pattern that fills nothing in.
 void NewtonSystem::find_columns(const Tree<double>& tree) {
   node_.assign(takes_part_.size(), -1);
   trees_.clear();
@@ -152,7 +152,7 @@ void NewtonSystem::find_columns(const Tree<double>& tree) {
 void NewtonSystem::find_pattern(const Tree<double>& tree) {
   entries_.clear();
   for (const std::size_t i : dofs_) {
-    for (int j = static_cast<int>(i); j >= 0; j = tree.dof_parent[index(j)])
+    for (int j = static_cast<int>(i); j >= 0; j = tree.M_parent[index(j)])
       entries_.push_back({column_[i], column_[index(j)]});
   }
   pairs_.clear();
@@ -181,16 +181,29 @@ void NewtonSystem::take_back(const NewtonContext& context) const {
   for (PointImpulse<double>& torsion : context.iterate.torsions) torsion.impulse = *kept++;
 }
 
+/// M with the penalties of held tendons.
+const double* NewtonSystem::inertia(const NewtonContext& context) {
+  const Tree<double>& tree = context.tree();
+  const double* const M = context.problem.M();
+  if (tree.lengths.empty()) return M;
+  M_.assign(M, M + tree.M_size);
+  for (std::size_t k = 0; k < tree.lengths.size(); ++k)
+    add_length_square(tree, *context.problem.dynamics, k, context.factors.penalty[index(tree.nv) + k], M_.data(),
+                      [](std::size_t) { return 1.0; });
+  return M_.data();
+}
+
 void NewtonSystem::assemble(const NewtonContext& context) {
   const Tree<double>& tree = context.tree();
   const ContactProblem<double>& problem = context.problem;
   const std::span<double> H = H_.values();
   std::fill(H.begin(), H.end(), 0.0);
   auto slot = slots_.begin();
+  const double* const M = inertia(context);
   for (const std::size_t i : dofs_) {
-    const double* row = context.problem.M() + tree.M_row[i];
+    const double* row = M + tree.M_row[i];
     H[*slot++] = row[i] + context.factors.penalty[i];
-    for (int j = tree.dof_parent[i]; j >= 0; j = tree.dof_parent[index(j)]) H[*slot++] = row[j];
+    for (int j = tree.M_parent[i]; j >= 0; j = tree.M_parent[index(j)]) H[*slot++] = row[j];
   }
   for (std::size_t k = 0; k < laws_.patches.size(); ++k) {
     if (!laws_.presses(k)) continue;
@@ -268,6 +281,11 @@ void NewtonSystem::multiply_M(const NewtonContext& context, const std::vector<do
   y.resize(x.size());
   multiply_tree_matrix<double>(context.tree(), context.problem.M(), x.data(), y.data());
   for (const std::size_t i : dofs_) y[i] += context.factors.penalty[i] * x[i];
+  for (std::size_t k = 0; k < context.tree().lengths.size(); ++k) {
+    const Workspace<double>& ws = *context.problem.dynamics;
+    const double pull = context.factors.penalty[x.size() + k] * along_length(context.tree(), ws, k, x.data());
+    add_along_length(context.tree(), ws, k, pull, y.data());
+  }
 }
 
 /// J^T (impulses - present ones) - (M + penalty) (x + t step); its norm.
@@ -298,7 +316,7 @@ double NewtonSystem::search_line(const NewtonContext& context, double before, do
 }
 
 int NewtonSystem::outer_step(const NewtonContext& context, double softness, int most_factorisations) {
-  const std::size_t nv = context.iterate.dv.size();
+  const std::size_t nv = index(context.tree().nv);
   laws_.begin(context, softness, velocities_);
   laws_.multiply_J(context, context.iterate.dv.data(), step_velocities_);
   for (Vec& u : step_velocities_.equalities) u = Vec::zero();  // they hold, but for what the step changes

@@ -10,7 +10,7 @@
 
 namespace manyhands::internal {
 
-/// Newton's method on H x = J^T (impulses(J (dv + x)) - impulses(J dv)), where H = M + diag(penalty) of the dofs in
+/// Newton's method on H x = J^T (impulses(J (dv + x)) - impulses(J dv)), where H = M + penalties of the dofs in
 /// trees whose contacts have not converged, and impulses follow the laws of newton_laws.h.
 class NewtonSystem {
  public:
@@ -40,6 +40,7 @@ class NewtonSystem {
   void find_columns(const Tree<double>& tree);
   void find_pattern(const Tree<double>& tree);
   std::size_t pair_of(const RowBlock& rows);
+  const double* inertia(const NewtonContext& context);
   void assemble(const NewtonContext& context);
   bool solve(const NewtonContext& context);
   void follow_normals(const NewtonContext& context);
@@ -81,6 +82,7 @@ class NewtonSystem {
 
   std::vector<double> kept_dv_;
   std::vector<Vec3<double>> kept_impulses_;
+  std::vector<double> M_;  ///< with the penalties of held tendons
 };
 
 }  // namespace manyhands::internal

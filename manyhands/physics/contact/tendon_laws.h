@@ -1,0 +1,106 @@
+// What tendons ask for: springs, dampers and armature join M and the smooth impulse; limits, dry friction, drives and
+// equations between tendons are laws like those of joints, at J v.
+#pragma once
+
+#include "manyhands/physics/contact/joint_law_table.h"
+#include "manyhands/physics/dynamics/lengths.h"
+#include "manyhands/physics/dynamics/ltdl.h"
+#include "manyhands/physics/dynamics/params.h"
+
+namespace manyhands::internal {
+
+/// Springs, dampers and armature, implicit as those of joints: M += J^T (armature + h damping + h^2 stiffness / 4) J.
+/// After `place_lengths`.
+template <Number T, Number P>
+MANYHANDS_INLINE void assemble_tendon_forces(const Tree<real_t<T>>& tree, const Params<P>& params, real_t<T> h,
+                                             Workspace<T>& ws, JointLaws<T>& laws) {
+  const T step(h), quarter(real_t<T>(0.25) * h * h), zero = constant<T>(0), one = constant<T>(1);
+  const auto add = [&](std::size_t k, T mass, T force) {
+    if (none(mass > zero)) return;
+    add_along_length(tree, ws, k, step * force, laws.smooth.data());
+    add_length_square(tree, ws, k, mass, ws.M.data(), [&](std::size_t) { return one; });
+  };
+  for (std::size_t k = 0; k < params.tendon_damping.size(); ++k) {
+    const T damping = broadcast<T>(params.tendon_damping[k]), armature = broadcast<T>(params.tendon_armature[k]);
+    add(k, fma(step, damping, armature), -fma(damping, ws.length_rate[k], armature * ws.length_bend[k]));
+  }
+  visit_tendon_springs(
+      params, ws, [&](std::size_t k, T stiffness, T stretch) { add(k, quarter * stiffness, -stiffness * stretch); });
+}
+
+/// The inertia that each length meets while every other dof stands still, once M is whole.
+template <Number T>
+MANYHANDS_INLINE void find_length_inertia(const Tree<real_t<T>>& tree, Workspace<T>& ws) {
+  const T tiny = constant<T>(SolverTraits<real_t<T>>::kSmallest), zero = constant<T>(0), one = constant<T>(1);
+  for (std::size_t k = 0; k < tree.lengths.size(); ++k) {
+    const TreeLength<real_t<T>>& length = tree.lengths[k];
+    T mobility = zero;
+    for (std::size_t i = 0; i < length.dofs.size(); ++i) {
+      const auto dof = static_cast<std::size_t>(length.dofs[i]);
+      const T J = ws.length_J[length.J + i];
+      mobility = fma(J, J / tree_row(tree, ws.M.data(), dof)[dof], mobility);
+    }
+    const auto moves = mobility > tiny;
+    ws.length_inertia[k] = select(moves, one / select(moves, mobility, one), zero);
+  }
+}
+
+/// Where the search for a length's state begins: held where it shall be, or at a limit that it passes.
+template <Number T>
+MANYHANDS_INLINE T first_length_state(const JointLaws<T>& laws, std::size_t i) {
+  using S = JointConstraintState;
+  const T zero = constant<T>(0);
+  const auto below = laws.lower[i] > zero, above = laws.upper[i] < zero;
+  const T free = select(laws.max_impulse[i] > zero, constant<T>(S::kAtTarget), constant<T>(S::kSaturatedUp));
+  return select(below, constant<T>(S::kAtLower), select(above, constant<T>(S::kAtUpper), free));
+}
+
+/// Before the actuators.
+template <Number T, Number P>
+MANYHANDS_INLINE void begin_tendon_drives(const Tree<real_t<T>>& tree, const Params<P>& params, real_t<T> h,
+                                          JointLaws<T>& laws) {
+  for (std::size_t k = 0; k < params.tendon_friction.size(); ++k) {
+    const std::size_t i = index(tree.nv) + k;
+    if (tree.dof_drive[i] >= 0) begin_drive(T(h) * broadcast<T>(params.tendon_friction[k]), i, laws);
+  }
+}
+
+/// The laws of all lengths, behind those of the dofs. After the actuators.
+template <Number T, Number P>
+MANYHANDS_INLINE void assemble_length_laws(const Tree<real_t<T>>& tree, const Params<P>& params, real_t<T> h,
+                                           const Workspace<T>& ws, JointLaws<T>& laws) {
+  const T step(h), inverse_h(real_t<T>(1) / h), half_h(real_t<T>(0.5) * h), zero = constant<T>(0);
+  const T infinity = constant<T>(std::numeric_limits<double>::infinity());
+  const T most = constant<T>(contact_settings::kMaxImpulse), fastest = constant<T>(contact_settings::kMaxClosing);
+  for (std::size_t k = 0; k < tree.lengths.size(); ++k) {
+    const std::size_t i = static_cast<std::size_t>(tree.nv) + k;
+    const T rate = ws.length_rate[k], drift = rate + bounded_arc(half_h * ws.length_bend[k]);
+    laws.lower[i] = -infinity;
+    laws.upper[i] = infinity;
+    if (tree.lengths[k].type == LengthType::kCoupling) {
+      laws.max_impulse[i] = min(step * T(tree.lengths[k].max_force), most);
+      aim_at(-drift - clamp(inverse_h * ws.length[k], -fastest, fastest), i, laws);
+    } else {
+      const T lower = broadcast<T>(params.tendon_lower[k]), upper = broadcast<T>(params.tendon_upper[k]);
+      laws.lower[i] = limit_velocity(lower - ws.length[k], inverse_h) - drift;
+      laws.upper[i] = -limit_velocity(ws.length[k] - upper, inverse_h) - drift;
+      if (tree.dof_drive[i] >= 0) {
+        aim_drive(rate, i, laws);
+      } else {
+        const T friction = step * broadcast<T>(params.tendon_friction[k]);
+        laws.max_impulse[i] = friction;
+        aim_at(select(friction > zero, -rate, infinity), i, laws);
+      }
+    }
+    laws.constrained[i] = constant<T>(1);
+    laws.last_impulse[i] = laws.smooth[i] = zero;
+    for (std::size_t j = 0; j < tree.lengths[k].dofs.size(); ++j) {
+      const auto dof = static_cast<std::size_t>(tree.lengths[k].dofs[j]);
+      laws.smooth[i] = fma(abs(ws.length_J[tree.lengths[k].J + j]), abs(laws.smooth[dof]), laws.smooth[i]);
+    }
+    const T first = first_length_state(laws, i);
+    laws.first_state[i] = tree.dof_drive[i] >= 0 ? first_drive_state(first, zero, i, laws) : first;
+  }
+}
+
+}  // namespace manyhands::internal

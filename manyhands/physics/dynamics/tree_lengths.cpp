@@ -1,0 +1,122 @@
+#include "manyhands/physics/dynamics/tree_lengths.h"
+
+#include <algorithm>
+
+#include "manyhands/base/index.h"
+
+namespace manyhands {
+
+namespace {
+
+/// The dofs that move the body, leaves first.
+template <Real R>
+std::vector<int> path_of(const Tree<R>& tree, std::size_t body) {
+  std::vector<int> path;
+  for (int i = tree.last_dof[body]; i >= 0; i = tree.dof_parent[index(i)]) path.push_back(i);
+  return path;
+}
+
+void sort_once(std::vector<int>& dofs) {
+  std::ranges::sort(dofs);
+  dofs.erase(std::ranges::unique(dofs).begin(), dofs.end());
+}
+
+/// The place of a dof among others; -1 if it is none of them.
+int place_in(const std::vector<int>& dofs, int dof) {
+  const auto found = std::ranges::lower_bound(dofs, dof);
+  return found != dofs.end() && *found == dof ? static_cast<int>(found - dofs.begin()) : -1;
+}
+
+template <Real R>
+TreeLength<R> joint_length(const Model& model, const Tendon& tendon) {
+  TreeLength<R> length{.type = LengthType::kJoints};
+  for (const TendonJoint& part : tendon.joints) length.dofs.push_back(model.joint(part.joint).iv);
+  sort_once(length.dofs);
+  length.q.resize(length.dofs.size());
+  length.weights.resize(length.dofs.size());
+  for (const TendonJoint& part : tendon.joints) {
+    const Joint& joint = model.joint(part.joint);
+    const std::size_t k = index(place_in(length.dofs, joint.iv));
+    length.q[k] = joint.iq;
+    length.weights[k] += static_cast<R>(part.coefficient);
+  }
+  return length;
+}
+
+/// What moves both ends alike does nothing to a segment.
+template <Real R>
+void add_levers(const Tree<R>& tree, TreeSegment<R>& segment) {
+  const std::vector<int> a = path_of(tree, segment.body_a), b = path_of(tree, segment.body_b);
+  const auto add = [&](const std::vector<int>& own, const std::vector<int>& others, R sign) {
+    for (const int i : own) {
+      if (std::ranges::find(others, i) == others.end()) segment.levers.push_back({.dof = index(i), .sign = sign});
+    }
+  };
+  add(a, b, R(-1));
+  add(b, a, R(1));
+}
+
+template <Real R>
+TreeLength<R> path_length(const Model& model, const Tree<R>& tree, const Tendon& tendon) {
+  TreeLength<R> length{.type = LengthType::kPath};
+  for (const TendonBranch& branch : tendon.branches) {
+    for (std::size_t k = 1; k < branch.points.size(); ++k) {
+      const TendonPoint &from = branch.points[k - 1], &to = branch.points[k];
+      const Link &a = model.link(from.link), &b = model.link(to.link);
+      TreeSegment<R> segment{.body_a = a.body.index(),
+                             .body_b = b.body.index(),
+                             .p_A = broadcast<R>(a.X_BL * from.p_L),
+                             .p_B = broadcast<R>(b.X_BL * to.p_L),
+                             .share = static_cast<R>(1 / branch.divisor)};
+      add_levers(tree, segment);
+      for (const TreeLever<R>& lever : segment.levers) length.dofs.push_back(static_cast<int>(lever.dof));
+      length.segments.push_back(std::move(segment));
+    }
+  }
+  sort_once(length.dofs);
+  for (TreeSegment<R>& segment : length.segments) {
+    for (TreeLever<R>& lever : segment.levers) lever.entry = index(place_in(length.dofs, static_cast<int>(lever.dof)));
+  }
+  return length;
+}
+
+template <Real R>
+TreeLength<R> coupled_length(const Tree<R>& tree, const EqualityConstraint& equality) {
+  TreeLength<R> length{.type = LengthType::kCoupling,
+                       .a = equality.tendon_a.value(),
+                       .b = equality.tendon_b.value(),
+                       .reference_a = static_cast<R>(equality.reference_a),
+                       .reference_b = static_cast<R>(equality.reference_b),
+                       .max_force = static_cast<R>(equality.max_force)};
+  std::ranges::transform(equality.polynomial, length.polynomial.begin(), [](double c) { return static_cast<R>(c); });
+  const std::vector<int> none, &of_b = tree.lengths[index(length.b)].dofs,
+                               &of_a = length.a < 0 ? none : tree.lengths[index(length.a)].dofs;
+  length.dofs = of_b;
+  length.dofs.insert(length.dofs.end(), of_a.begin(), of_a.end());
+  sort_once(length.dofs);
+  for (const int dof : length.dofs) {
+    length.in_a.push_back(place_in(of_a, dof));
+    length.in_b.push_back(place_in(of_b, dof));
+  }
+  return length;
+}
+
+}  // namespace
+
+template <Real R>
+void add_lengths(const Model& model, Tree<R>& tree) {
+  const auto add = [&](TreeLength<R> length) {
+    length.J = tree.length_entries;
+    tree.length_entries += length.dofs.size();
+    tree.lengths.push_back(std::move(length));
+  };
+  for (const Tendon& tendon : model.tendons())
+    add(tendon.branches.empty() ? joint_length<R>(model, tendon) : path_length(model, tree, tendon));
+  for (const EqualityConstraint& equality : model.equalities())
+    if (equality.type == EqualityType::kTendon) add(coupled_length(tree, equality));
+}
+
+template void add_lengths(const Model&, Tree<double>&);
+template void add_lengths(const Model&, Tree<float>&);
+
+}  // namespace manyhands

@@ -1,0 +1,12 @@
+// Tree: the lengths of tendons as kernels read them.
+#pragma once
+
+#include "manyhands/physics/dynamics/tree.h"
+
+namespace manyhands {
+
+/// Fills tree.lengths, once its dofs and paths stand.
+template <Real R>
+void add_lengths(const Model& model, Tree<R>& tree);
+
+}  // namespace manyhands
