@@ -164,7 +164,7 @@ inline constexpr double kNewtonPatience = 2;
 /// All factorisations of a step may take so many times what all iterations may, or this many multiplications; fewer
 /// are not worth it. Each takes as much as so many iterations besides; and a contact takes as much in an iteration
 /// besides its rows.
-inline constexpr double kNewtonShare = 2, kLittleWork = 5e6, kFewestFactorisations = 16, kNewtonOverhead = 8;
+inline constexpr double kNewtonShare = 2, kLittleWork = 2e7, kFewestFactorisations = 16, kNewtonOverhead = 8;
 inline constexpr double kPointWork = 100;
 /// Iterations that reduce the logarithm of the violation by less from look to look gain too little.
 inline constexpr double kMinGain = 0.3;

@@ -45,9 +45,9 @@ constexpr std::array<Golden, 20> kScenes{{
     {"ground", 0x9a0e4c455a6f05f6, 0xa030344aad5beab0},
     {"bouncing", 0xdc5edd2d2ed8da2b, 0x91efe7b14639da5c},
     {"heavy", 0x8fb3ca91938f34a0, 0xb816cb24bc5e50bd},
-    {"wall", 0x2ea1466aefd0019f, 0x3a78a1def4ea8e0f},
+    {"wall", 0x1854b77bd519e23d, 0x3a78a1def4ea8e0f},
     {"gripper", 0x901b3911a959dee4, 0x259b480fa87414ed},
-    {"crowd", 0x81dccfcce7368fd7, 0xa1fd7922b8ccd27a},
+    {"crowd", 0xe58d45bdbcae48f3, 0xa1fd7922b8ccd27a},
 }};
 
 constexpr std::array<std::pair<const char*, std::uint64_t>, 6> kTasks{{
