@@ -21,6 +21,7 @@ namespace manyhands {
   array(target_v,         kDof,           kFinite) /* motor target [rad/s or m/s] */                                  \
   array(ctrl,             kActuator,      kFinite) /* commands of the actuators */                                    \
   array(mocap,            kMocapNumber,   kFinite) /* poses of the bodies that a user moves */                         \
+  array(q_rest,           kCoordinate,    kFinite) /* what q has no room for in single precision, see accumulate */    \
   array(active_set,       kDof,           kFinite) /* where each dof is on its force law, see JointConstraintState */   \
   array(dv,               kDof,           kFinite) /* change of v in the last step: a hint to the next */             \
   array(joint_impulse,    kDof,           kFinite) /* impulse of motor and limit in the last step */                  \
