@@ -119,8 +119,8 @@ void bind_state(nb::class_<Batch>& batch) {
           "flags", [](const Batch& self) { return copied(self.flags().data(), {count(self)}); },
           nb::sig("def flags(self) -> numpy.typing.NDArray[numpy.uint8]"),
           "A byte for each world (n). 1: its numbers stopped being finite, and it stands at its last finite state "
-          "until "
-          "it is reset or restored. 2: a penetration beyond 1 cm in the last call of `step`.");
+          "until it is reset or restored. 2: a penetration beyond 1 cm in the last call of `step`. 4: in that call the "
+          "solver left contacts that still changed by more than 5 cm/s: give it more iterations, or use a World.");
 }
 
 void bind_clock(nb::class_<Batch>& batch) {

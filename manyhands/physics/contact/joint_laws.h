@@ -6,6 +6,7 @@
 #pragma once
 
 #include "manyhands/physics/contact/tendon_laws.h"
+#include "manyhands/physics/dynamics/drag.h"
 #include "manyhands/physics/dynamics/gravity_compensation.h"
 #include "manyhands/physics/dynamics/springs.h"
 #include "manyhands/physics/dynamics/state.h"
@@ -118,6 +119,7 @@ MANYHANDS_INLINE void assemble_joint_laws(const Tree<real_t<T>>& tree, const Par
   }
   visit_gravity_compensation(tree, params, dynamics,
                              [&](std::size_t i, T force) { laws.smooth[i] = fma(step, force, laws.smooth[i]); });
+  add_drag(tree, h, laws.smooth.data(), dynamics);
   internal::assemble_springs(tree, params, h, state, dynamics, laws);
   if (!tree.lengths.empty()) {
     place_lengths(tree, state.q(), state.v(), dynamics);

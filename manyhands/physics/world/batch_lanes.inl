@@ -54,7 +54,7 @@ class BatchLanesOf final : public BatchLanes {
   static T one() { return T(R(1)); }
 
   void step_block(WorldBlock<T>& block, Worker& worker, int n) {
-    block.extras.advanced[0] = block.extras.deepest[0] = zero();
+    block.extras.advanced[0] = block.extras.deepest[0] = block.extras.unsettled[0] = zero();
     for (int i = 0; i < n; ++i) {
       block.keep_moved(worker.kept);
       const bool pushed = any(block.extras.pushed[0] > zero());
@@ -89,6 +89,8 @@ class BatchLanesOf final : public BatchLanes {
     penetration = select(block.extras.frozen[0] > zero(), zero(), penetration);
     block.extras.penetration[0] = penetration;
     block.extras.deepest[0] = max(block.extras.deepest[0], penetration);
+    const T unsettled = select(block.extras.frozen[0] > zero(), zero(), ws.contact.unsettled);
+    block.extras.unsettled[0] = max(block.extras.unsettled[0], unsettled);
   }
 
   /// What the contacts of the last step do to each link, and how many there are.

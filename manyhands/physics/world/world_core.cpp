@@ -161,6 +161,7 @@ void WorldCore::insert(const Model& part, ContactRules rules) {
                            static_cast<int>(alone.tree.equality_rows)};
   if (model->tendons().empty()) {
     tree.insert(alone.tree, at);
+    tree.set_medium(*model);
   } else {
     tree = Tree<double>(*model);  // what tendons join may lie anywhere
     scratch = Workspace<double>(tree);
