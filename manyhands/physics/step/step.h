@@ -115,6 +115,8 @@ MANYHANDS_INLINE void find_resting(const ContactSolver<T>& contact, std::vector<
   }
   for (const EqualityRows<T>& block : contact.problem.equalities)
     resting[block.rows.body_a] = resting[block.rows.body_b] = one;
+  for (const TreeEquality<real_t<T>>& equality : contact.problem.tree->equalities)
+    if (equality.compliance) resting[equality.body_a] = resting[equality.body_b] = one;
 }
 
 /// Free bodies fall on parabolas: takes back the h^2 / 2 a by which the last velocity of a step overshoots, except for

@@ -71,10 +71,11 @@ class World {
   World& operator=(World other) noexcept;
   ~World();
   /// Loads a URDF file, base fixed, or an MJCF file, told by its root element, and keeps its report. Without time_step:
-  /// the file's, or 0.002 s. `allow_outside_package` is the loaders'. Throws what the loaders throw.
+  /// the file's, or 0.002 s. `allow_outside_package` and `compliance` are the loaders'. Throws what the loaders throw.
   [[nodiscard]] static World from_file(const std::filesystem::path& path, std::optional<double> time_step = {},
                                        Integrator integrator = Integrator::kSemiImplicit,
-                                       bool allow_outside_package = false);
+                                       bool allow_outside_package = false,
+                                       MjcfCompliance compliance = MjcfCompliance::kStated);
 
   /// Advances by n steps. Throws SimulationError, which names joints, time and cause, if a step leads to numbers that
   /// are not finite, or moves things so far that it makes motion from nothing. With kRungeKutta4 throws
