@@ -9,7 +9,6 @@ from manyhands import collision, dynamics, envs
 from manyhands._core import (
     Actuator,
     Batch,
-    Compliance,
     Contact,
     ContactPair,
     ContactResiduals,
@@ -77,7 +76,6 @@ __all__ = [
     "Actuator",
     "Batch",
     "Camera",
-    "Compliance",
     "Contact",
     "ContactPair",
     "ContactResiduals",

@@ -42,7 +42,6 @@ struct MjcfGeom {
   int body = 0;  ///< index
   int contype = 1, conaffinity = 1, condim = 3, priority = 0;
   std::array<double, 3> friction{};  ///< sliding, spinning, rolling, whatever condim says
-  std::optional<Compliance> compliance{};
   bool is_in_pair = false;
 };
 
@@ -67,7 +66,6 @@ struct MjcfScene {
   std::vector<MjcfElement> attached;       ///< the roots of attached models
   std::vector<MjcfSettings> all_settings;  ///< by model
   const MjcfSettings& settings;            ///< of the main one
-  MjcfCompliance compliance = MjcfCompliance::kStated;
   MjcfClasses classes;
   MjcfAssets assets;
   ModelBuilder builder;
