@@ -6,6 +6,7 @@
 #include "manyhands/base/assert.h"
 #include "manyhands/math/instantiate.h"
 #include "manyhands/physics/dynamics/checks.h"
+#include "manyhands/physics/dynamics/tree_actuators.h"
 #include "manyhands/physics/dynamics/tree_lengths.h"
 
 namespace manyhands {
@@ -205,22 +206,7 @@ Tree<R>::Tree(const Model& model)
   add_lengths(model, *this);
   find_pattern(*this);
   set_equalities(model);
-  dof_drive.assign(static_cast<std::size_t>(num_laws()), -1);
-  for (const Actuator& actuator : model.actuators()) {
-    TreeActuator<R> added{.type = actuator.type,
-                          .scale = static_cast<R>(actuator.ctrl_scale),
-                          .offset = static_cast<R>(actuator.ctrl_offset)};
-    if (actuator.tendon.is_valid()) {
-      added.q = actuator.tendon.index();
-      added.law = static_cast<std::size_t>(nv) + added.q;
-    } else {
-      const Joint& joint = model.joint(actuator.joint);
-      added.law = static_cast<std::size_t>(joint.iv);
-      added.q = static_cast<std::size_t>(joint.iq);
-    }
-    if (actuator.type != ActuatorType::kForce) dof_drive[added.law] = static_cast<int>(actuators.size());
-    actuators.push_back(added);
-  }
+  add_actuators(model, *this);
   for (const JointLimits& limits : model.dof_limits()) {
     dof_limited.push_back(is_finite(limits.lower) || is_finite(limits.upper));
   }

@@ -39,9 +39,17 @@ struct TreeBody {
 template <Real R>
 struct TreeActuator {
   ActuatorType type{};
-  std::size_t law{};        ///< the dof that it drives; of tendons nv more than the length
-  std::size_t q{};          ///< the coordinate it measures; of tendons the length
+  std::size_t law{};        ///< the dof that it drives; of tendons and sites nv more than the length
+  std::size_t q{};          ///< the coordinate it measures; of tendons and sites the length
   R scale = 1, offset = 0;  ///< scale ctrl + offset is its command
+  R period{};               ///< of a position servo whose length is an angle: its error is taken within half of it
+  R middle_force{};         ///< about which its bounds lie
+  bool is_shared{};         ///< whether another bounded drive acts on the same dof or length
+  std::array<R, 3> gain{}, bias{};  ///< of kAffine
+  ActivationType activation{};
+  int act = -1;  ///< index of its activation
+  R time_constant{}, least_act{}, most_act{};
+  bool early{};  ///< whether its command is the activation at the step's end
 
   [[nodiscard]] bool is_scaled() const { return scale != 1 || offset != 0; }
 };
@@ -50,6 +58,7 @@ enum class LengthType {
   kJoints,    ///< the sum of coefficient q over joints
   kPath,      ///< the way from point to point
   kCoupling,  ///< (b - reference_b) - polynomial(a - reference_a), of two other lengths
+  kSite,      ///< where an actuator's site is from its reference
 };
 
 /// What a dof does to one end of a segment: sign -1 where it moves the first.
@@ -68,7 +77,18 @@ struct TreeSegment {
   std::vector<TreeLever<R>> levers{};
 };
 
-/// A number that follows from q, and moves by J v: the length of a tendon, or what couples two of them.
+/// A wrench at a site S of body A, against one at R of body B, along which an actuator acts (see ActuatorSite).
+template <Real R>
+struct TreeSite {
+  std::size_t body_a{}, body_b{};
+  Transform<R> X_AS = Transform<R>::identity(), X_BR = Transform<R>::identity();
+  bool has_reference{};
+  Vec3<R> force{}, torque{};  ///< in the axes of R, without it of S
+  std::vector<TreeLever<R>> levers{};
+};
+
+/// A number that follows from q, and moves by J v: the length of a tendon, what couples two of them, or where a site
+/// is.
 template <Real R>
 struct TreeLength {
   LengthType type{};
@@ -81,6 +101,7 @@ struct TreeLength {
   std::vector<int> in_a{}, in_b{};              ///< of kCoupling, by entry: its place among those of a and b, or -1
   std::array<R, 5> polynomial{};                ///< of kCoupling
   R reference_a{}, reference_b{}, max_force{};  ///< of kCoupling
+  TreeSite<R> site{};                           ///< of kSite
 };
 
 /// An equality constraint of the model between two bodies, or two dofs, as kernels read it.
@@ -100,7 +121,7 @@ template <Real R>
 struct Tree {
   explicit Tree(const Model& model);
 
-  /// Takes in the tree of a part that `ModelEdit::insert` put into the model. Neither has tendons.
+  /// Takes in the tree of a part that `ModelEdit::insert` put into the model. Neither has lengths.
   void insert(const Tree& part, const Insertion& at);
   /// Takes over the model's equality constraints anew.
   void set_equalities(const Model& model);
@@ -132,13 +153,14 @@ struct Tree {
   std::vector<std::size_t> lifted_bodies;  ///< that gravity compensation acts on, in the order of Model::lifts
   std::vector<std::size_t> mocap_bodies;   ///< that a user moves
   std::vector<TreeEquality<R>> equalities;
-  std::vector<TreeLength<R>> lengths;  ///< of tendons, then of equality constraints between them
-  std::size_t length_entries{};        ///< of J, over all lengths
-  std::size_t equality_rows{};         ///< three for every equality constraint, six where it holds rotations
+  std::vector<TreeLength<R>>
+      lengths;                   ///< of tendons, then of equality constraints between them, then of actuators at sites
+  std::size_t length_entries{};  ///< of J, over all lengths
+  std::size_t equality_rows{};   ///< three for every equality constraint, six where it holds rotations
   std::vector<int>
       cluster_begin;  ///< (nv) first dof of the trees that equality constraints join to the dof's, as one range
   std::vector<int> cluster_end;  ///< (nv) one past their last
-  std::vector<int> dof_drive;    ///< (nv, lengths) the position or velocity actuator of the dof or tendon, or -1
+  std::vector<int> dof_drive;    ///< (nv, lengths) an actuator other than a force that acts on the dof or length, or -1
 };
 
 /// Rows of all equality constraints of a model: three each, six where they hold rotations.
