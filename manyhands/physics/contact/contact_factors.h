@@ -29,10 +29,11 @@ MANYHANDS_INLINE mask_t<T> shall_open(const ContactPoint<T>& point) {
   return (point.target > zero) & (point.softness == zero) & (point.bounces == zero);
 }
 
-/// Y of one patch, and the Delassus blocks of its points.
+/// Y of patch k, and the Delassus blocks of its points.
 template <Number T>
-MANYHANDS_INLINE void factor_patch(const ContactProblem<T>& problem, const ContactPatch<T>& patch, Vec3<T>*& Z,
-                                   Factors<T>& factors, PatchResponse<T>& response) {
+MANYHANDS_INLINE void factor_patch(const ContactProblem<T>& problem, std::size_t k, Vec3<T>*& Z, Factors<T>& factors) {
+  const ContactPatch<T>& patch = problem.patches[k];
+  PatchResponse<T>& response = factors.patches[k];
   Vec3<T> linear, angular = Vec3<T>::zero();  // mobilities before equality constraints
   response.G_vf = respond_to(problem, patch.linear, Z, factors, linear);
   if (patch.turns) {
@@ -43,9 +44,8 @@ MANYHANDS_INLINE void factor_patch(const ContactProblem<T>& problem, const Conta
   }
   const T cancelled(SolverTraits<real_t<T>>::kCancellation);
   const T immovable = immovable_at(problem, factors, patch.linear, patch.origin);
-  const T free = mobility_at(problem, patch.linear, patch.origin);
-  const T floor = constant<T>(contact_settings::kLeastMobility) * free;
-  const T opening = constant<T>(contact_settings::kOpeningSoftness) * free;
+  const T floor = constant<T>(contact_settings::kLeastMobility) * factors.mobility[k];
+  const T opening = constant<T>(contact_settings::kOpeningSoftness) * factors.mobility[k];
   for (std::size_t i = patch.first; i < patch.first + patch.count; ++i) {
     const ContactPoint<T>& point = problem.points[i];
     const Vec3<T>& r = point.lever;
@@ -57,7 +57,7 @@ MANYHANDS_INLINE void factor_patch(const ContactProblem<T>& problem, const Conta
 }
 
 /// Y and Delassus blocks of all contacts, for the active set that was factored last. Of a world whose active set is
-/// still the same they come out the same.
+/// still the same they come out the same. After `find_mobility`.
 template <Number T>
 MANYHANDS_INLINE void factor_contacts(const ContactProblem<T>& problem, Factors<T>& factors) {
   const T zero = constant<T>(0), one = constant<T>(1);
@@ -68,8 +68,7 @@ MANYHANDS_INLINE void factor_contacts(const ContactProblem<T>& problem, Factors<
   factors.spin_inverse.resize(problem.torsions.size());
   factors.Z.resize(2 * problem.num_equality_rows * problem.patches.size());
   Vec3<T>* Z = factors.Z.data();
-  for (std::size_t k = 0; k < problem.patches.size(); ++k)
-    factor_patch(problem, problem.patches[k], Z, factors, factors.patches[k]);
+  for (std::size_t k = 0; k < problem.patches.size(); ++k) factor_patch(problem, k, Z, factors);
   for (std::size_t i = 0; i < problem.torsions.size(); ++i) {
     const Mat3<T>& G = factors.patches[problem.torsions[i].patch].G_wn;
     // Spinning and rolling are solved apart: turn the rolling rows by their own block of G alone.

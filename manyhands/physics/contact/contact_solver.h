@@ -133,9 +133,18 @@ MANYHANDS_INLINE mask_t<T> find_runaways(mask_t<T> asked, ContactSolver<T>& solv
   return asked & exceeds_energy(solver.problem, solver.factors, solver.iterate.dv, free_change, solver.energy);
 }
 
+/// Those that may have run away. Where what was demanded has found no solution, nothing will be for a while.
+template <Number T>
+MANYHANDS_INLINE mask_t<T> find_suspects(mask_t<T> near, ContactSolver<T>& solver) {
+  const auto demands = demands_much(solver.problem, solver.recovery, solver.factors);
+  calm_down(demands & !near, solver.iterate);
+  return demands | !near;
+}
+
 /// Begins anew in the worlds of the mask, which have run away: see runaway.h.
 template <Number T>
 MANYHANDS_INLINE void begin_calmly(mask_t<T> asked, ContactSolver<T>& solver) {
+  calm_down(asked, solver.iterate);
   solver.kept = solver.iterate;
   demand_nothing(asked, solver.problem);
   for (T& impulse : solver.problem.joints.last_impulse) impulse = select(asked, constant<T>(0), impulse);
@@ -160,19 +169,14 @@ MANYHANDS_INLINE void solve(const SolverSettings& settings, ContactSolver<T>& so
   internal::stay_calm(solver.problem, solver.iterate);
   solve_joints(solver.problem, solver.factors, solver.iterate, solver.search.next_state);
   if (solver.problem.only_joints()) return;
-  mask_t<T> runs_away(true), strained(false);
-  for (bool calm = false;; calm = true) {
+  internal::find_mobility(solver.problem, solver.factors);
+  mask_t<T> runs_away(true);
+  for (bool again = false;; again = true) {
     const auto near = internal::solve_exactly(settings, solver);
-    if (calm) internal::keep_others(runs_away, solver.kept, solver.iterate);
-    if (!calm) {
-      const auto demands = internal::demands_much(solver.problem, solver.recovery, solver.factors);
-      strained = demands & !near;
-      runs_away = demands | !near;
-    }
-    runs_away = internal::find_runaways(runs_away, solver);
-    if (!calm) internal::calm_down(runs_away | strained, solver.iterate);
+    if (again) internal::keep_others(runs_away, solver.kept, solver.iterate);
+    runs_away = internal::find_runaways(again ? runs_away : internal::find_suspects(near, solver), solver);
     if (none(runs_away)) return;
-    if (calm) return internal::give_up(runs_away, solver);
+    if (again) return internal::give_up(runs_away, solver);
     internal::begin_calmly(runs_away, solver);
   }
 }

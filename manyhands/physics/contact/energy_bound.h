@@ -48,7 +48,7 @@ MANYHANDS_INLINE T norm_of_opening(const ContactProblem<T>& problem, const Facto
   const T zero = constant<T>(0);
   T sum = zero;
   for (std::size_t i = 0; i < problem.points.size(); ++i) {
-    const T opens = problem.points[i].offset.x - factors.offsets[i].x;
+    const T opens = asked_opening(problem, factors, i);
     sum = fma(select(opens > zero, opens * opens, zero), factors.points[i].normal_inverse, sum);
   }
   return sqrt(sum);

@@ -55,6 +55,7 @@ struct Factors {
   std::vector<Vec3<T>> offsets;  ///< (points) J v less what their laws ask for: a velocity is offset + J dv [m/s]
   std::vector<DelassusBlock<T>> torsions;  ///< (torsions) of rolling alone: spinning is solved apart
   std::vector<T> spin_inverse;             ///< (torsions) [kg m^2]
+  std::vector<T> mobility;                 ///< (patches) at their origins, while nothing holds the joints [1/kg]
 
   // Of the equality constraints, which contacts see through: their response to a contact is taken off its Y.
   std::vector<T> K;                ///< (rows, rows) lower triangle of J_e A J_e^T: its factor L, K = L D L^T
@@ -67,6 +68,12 @@ struct Factors {
 };
 
 namespace internal {
+
+/// How fast point i shall open at most [m/s]: what its law asks for.
+template <Number T>
+MANYHANDS_INLINE T asked_opening(const ContactProblem<T>& problem, const Factors<T>& factors, std::size_t i) {
+  return problem.points[i].offset.x - factors.offsets[i].x;
+}
 
 /// M^-1 smooth: what the velocities gain without contacts, motors and limits. Uses L as scratch.
 template <Number T>

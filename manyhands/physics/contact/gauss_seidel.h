@@ -59,7 +59,7 @@ MANYHANDS_INLINE void relax_patch(const ContactProblem<T>& problem, const Factor
     const ContactPoint<T>& point = problem.points[i];
     PointImpulse<T>& impulse = iterate.points[i];
     const Vec3<T> u = factors.offsets[i] + velocity_at(patch, point.lever, motion);
-    const T opening = point.offset.x - factors.offsets[i].x;
+    const T opening = asked_opening(problem, factors, i);
     act(force_at(patch, point.lever, relax_point(active, factors.points[i], opening, u, impulse, largest)));
     if (point.torsion < 0) continue;
     const std::size_t j = index(point.torsion);

@@ -36,18 +36,11 @@ MANYHANDS_INLINE void prescribe_lengths(const ContactProblem<T>& problem, const 
                                         Factors<T>& factors) {
   const Tree<real_t<T>>& tree = *problem.tree;
   const Workspace<T>& ws = *problem.dynamics;
-  const T zero = constant<T>(0), one = constant<T>(1), stiff = constant<T>(contact_settings::kPenalty);
-  const T tiny = constant<T>(SolverTraits<real_t<T>>::kSmallest);
+  const T zero = constant<T>(0), stiff = constant<T>(contact_settings::kPenalty);
   for (std::size_t k = 0; k < tree.lengths.size(); ++k) {
     const std::size_t i = index(tree.nv) + k;
-    T mobility = zero;
-    for (std::size_t j = 0; j < tree.lengths[k].dofs.size(); ++j) {
-      const std::size_t dof = index(tree.lengths[k].dofs[j]);
-      const T J = ws.length_J[tree.lengths[k].J + j];
-      mobility = fma(factors.free[dof], J * J / tree_row(tree, problem.M(), dof)[dof], mobility);
-    }
-    const auto moves = mobility > tiny;
-    const T inertia = select(moves, one / select(moves, mobility, one), ws.length_inertia[k]);
+    const T inertia =
+        length_inertia(tree, ws, k, ws.length_inertia[k], [&](std::size_t dof) { return factors.free[dof]; });
     const LawPiece<T> piece = law_piece(tree.dof_drive[i] >= 0, active_set[i], i, problem.joints);
     const T held = select(piece.sloped, problem.joints.slope[i], stiff * inertia);
     factors.penalty[i] = select(piece.saturated, zero, held);

@@ -76,6 +76,14 @@ MANYHANDS_INLINE T mobility_at(const ContactProblem<T>& problem, const RowBlock&
   return sum;
 }
 
+/// The same at every patch. M stays as it is for the whole step, whatever holds the joints.
+template <Number T>
+MANYHANDS_INLINE void find_mobility(const ContactProblem<T>& problem, Factors<T>& factors) {
+  factors.mobility.clear();
+  for (const ContactPatch<T>& patch : problem.patches)
+    factors.mobility.push_back(mobility_at(problem, patch.linear, patch.origin));
+}
+
 /// The same for the rows of an equality constraint.
 template <Number T>
 MANYHANDS_INLINE T mobility_of(const ContactProblem<T>& problem, const EqualityRows<T>& block) {

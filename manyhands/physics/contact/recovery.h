@@ -17,7 +17,6 @@ template <Number T>
 struct Recovery {
   explicit Recovery(int nv) : y(index(nv)) {}
 
-  std::vector<T> damping;  ///< (patches) R [1/kg]
   std::vector<T> impulse;  ///< (points) along the normals
   std::vector<T> y;        ///< (nv) w = B y
   mask_t<T> asked{};       ///< the worlds in which something shall open faster than slowly
@@ -46,13 +45,13 @@ template <Number T>
 MANYHANDS_INLINE void relax_opening(const ContactProblem<T>& problem, const Factors<T>& factors, std::size_t k,
                                     mask_t<T> active, Recovery<T>& recovery, T& largest) {
   const ContactPatch<T>& patch = problem.patches[k];
-  const T zero = constant<T>(0);
+  const T zero = constant<T>(0), damping = constant<T>(contact_settings::kOpeningYields) * factors.mobility[k];
   Motion<T> motion = multiply_patch_Y(patch, factors.Y.data(), recovery.y.data());
   Force<T> change = Force<T>::zero();
   for (std::size_t i = patch.first; i < patch.first + patch.count; ++i) {
     const ContactPoint<T>& point = problem.points[i];
     const T before = recovery.impulse[i], u = velocity_at(patch, point.lever, motion).x;
-    const T after = opening_impulse(point, factors.points[i], recovery.damping[k], u, before);
+    const T after = opening_impulse(point, factors.points[i], damping, u, before);
     recovery.impulse[i] = select(active, after, before);
     const T step = recovery.impulse[i] - before;
     largest = max(largest, factors.points[i].normal * abs(step));
@@ -66,7 +65,7 @@ MANYHANDS_INLINE void relax_opening(const ContactProblem<T>& problem, const Fact
 /// What the points' velocities start from, less what their laws ask for.
 template <Number T>
 MANYHANDS_INLINE void begin_offsets(const ContactProblem<T>& problem, Recovery<T>& recovery, Factors<T>& factors) {
-  const T slow = constant<T>(contact_settings::kSlowCorrection), yields = constant<T>(contact_settings::kOpeningYields);
+  const T slow = constant<T>(contact_settings::kSlowCorrection);
   recovery.asked = mask_t<T>(false);
   factors.offsets.resize(problem.points.size());
   for (std::size_t i = 0; i < problem.points.size(); ++i) {
@@ -74,11 +73,6 @@ MANYHANDS_INLINE void begin_offsets(const ContactProblem<T>& problem, Recovery<T
     factors.offsets[i] = {point.offset.x - point.target, point.offset.y, point.offset.z};
     recovery.asked = recovery.asked | (may_wait(problem, point) & (point.target > slow));
   }
-  recovery.damping.clear();
-  when(recovery.asked, [&] {
-    for (const ContactPatch<T>& patch : problem.patches)
-      recovery.damping.push_back(yields * mobility_at(problem, patch.linear, patch.origin));
-  });
 }
 
 /// Lowers the demands of what shall open to what it attains under the present active set. After `factor_contacts`.

@@ -45,14 +45,15 @@ struct RowEntries {
 /// The topology of rows between two bodies, without numbers.
 template <Number T>
 MANYHANDS_INLINE RowBlock rows_between(const Tree<real_t<T>>& tree, std::size_t body_a, std::size_t body_b) {
-  const auto path = [&](std::size_t body) {
-    const std::size_t begin = tree.path_begin[body];
-    return std::span<const int>(tree.path).subspan(begin, tree.path_begin[body + 1] - begin);
-  };
   const auto all = [&](int begin, int end) {
     return std::span<const int>(tree.dofs_from_leaves).subspan(index(tree.nv - end), index(end - begin));
   };
-  RowBlock rows{.body_a = body_a, .body_b = body_b, .response_a = path(body_a), .response_b = path(body_b)};
+  RowBlock rows{
+      .body_a = body_a,
+      .body_b = body_b,
+  };
+  rows.response_a = tree.path_of(body_a);
+  rows.response_b = tree.path_of(body_b);
   rows.num_J = rows.num_Y();
   int a = tree.last_dof[body_a], b = tree.last_dof[body_b];
   if (a >= 0) {

@@ -31,18 +31,9 @@ MANYHANDS_INLINE void assemble_tendon_forces(const Tree<real_t<T>>& tree, const 
 /// The inertia that each length meets while every other dof stands still, once M is whole.
 template <Number T>
 MANYHANDS_INLINE void find_length_inertia(const Tree<real_t<T>>& tree, Workspace<T>& ws) {
-  const T tiny = constant<T>(SolverTraits<real_t<T>>::kSmallest), zero = constant<T>(0), one = constant<T>(1);
-  for (std::size_t k = 0; k < tree.lengths.size(); ++k) {
-    const TreeLength<real_t<T>>& length = tree.lengths[k];
-    T mobility = zero;
-    for (std::size_t i = 0; i < length.dofs.size(); ++i) {
-      const auto dof = static_cast<std::size_t>(length.dofs[i]);
-      const T J = ws.length_J[length.J + i];
-      mobility = fma(J, J / tree_row(tree, ws.M.data(), dof)[dof], mobility);
-    }
-    const auto moves = mobility > tiny;
-    ws.length_inertia[k] = select(moves, one / select(moves, mobility, one), zero);
-  }
+  const T zero = constant<T>(0), one = constant<T>(1);
+  for (std::size_t k = 0; k < tree.lengths.size(); ++k)
+    ws.length_inertia[k] = length_inertia(tree, ws, k, zero, [&](std::size_t) { return one; });
 }
 
 /// Where the search for a length's state begins: held where it shall be, or at a limit that it passes.

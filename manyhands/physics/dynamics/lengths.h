@@ -1,7 +1,10 @@
 // The lengths of tendons and of actuators at sites, how fast they change, and the rows J that say so.
 #pragma once
 
+#include <limits>
+
 #include "manyhands/physics/dynamics/kinematics.h"
+#include "manyhands/physics/dynamics/ltdl.h"
 
 namespace manyhands {
 
@@ -156,6 +159,23 @@ MANYHANDS_INLINE void add_length_square(const Tree<real_t<T>>& tree, const Works
       row[other] = fma(pull, J[j] * factor(static_cast<std::size_t>(other)), row[other]);
     }
   }
+}
+
+/// The inertia that length k meets where its dofs move one at a time, and move it by factor(dof) of what J says:
+/// 1 / sum of factor J^2 / M_ii. `otherwise` where none of them moves it.
+template <Number T, class Factor>
+[[nodiscard]] MANYHANDS_INLINE T length_inertia(const Tree<real_t<T>>& tree, const Workspace<T>& ws, std::size_t k,
+                                                T otherwise, Factor&& factor) {
+  const TreeLength<real_t<T>>& length = tree.lengths[k];
+  const T tiny(real_t<T>(1e6) * std::numeric_limits<real_t<T>>::min()), one = constant<T>(1);
+  T mobility = constant<T>(0);
+  for (std::size_t i = 0; i < length.dofs.size(); ++i) {
+    const auto dof = static_cast<std::size_t>(length.dofs[i]);
+    const T J = ws.length_J[length.J + i];
+    mobility = fma(factor(dof), J * J / tree_row(tree, ws.M.data(), dof)[dof], mobility);
+  }
+  const auto moves = mobility > tiny;
+  return select(moves, one / select(moves, mobility, one), otherwise);
 }
 
 /// Calls visit(tendon, stiffness, stretch) for every tendon that has a spring in any world. Within the lengths at which

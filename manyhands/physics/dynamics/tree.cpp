@@ -75,9 +75,7 @@ double gyration(const RigidInertia<double>& body) {
 template <Real R>
 void include_both_joints(const Tree<R>& tree, TreeEquality<R>& equality) {
   const auto moves = [&](std::size_t dof, std::size_t body) {
-    const auto begin = tree.path.begin() + static_cast<std::ptrdiff_t>(tree.path_begin[body]);
-    const auto end = tree.path.begin() + static_cast<std::ptrdiff_t>(tree.path_begin[body + 1]);
-    return std::find(begin, end, static_cast<int>(dof)) != end;
+    return std::ranges::find(tree.path_of(body), static_cast<int>(dof)) != tree.path_of(body).end();
   };
   const auto parent = [&](std::size_t body) { return static_cast<std::size_t>(tree.bodies[body].parent); };
   if (moves(equality.dof_a, equality.body_b)) {

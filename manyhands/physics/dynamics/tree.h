@@ -1,6 +1,7 @@
 // The model's kinematic tree in the precision of a kernel.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "manyhands/math/spatial.h"
@@ -127,6 +128,10 @@ struct Tree {
   void set_equalities(const Model& model);
   /// Of dofs, and behind them of lengths.
   [[nodiscard]] int num_laws() const { return nv + static_cast<int>(lengths.size()); }
+  /// The dofs that move the body, leaves first.
+  [[nodiscard]] std::span<const int> path_of(std::size_t body) const {
+    return std::span(path).subspan(path_begin[body], path_begin[body + 1] - path_begin[body]);
+  }
   /// Widens the ranges of dofs until no equality constraint leaves its own and no two overlap in part.
   void join_clusters();
 

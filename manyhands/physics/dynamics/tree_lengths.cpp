@@ -8,14 +8,6 @@ namespace manyhands {
 
 namespace {
 
-/// The dofs that move the body, leaves first.
-template <Real R>
-std::vector<int> path_of(const Tree<R>& tree, std::size_t body) {
-  std::vector<int> path;
-  for (int i = tree.last_dof[body]; i >= 0; i = tree.dof_parent[index(i)]) path.push_back(i);
-  return path;
-}
-
 void sort_once(std::vector<int>& dofs) {
   std::ranges::sort(dofs);
   dofs.erase(std::ranges::unique(dofs).begin(), dofs.end());
@@ -46,9 +38,9 @@ TreeLength<R> joint_length(const Model& model, const Tendon& tendon) {
 /// What moves the second of two bodies against the first; what moves both alike does nothing.
 template <Real R>
 std::vector<TreeLever<R>> levers_between(const Tree<R>& tree, std::size_t body_a, std::size_t body_b) {
-  const std::vector<int> a = path_of(tree, body_a), b = path_of(tree, body_b);
+  const std::span<const int> a = tree.path_of(body_a), b = tree.path_of(body_b);
   std::vector<TreeLever<R>> levers;
-  const auto add = [&](const std::vector<int>& own, const std::vector<int>& others, R sign) {
+  const auto add = [&](std::span<const int> own, std::span<const int> others, R sign) {
     for (const int i : own) {
       if (std::ranges::find(others, i) == others.end()) levers.push_back({.dof = index(i), .sign = sign});
     }

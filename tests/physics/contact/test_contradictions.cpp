@@ -56,10 +56,12 @@ ModelPointer wedged_finger() {
       "0.05' mass='0.02' friction='1.5'/></body>");
 }
 
+/// Of arms: it touches nothing.
+const std::string rod =
+    "<geom type='capsule' size='0.02' fromto='0 0 0 0.4 0 0' mass='1' contype='0' conaffinity='0'/>";
+
 /// An arm of two rods whose hand is welded to a point that it cannot reach, where it is stretched and singular.
 ModelPointer stretched_arm() {
-  const std::string rod =
-      "<geom type='capsule' size='0.02' fromto='0 0 0 0.4 0 0' mass='1' contype='0' conaffinity='0'/>";
   return scene("<body name='goal' pos='0.9 0 0.3'/><body pos='0 0 0'><joint axis='0 1 0' damping='0.1'/>" + rod +
                    "<body pos='0.4 0 0'><joint axis='0 1 0' damping='0.1'/>" + rod +
                    "<body name='hand' pos='0.4 0 0'/></body></body>",
@@ -78,8 +80,6 @@ ModelPointer tight_slot() {
 /// An arm whose shoulder is beyond its limit, and whose hand is tied to where it is. Forearm and hand are nearly in
 /// line, so that the shoulder turns back only if they turn a hundred times as fast.
 ModelPointer limited_arm() {
-  const std::string rod =
-      "<geom type='capsule' size='0.02' fromto='0 0 0 0.4 0 0' mass='1' contype='0' conaffinity='0'/>";
   return scene("<body><joint axis='0 1 0' range='-1 -0.2' limited='true'/>" + rod +
                    "<body pos='0.4 0 0' euler='0 1 0'><joint axis='0 1 0'/>" + rod +
                    "<body pos='0.4 0 0' euler='0 0.01 0'><joint axis='0 1 0'/>" + rod +

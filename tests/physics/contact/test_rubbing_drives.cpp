@@ -3,10 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "manyhands/model/compose.h"
-#include "manyhands/physics/contact/joint_solver.h"
 #include "manyhands/physics/world/batch.h"
 #include "manyhands/physics/world/world.h"
-#include "tests/physics/contact/joint_problem.h"
+#include "tests/physics/contact/joint_solution.h"
 
 namespace manyhands {
 namespace {
@@ -14,6 +13,8 @@ namespace {
 using testing::Generator;
 using testing::JointLaw;
 using testing::JointProblem;
+using testing::JointSolution;
+using testing::solution_of;
 using testing::uniform;
 
 /// A tree with a drive on each of its joints of one degree of freedom.
@@ -48,32 +49,6 @@ struct DrivenProblem : JointProblem<R> {
   }
 };
 
-template <Real R>
-struct Solution {
-  std::vector<double> dv;
-  std::vector<R> active_set;
-};
-
-template <Real R>
-Solution<R> solution_of(const DrivenProblem<R>& p, const std::vector<R>& active_set = {}) {
-  StateStorage<R> state = p.state;
-  std::ranges::copy(active_set, state.active_set());
-  Workspace<R> dynamics(p.tree);
-  ContactProblem<R> problem(p.tree, {});
-  Factors<R> factors(p.tree);
-  Iterate<R> iterate(p.tree.nv);
-  std::vector<R> next_state(p.size());
-  bias_and_mass_matrix(p.tree, p.params, state.q(), state.v(), dynamics);
-  problem.tree = &p.tree;
-  problem.dynamics = &dynamics;
-  const auto free_change = [&](std::vector<R>& dv) { internal::unconstrained_change(problem, factors, dv); };
-  assemble_joint_laws(p.tree, p.params, p.h, state, dynamics, problem.free_dv, free_change, problem.joints);
-  iterate.active_set = problem.joints.first_state;
-  iterate.rhs = problem.joints.smooth;
-  solve_joints(problem, factors, iterate, next_state);
-  return {{iterate.dv.begin(), iterate.dv.end()}, iterate.active_set};
-}
-
 constexpr int kTrees = 1500;
 
 TEST(RubbingDrives, ObeyTheirLawInDouble) {
@@ -95,17 +70,17 @@ TEST(RubbingDrives, DoNotDependOnTheirWarmStart) {
   const std::array<double, 12> places{0, 1, -1, 3, 8, 9, 7, -8, -9, -7, 0, 3};
   for (std::uint64_t seed = 0; seed < 400; ++seed) {
     const DrivenProblem<double> p(seed, 10);
-    const Solution<double> cold = solution_of(p);
+    const JointSolution<double> cold = solution_of(p);
     Generator rng(seed);
     for (int start = 0; start < 5; ++start) {
       std::vector<double> states(p.size(), S::kSaturatedUp);
       for (std::size_t i = 0; i < states.size(); ++i)
         if (p.tree.dof_drive[i] >= 0) states[i] = places[rng() % places.size()];
-      const Solution<double> warm = solution_of(p, states);
+      const JointSolution<double> warm = solution_of(p, states);
       for (std::size_t i = 0; i < p.size(); ++i)
         EXPECT_NEAR(warm.dv[i], cold.dv[i], 1e-8 * (1 + std::abs(cold.dv[i]))) << "seed " << seed << ", dof " << i;
     }
-    const Solution<double> again = solution_of(p, cold.active_set);
+    const JointSolution<double> again = solution_of(p, cold.active_set);
     for (std::size_t i = 0; i < p.size(); ++i) EXPECT_NEAR(again.dv[i], cold.dv[i], 1e-9 * (1 + std::abs(cold.dv[i])));
   }
 }

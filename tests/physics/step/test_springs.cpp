@@ -8,6 +8,7 @@
 #include "manyhands/physics/world/batch.h"
 #include "manyhands/physics/world/world.h"
 #include "tests/physics/dynamics/random_tree.h"
+#include "tests/physics/step/oscillator.h"
 
 namespace manyhands {
 namespace {
@@ -28,21 +29,16 @@ std::shared_ptr<const Model> block(double stiffness) {
   return std::make_shared<const Model>(builder.build());
 }
 
-/// The step's map turns the plane of q and v by phi, 2 tan(phi / 2) = h omega: the trapezoidal rule's. So amplitudes
-/// neither grow nor fall, even where a step takes thousands of periods.
+/// So amplitudes neither grow nor fall, even where a step takes thousands of periods.
 TEST(Springs, AStepTurnsTheOscillatorAsTheTrapezoidalRule) {
   for (const double stiffness : {1.0, 1e3, 1e6, 1e12}) {
     World world(block(stiffness), kStep);
     world.set_q(std::array{0.4});
-    const double phi = 2 * std::atan(0.5 * kStep * std::sqrt(stiffness / kMass));
-    // q_0 = A cos(0), and q_1 follows from v_1 = -h k / (m + h^2 k / 4) A.
-    const double v_1 = -kStep * stiffness / (kMass + 0.25 * kStep * kStep * stiffness) * 0.1;
-    const double sine = (0.1 + kStep * v_1 - 0.1 * std::cos(phi)) / std::sin(phi);
+    const testing::Oscillator oscillator(stiffness, kMass, kStep);
     for (int n = 1; n <= 2000; ++n) {
       world.step();
-      const double expected = 0.1 * std::cos(n * phi) + sine * std::sin(n * phi);
-      const double scale = std::abs(sine) + 0.1;
-      ASSERT_NEAR(world.q()[0] - 0.3, expected, 1e-9 * scale * n) << stiffness << " N/m, step " << n;
+      ASSERT_NEAR(world.q()[0] - 0.3, oscillator.at(n), 1e-9 * oscillator.scale() * n)
+          << stiffness << " N/m, step " << n;
     }
   }
 }

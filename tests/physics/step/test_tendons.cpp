@@ -7,6 +7,7 @@
 #include "manyhands/physics/world/batch.h"
 #include "manyhands/physics/world/world.h"
 #include "tests/physics/dynamics/random_tree.h"
+#include "tests/physics/step/oscillator.h"
 
 namespace manyhands {
 namespace {
@@ -41,14 +42,10 @@ TEST(Tendons, ASpringBetweenTreesIsImplicit) {
     builder.add_tendon(tendon);
     World world(built(builder), kStep);
     world.set_q(std::array{0.4, 0.0});
-    const double mass = kFirst * kSecond / (kFirst + kSecond);
-    const double phi = 2 * std::atan(0.5 * kStep * std::sqrt(stiffness / mass));
-    const double v_1 = -kStep * stiffness / (mass + 0.25 * kStep * kStep * stiffness) * 0.1;
-    const double sine = (0.1 + kStep * v_1 - 0.1 * std::cos(phi)) / std::sin(phi);
+    const testing::Oscillator oscillator(stiffness, kFirst * kSecond / (kFirst + kSecond), kStep);
     for (int n = 1; n <= 1000; ++n) {
       world.step();
-      const double expected = 0.1 * std::cos(n * phi) + sine * std::sin(n * phi);
-      ASSERT_NEAR(world.tendon_lengths()[0] - 0.3, expected, 1e-8 * (std::abs(sine) + 0.1) * n) << stiffness;
+      ASSERT_NEAR(world.tendon_lengths()[0] - 0.3, oscillator.at(n), 1e-8 * oscillator.scale() * n) << stiffness;
       // Rounding of the spring's impulses.
       ASSERT_NEAR(kFirst * world.v()[0] + kSecond * world.v()[1], 0, (1e-12 + 1e-16 * kStep * stiffness) * n);
     }

@@ -9,8 +9,6 @@ namespace {
 
 using Vec = Vec3<double>;
 
-double length(double a, double b) { return std::sqrt(a * a + b * b); }
-
 /// |G y - P(G y - u)|, P onto the disc of the given radius (times G).
 double disc_residual(double G, double y_1, double y_2, double u_1, double u_2, double radius) {
   const double a = G * y_1 - u_1, b = G * y_2 - u_2, size = length(a, b), rim = G * std::max(radius, 0.0);
@@ -38,7 +36,7 @@ double point_residual(const NewtonContext& context, std::size_t i, const Motion<
   const Vec& y = context.iterate.points[i].impulse;
   const Vec moves = velocity_at(context.problem.patches[point.patch], point.lever, motion);
   Vec u = context.factors.offsets[i] + moves;
-  u.x += G.yields(y.x, point.offset.x - context.factors.offsets[i].x);
+  u.x += G.yields(y.x, asked_opening(context.problem, context.factors, i));
   const double signorini = std::abs(std::min(G.normal * y.x, u.x));
   const double worst = std::max(signorini, disc_residual(tangent_size(G), y.y, y.z, u.y, u.z, y.x));
   if (point.torsion < 0) return worst;

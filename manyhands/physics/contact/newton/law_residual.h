@@ -1,9 +1,14 @@
 // How far the impulses of contacts are from obeying Signorini's and Coulomb's laws. In double alone.
 #pragma once
 
+#include <cmath>
+
 #include "manyhands/physics/contact/newton/newton_context.h"
 
 namespace manyhands::internal {
+
+/// Of a vector along a contact's tangents.
+[[nodiscard]] inline double length(double a, double b) { return std::sqrt(a * a + b * b); }
 
 /// What resists an impulse along a contact's tangents: the mean of G_tt's diagonal [1 / kg].
 [[nodiscard]] double tangent_size(const DelassusBlock<double>& G);

@@ -12,8 +12,6 @@ namespace {
 using Vec = Vec3<double>;
 using Mat = Mat3<double>;
 
-double length(double a, double b) { return std::sqrt(a * a + b * b); }
-
 void add(Mat& to, const Mat& m) { to = {to.x + m.x, to.y + m.y, to.z + m.z}; }
 Mat no_slope() { return {Vec::zero(), Vec::zero(), Vec::zero()}; }
 
@@ -72,9 +70,9 @@ void NewtonLaws::begin(const NewtonContext& context, double softness, RowVelocit
     for (std::size_t i = patch.first; i < patch.first + patch.count; ++i) {
       const ContactPoint<double>& point = problem.points[i];
       const DelassusBlock<double>& G = context.factors.points[i];
-      const Vec& offset = context.factors.offsets[i];
-      const double yields = G.yields(context.iterate.points[i].impulse.x, point.offset.x - offset.x);
-      velocities.points.push_back(offset + Vec{yields, 0, 0});
+      const double opening = asked_opening(problem, context.factors, i);
+      const double yields = G.yields(context.iterate.points[i].impulse.x, opening);
+      velocities.points.push_back(context.factors.offsets[i] + Vec{yields, 0, 0});
       velocities.torsions.push_back(Vec::zero());
       const double own = G.softness + G.opening_softness, r = softness * (G.normal - own) + own;
       point_yield_.push_back({G.normal_inverse > 0 ? 1 / r : 0.0, inverse(softness, tangent_size(G), 1e-6 * G.normal)});
@@ -172,20 +170,24 @@ void NewtonLaws::evaluate_torsion(const NewtonContext& context, std::size_t j, s
     project(m.y - give.tangent * w.y, m.z - give.tangent * w.z, n, patch.rolling, give.tangent, give_n, law);
 }
 
+/// Of the force on patch p of those that take part.
+Force<double> NewtonLaws::patch_change(const NewtonContext& context, std::size_t p) const {
+  const ContactPatch<double>& patch = context.problem.patches[patches[p]];
+  Force<double> change = Force<double>::zero();
+  for (std::size_t c = 0; c < patch.count; ++c) {
+    const std::size_t i = patch.first + c, k = first_[p] + c;
+    const ContactPoint<double>& point = context.problem.points[i];
+    change = change + force_at(patch, point.lever, point_law_[k].impulse - context.iterate.points[i].impulse);
+    if (point.torsion >= 0)
+      change.n += torsion_law_[k].impulse - context.iterate.torsions[index(point.torsion)].impulse;
+  }
+  return change;
+}
+
 void NewtonLaws::add_changes(const NewtonContext& context, double* x) const {
   const ContactProblem<double>& problem = context.problem;
-  for (std::size_t p = 0; p < patches.size(); ++p) {
-    const ContactPatch<double>& patch = problem.patches[patches[p]];
-    Force<double> change = Force<double>::zero();
-    for (std::size_t c = 0; c < patch.count; ++c) {
-      const std::size_t i = patch.first + c, k = first_[p] + c;
-      const ContactPoint<double>& point = problem.points[i];
-      change = change + force_at(patch, point.lever, point_law_[k].impulse - context.iterate.points[i].impulse);
-      if (point.torsion >= 0)
-        change.n += torsion_law_[k].impulse - context.iterate.torsions[index(point.torsion)].impulse;
-    }
-    add_patch_JT(context.tree(), patch, problem.rows, change, x);
-  }
+  for (std::size_t p = 0; p < patches.size(); ++p)
+    add_patch_JT(context.tree(), problem.patches[patches[p]], problem.rows, patch_change(context, p), x);
   for (std::size_t k = 0; k < equalities.size(); ++k)
     add_JT(context.tree(), problem.equalities[equalities[k]].rows, problem.rows, equality_change_[k], x);
 }
@@ -194,19 +196,13 @@ void NewtonLaws::apply(const NewtonContext& context) const {
   Iterate<double>& iterate = context.iterate;
   for (std::size_t p = 0; p < patches.size(); ++p) {
     const ContactPatch<double>& patch = context.problem.patches[patches[p]];
-    Force<double> change = Force<double>::zero();
+    add_patch_YT(patch, context.factors.Y.data(), patch_change(context, p), iterate.y.data());
     for (std::size_t c = 0; c < patch.count; ++c) {
       const std::size_t i = patch.first + c, k = first_[p] + c;
-      const ContactPoint<double>& point = context.problem.points[i];
-      Vec& impulse = iterate.points[i].impulse;
-      change = change + force_at(patch, point.lever, point_law_[k].impulse - impulse);
-      impulse = point_law_[k].impulse;
-      if (point.torsion < 0) continue;
-      Vec& moment = iterate.torsions[index(point.torsion)].impulse;
-      change.n += torsion_law_[k].impulse - moment;
-      moment = torsion_law_[k].impulse;
+      iterate.points[i].impulse = point_law_[k].impulse;
+      const int torsion = context.problem.points[i].torsion;
+      if (torsion >= 0) iterate.torsions[index(torsion)].impulse = torsion_law_[k].impulse;
     }
-    add_patch_YT(patch, context.factors.Y.data(), change, iterate.y.data());
   }
 }
 
@@ -224,6 +220,11 @@ PatchSlope NewtonLaws::patch_slope(const NewtonContext& context, std::size_t k) 
     add(sum.ww, torsion_law_[first_[k] + c].slope);
   }
   return sum;
+}
+
+PatchSlope NewtonLaws::equality_slope(std::size_t k) const {
+  const Vec& give = equality_yield_[k];
+  return {{{give.x, 0, 0}, {0, give.y, 0}, {0, 0, give.z}}, no_slope(), no_slope(), no_slope()};
 }
 
 void NewtonLaws::find_following(const NewtonContext& context, std::vector<Following>& following) const {

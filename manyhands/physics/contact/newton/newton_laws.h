@@ -60,7 +60,8 @@ class NewtonLaws {
   /// Writes down all by which sliding follows normal impulses.
   void find_following(const NewtonContext& context, std::vector<Following>& following) const;
 
-  [[nodiscard]] const Vec3<double>& equality_slope(std::size_t k) const { return equality_yield_[k]; }
+  /// The same of equality constraint k, whose rows are all in vv.
+  [[nodiscard]] PatchSlope equality_slope(std::size_t k) const;
 
   [[nodiscard]] bool presses(std::size_t k) const { return presses_[k]; }  ///< whether patch k has any force
 
@@ -69,6 +70,7 @@ class NewtonLaws {
     double normal{}, tangent{};  ///< 1 / r of both; of torsion: about the normal, across it; 0: no such row
   };
 
+  [[nodiscard]] Force<double> patch_change(const NewtonContext& context, std::size_t p) const;
   void evaluate_point(const NewtonContext& context, std::size_t i, std::size_t k, const Vec3<double>& u,
                       const Vec3<double>& w);
   void evaluate_torsion(const NewtonContext& context, std::size_t j, std::size_t k, const Vec3<double>& w);

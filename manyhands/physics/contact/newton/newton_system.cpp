@@ -18,12 +18,9 @@ int first_of(const RowBlock& rows) {
   return rows.begin_b < rows.end_b ? rows.begin_b : -1;
 }
 
-/// Calls body(J_i^T slope J_j) for the dofs j <= i of a patch.
+/// Calls body(J_i^T slope J_j) for dofs j <= i, of which v and w are the rows; without rows w where that is null.
 template <class Body>
-void visit_products(const ContactProblem<double>& problem, const ContactPatch<double>& patch, const PatchSlope& slope,
-                    std::size_t count, Body&& body) {
-  const Vec* v = &problem.rows.J[patch.linear.J];
-  const Vec* w = patch.turns ? &problem.rows.J[patch.angular.J] : nullptr;
+void visit_products(const Vec* v, const Vec* w, const PatchSlope& slope, std::size_t count, Body&& body) {
   for (std::size_t i = 0; i < count; ++i) {
     if (w == nullptr) {
       const Vec on_v = slope.vv * v[i];
@@ -193,6 +190,13 @@ const double* NewtonSystem::inertia(const NewtonContext& context) {
   return M_.data();
 }
 
+/// H += J^T slope J.
+void NewtonSystem::add_products(const Pair& pair, const Vec* v, const Vec* w, const PatchSlope& slope) {
+  const std::span<double> H = H_.values();
+  const std::size_t* to = &slots_[pair.first_slot];
+  visit_products(v, w, slope, pair.count, [&](double value) { H[*to++] += value; });
+}
+
 void NewtonSystem::assemble(const NewtonContext& context) {
   const Tree<double>& tree = context.tree();
   const ContactProblem<double>& problem = context.problem;
@@ -207,20 +211,13 @@ void NewtonSystem::assemble(const NewtonContext& context) {
   }
   for (std::size_t k = 0; k < laws_.patches.size(); ++k) {
     if (!laws_.presses(k)) continue;
-    const Pair& pair = pairs_[patch_pair_[k]];
-    const std::size_t* to = &slots_[pair.first_slot];
-    visit_products(problem, problem.patches[laws_.patches[k]], laws_.patch_slope(context, k), pair.count,
-                   [&](double value) { H[*to++] += value; });
+    const ContactPatch<double>& patch = problem.patches[laws_.patches[k]];
+    add_products(pairs_[patch_pair_[k]], &problem.rows.J[patch.linear.J],
+                 patch.turns ? &problem.rows.J[patch.angular.J] : nullptr, laws_.patch_slope(context, k));
   }
   for (std::size_t k = 0; k < laws_.equalities.size(); ++k) {
-    const Vec& give = laws_.equality_slope(k);
     const Vec* J = &problem.rows.J[problem.equalities[laws_.equalities[k]].rows.J];
-    const Pair& pair = pairs_[equality_pair_[k]];
-    const std::size_t* to = &slots_[pair.first_slot];
-    for (std::size_t i = 0; i < pair.count; ++i) {
-      const Vec row{give.x * J[i].x, give.y * J[i].y, give.z * J[i].z};
-      for (std::size_t j = 0; j <= i; ++j) H[*to++] += dot(row, J[j]);
-    }
+    add_products(pairs_[equality_pair_[k]], J, nullptr, laws_.equality_slope(k));
   }
 }
 

@@ -42,6 +42,7 @@ class NewtonSystem {
   std::size_t pair_of(const RowBlock& rows);
   const double* inertia(const NewtonContext& context);
   void assemble(const NewtonContext& context);
+  void add_products(const Pair& pair, const Vec3<double>* v, const Vec3<double>* w, const PatchSlope& slope);
   bool solve(const NewtonContext& context);
   void follow_normals(const NewtonContext& context);
   void multiply_M(const NewtonContext& context, const std::vector<double>& x, std::vector<double>& y);
