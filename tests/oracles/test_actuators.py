@@ -115,7 +115,8 @@ def test_activations_advance_as_mujocos() -> None:
 def test_early_activations_act_in_the_same_step(early: str) -> None:
     """One step from rest at the joint's origin, where MuJoCo's velocity is exact."""
     text = f"""<mujoco><option timestep="0.01" gravity="0 0 0"/><worldbody><body><joint name="a"/>{INERTIAL}</body>
-      </worldbody><actuator><general joint="a" dyntype="filter" dynprm="0.05" actearly="{early}"/></actuator></mujoco>"""
+      </worldbody><actuator>
+      <general joint="a" dyntype="filter" dynprm="0.05" actearly="{early}"/></actuator></mujoco>"""
     scene = Scene.of_string(text)
     world, data = mh.World(scene.ours), scene.data
     for _ in range(5):
@@ -128,8 +129,8 @@ def test_early_activations_act_in_the_same_step(early: str) -> None:
 
 def test_motors_at_sites_step_as_mujocos() -> None:
     """Forces are explicit in both: velocities agree after any step."""
-    motors = '''<motor site="tip" gear="1 2 3 0.4 0.5 0.6" forcerange="-1 1.5"/>
-      <motor site="tip" refsite="on_arm" gear="1 -2 0.5 0.3 0 0.2"/>'''
+    motors = """<motor site="tip" gear="1 2 3 0.4 0.5 0.6" forcerange="-1 1.5"/>
+      <motor site="tip" refsite="on_arm" gear="1 -2 0.5 0.3 0 0.2"/>"""
     scene, rng = scene_of(motors), np.random.default_rng(2)
     model, data, world = scene.mujoco, scene.data, mh.World(scene.ours)
     model.dof_damping[:] = 0

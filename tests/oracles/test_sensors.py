@@ -21,7 +21,8 @@ BODIES = f"""
     <geom name="egg" size="0.05" pos="0.2 0 0.1" euler="0.5 0 0" contype="0" conaffinity="0"/>
     <body name="wrist" pos="0.1 0 0.3"><joint name="w" type="slide" axis="0 1 1"/>
       <joint name="w2" axis="0 1 0" pos="0 0.1 0"/>{INERTIAL}
-      <body name="pad" pos="0 0.1 0.2" euler="1 0 0">{INERTIAL}<site name="on_pad" pos="0.1 0 0" euler="0 0.3 0"/></body>
+      <body name="pad" pos="0 0.1 0.2" euler="1 0 0">{INERTIAL}
+        <site name="on_pad" pos="0.1 0 0" euler="0 0.3 0"/></body>
       <body name="f" pos="0 0.2 0"><joint name="f" axis="1 0 0" ref="-0.1"/>{INERTIAL}
         <site name="tip" pos="0 0.1 0.1" quat="1 2 3 4"/></body>
       <body name="g" pos="0 -0.2 0"><joint name="g" type="ball" pos="0.1 0.05 0"/>{INERTIAL}
@@ -150,7 +151,8 @@ def test_forces_of_welds_and_pushes_count() -> None:
 TOUCH = """<mujoco><option timestep="0.002" cone="elliptic"/><worldbody>
   <geom name="floor" type="plane" size="1 1 1"/>
   <body name="box" pos="0 0 0.1"><freejoint/><geom name="box" type="box" size="0.1 0.1 0.1" mass="2"/>
-    <site name="all" type="box" size="0.11 0.11 0.11"/><site name="half" type="box" size="0.06 0.11 0.11" pos="0.06 0 0"/>
+    <site name="all" type="box" size="0.11 0.11 0.11"/>
+    <site name="half" type="box" size="0.06 0.11 0.11" pos="0.06 0 0"/>
     <site name="top" type="sphere" size="0.02" pos="0 0 0.1"/>
     <site name="below" type="cylinder" size="0.3 0.01" pos="0 0 -0.2"/></body>
   <body name="stand" pos="1 0 0"><geom type="box" size="0.1 0.1 0.05" contype="0" conaffinity="0"/>
@@ -160,7 +162,7 @@ TOUCH = """<mujoco><option timestep="0.002" cone="elliptic"/><worldbody>
 
 
 def test_touch() -> None:
-    """A box at rest: its weight, half of it, nothing; beneath the floor, where rays from the points lead, its weight."""
+    """A box at rest: its weight, half of it, nothing; beneath the floor, where rays lead, its weight."""
     scene = Scene.of_string(TOUCH)
     world, data = mh.World(scene.ours), scene.data
     mujoco.mj_step(scene.mujoco, data, 2000)
