@@ -240,7 +240,8 @@ TEST(Actuators, WorldsTakeThemIn) {
   grown.add(b, {Mat3<double>::identity(), {5, 0, 0}});
   World again(grown.shared_model(), kStep);
   again.set_q(grown.q());
-  const std::array ctrl{0.3, -0.2, 0.5, 0.1, 0.2, -0.4, 0.3, 0.2, 0.6, -0.1}, act{0.1, 0.2, 0.3, 0.4, 0.5, 0.6};
+  const std::array ctrl{0.3, -0.2, 0.5, 0.1, 0.2, -0.4, 0.3, 0.2, 0.6, -0.1};
+  const std::array act{0.1, 0.2, 0.3, 0.4, 0.5, 0.6};
   for (World* const world : {&grown, &again}) {
     world->set_ctrl(ctrl);
     world->set_act(act);
