@@ -46,18 +46,19 @@ struct Triangle {
 };
 
 template <class Visit>
-void for_each_triangle(const Mesh& mesh, const Vec3<double>& origin, Visit visit) {
+void for_each_triangle(const Mesh& mesh, const AffineMap& place, const Vec3<double>& origin, Visit visit) {
   const auto vertex = [&](int i) {
     const Vec3<float>& v = mesh.vertices[static_cast<std::size_t>(i)];
-    return Vec3<double>{v.x, v.y, v.z} - origin;
+    return place * Vec3<double>{v.x, v.y, v.z} - origin;
   };
-  for (const auto& t : mesh.triangles) visit(Triangle{vertex(t[0]), vertex(t[1]), vertex(t[2])});
+  const std::size_t second = place.mirrors() ? 2 : 1;
+  for (const auto& t : mesh.triangles) visit(Triangle{vertex(t[0]), vertex(t[second]), vertex(t[3 - second])});
 }
 
-Vec3<double> middle_of_faces(const Mesh& mesh) {
+Vec3<double> middle_of_faces(const Mesh& mesh, const AffineMap& place) {
   Vec3<double> sum = Vec3<double>::zero();
   double area = 0;
-  for_each_triangle(mesh, Vec3<double>::zero(), [&](const Triangle& t) {
+  for_each_triangle(mesh, place, Vec3<double>::zero(), [&](const Triangle& t) {
     const double a = norm(t.normal_area());
     sum = sum + a * t.centre();
     area += a;
@@ -143,15 +144,15 @@ Inertial solid_ellipsoid(const Vec3<double>& s) {
                    m * (s.x * s.x + s.y * s.y) / 5);
 }
 
-Inertial solid_of(const Mesh& mesh, bool legacy) {
+Inertial solid_of(const Mesh& mesh, bool legacy, const AffineMap& place) {
   const auto pyramid = [&](const Triangle& t) {
     const double v = dot(t.a, cross(t.b, t.c)) / 6;
     return legacy ? abs(v) : v;
   };
-  const Vec3<double> tip = middle_of_faces(mesh);
+  const Vec3<double> tip = middle_of_faces(mesh, place);
   double first_volume = 0;
   Vec3<double> moment = Vec3<double>::zero();
-  for_each_triangle(mesh, tip, [&](const Triangle& t) {
+  for_each_triangle(mesh, place, tip, [&](const Triangle& t) {
     first_volume += pyramid(t);
     moment = moment + (0.75 * pyramid(t)) * t.centre();
   });
@@ -159,18 +160,18 @@ Inertial solid_of(const Mesh& mesh, bool legacy) {
   const Vec3<double> com = tip + (1 / first_volume) * moment;
   double volume = 0;  // another one in legacy mode, where pyramids overlap
   SymMat3<double> P = SymMat3<double>::zero();
-  for_each_triangle(mesh, com, [&](const Triangle& t) {
+  for_each_triangle(mesh, place, com, [&](const Triangle& t) {
     volume += pyramid(t);
     P = P + times(pyramid(t) / 20, outer(t.a) + outer(t.b) + outer(t.c) + outer(t.a + t.b + t.c));
   });
   return {volume, com, inertia_of_moments(P)};
 }
 
-Inertial skin_of(const Mesh& mesh) {
-  const Vec3<double> centre = middle_of_faces(mesh);
+Inertial skin_of(const Mesh& mesh, const AffineMap& place) {
+  const Vec3<double> centre = middle_of_faces(mesh, place);
   double area = 0;
   SymMat3<double> P = SymMat3<double>::zero();
-  for_each_triangle(mesh, centre, [&](const Triangle& t) {
+  for_each_triangle(mesh, place, centre, [&](const Triangle& t) {
     const double a = norm(t.normal_area());
     area += a;
     P = P + times(a / 12, outer(t.a) + outer(t.b) + outer(t.c) + outer(t.a + t.b + t.c));

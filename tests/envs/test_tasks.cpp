@@ -231,7 +231,7 @@ TEST(Objects, AreObservedInTheWorld) {
   std::ranges::copy(std::array{0.5, -0.6, 0.7, 0.1, 0.2, -0.3}, v);
   const ObjectState<double> before = observe_object(q, v);
   const double h = 1e-6;
-  integrate_configuration(tree, state.v(), h, state.q());
+  integrate_configuration(tree, state.v(), h, state.q(), state.q_rest());
   const ObjectState<double> after = observe_object(q, v);
   EXPECT_LT(norm((1 / h) * (after.p - before.p) - before.v), 1e-9);
   const Quat<double> turn = after.r * Quat<double>{-before.r.x, -before.r.y, -before.r.z, before.r.w};

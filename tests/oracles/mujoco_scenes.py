@@ -144,6 +144,16 @@ SCENES = {
     <body name="a" pos="0 0 1"><freejoint/><geom type="mesh" mesh="step" pos="1 2 3" euler="10 20 30"/></body>
     <body name="b" pos="0 0 2"><freejoint/><geom type="mesh" mesh="open" density="300"/></body>
   </worldbody></mujoco>""",
+    "small mesh far from its origin": """
+<mujoco><asset>
+    <mesh name="wedge" vertex="64 64 64  64.015625 64 64  64 64.015625 64  64 64 64.03125" scale="0.1 -0.1 0.1"
+          refpos="0.1 0.2 0.3" face="0 2 1 0 1 3 1 2 3 2 0 3"/>
+    <mesh name="hull" vertex="64 64 64  64.015625 64 64  64 64.015625 64  64 64 64.03125" scale="0.1 0.1 0.1"
+          inertia="convex"/>
+  </asset><worldbody>
+    <body name="a" pos="0 0 1"><freejoint/><geom type="mesh" mesh="wedge" density="1e6"/></body>
+    <body name="b" pos="0 0 1"><freejoint/><geom type="mesh" mesh="hull" density="1e6"/></body>
+  </worldbody></mujoco>""",
     "repeated pairs": """
 <mujoco><worldbody>
     <body name="a" pos="0 0 1"><freejoint/><geom name="g0" size="0.1" friction="0.4" condim="6"/></body>

@@ -59,18 +59,19 @@ MANYHANDS_INLINE void factor(ContactSolver<T>& solver) {
 }
 
 /// A batch of Gauss-Seidel iterations, and in double what Newton's method adds: the worlds that have converged.
-/// `change` is by how much the last iteration changed a contact's velocity [m/s].
 template <Number T>
-MANYHANDS_INLINE mask_t<T> iterate_and_refine(const SolverSettings& settings, ContactSolver<T>& solver, T& change) {
+MANYHANDS_INLINE mask_t<T> iterate_and_refine(const SolverSettings& settings, ContactSolver<T>& solver,
+                                              IterationChanges<T>& changes) {
   ActiveSetSearch<T>& search = solver.search;
   const T zero = constant<T>(0), tolerance = constant<T>(settings.tolerance);
   const T allowed = select(search.active, min(search.batch, search.iterations_left), zero);
   T budget = allowed;
-  solver.iterations += iterate_contacts(solver.problem, solver.factors, tolerance, budget, solver.iterate, change);
-  mask_t<T> converged = change <= tolerance;  // NOLINT(misc-const-correctness): Newton's method converges in double
+  solver.iterations += iterate_contacts(solver.problem, solver.factors, tolerance, budget, solver.iterate, changes);
+  mask_t<T> converged = changes.last <= tolerance;  // NOLINT(misc-const-correctness): Newton's method converges in double
   if constexpr (SolverTraits<real_t<T>>::kRefines) {
     if (!converged)
-      converged = solver.newton.refine(settings, {solver.problem, solver.factors, solver.iterate}, solver.iterations);
+      converged = solver.newton.refine(settings, {solver.problem, solver.factors, solver.iterate}, changes.first,
+                                       solver.iterations);
   }
   search.iterations_left -= allowed - budget;
   solver.iterate.iterations += allowed - budget;
@@ -105,18 +106,18 @@ MANYHANDS_INLINE mask_t<T> solve_exactly(const SolverSettings& settings, Contact
   factor(solver);
   mask_t<T> near(false);
   for (;;) {
-    T change;
-    const auto converged = iterate_and_refine(settings, solver, change);
+    IterationChanges<T> changes;
+    const auto converged = iterate_and_refine(settings, solver, changes);
     follow_contacts(problem, solver.factors, solver.iterate);
     find_joint_impulses(problem, solver.factors, solver.iterate);
     const auto wrong = check_joints(problem, solver.iterate, search.next_state) > constant<T>(0);
     search.changed = search.active & wrong & (search.looks < constant<T>(contact_settings::kMaxLooks));
-    const auto slow = converged | (change <= constant<T>(contact_settings::kSlowCorrection));
+    const auto slow = converged | (changes.last <= constant<T>(contact_settings::kSlowCorrection));
     near = (search.active & slow & (!wrong)) | ((!search.active) & near);
     search.active = search.changed | (search.active & (!converged) & (search.iterations_left > constant<T>(0)));
     if (none(search.active)) return near;
     if (none(search.changed)) continue;
-    change_active_set(problem, change, search, solver.iterate);
+    change_active_set(problem, changes.last, search, solver.iterate);
     solve_changed(problem, solver.factors, search, solver.iterate);
     factor(solver);
   }

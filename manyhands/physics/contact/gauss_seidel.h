@@ -71,22 +71,28 @@ MANYHANDS_INLINE void relax_patch(const ContactProblem<T>& problem, const Factor
   add_patch_YT(patch, factors.Y.data(), change, iterate.y.data());
 }
 
+/// By how much the first and the last of some iterations changed a contact's velocity at most [m/s].
+template <Number T>
+struct IterationChanges {
+  T first, last;
+};
+
 /// Iterates over all contacts, always in the same order (orders that go back and forth converge more slowly, see
 /// docs/contact_solver.md), until every world has converged to the tolerance [m/s] or used up its `budget` of
-/// iterations, which counts down. How many there were; `change` is by how much a world's last one changed a contact's
-/// velocity [m/s].
+/// iterations, which counts down. How many there were.
 template <Number T>
 MANYHANDS_INLINE int iterate_contacts(const ContactProblem<T>& problem, const Factors<T>& factors, T tolerance,
-                                      T& budget, Iterate<T>& iterate, T& change) {
+                                      T& budget, Iterate<T>& iterate, IterationChanges<T>& changes) {
   const T zero = constant<T>(0), one = constant<T>(1);
   int iterations = 0;
-  change = problem.points.empty() ? zero : constant<T>(std::numeric_limits<double>::infinity());
+  changes.first = changes.last = problem.points.empty() ? zero : constant<T>(std::numeric_limits<double>::infinity());
   for (std::size_t k = 0; k < problem.patches.size(); ++k)
     iterate.patches[k].start = patch_motion(*problem.tree, problem.patches[k], problem.rows, iterate.dv.data());
-  for (auto active = budget > zero; any(active); active = (change > tolerance) & (budget > zero)) {
+  for (auto active = budget > zero; any(active); active = (changes.last > tolerance) & (budget > zero)) {
     T largest = zero;
     for (std::size_t k = 0; k < problem.patches.size(); ++k) relax_patch(problem, factors, k, active, iterate, largest);
-    change = select(active, largest, change);
+    changes.last = select(active, largest, changes.last);
+    if (iterations == 0) changes.first = changes.last;
     budget = select(active, budget - one, budget);
     ++iterations;
   }

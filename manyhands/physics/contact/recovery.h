@@ -68,6 +68,7 @@ MANYHANDS_INLINE void begin_offsets(const ContactProblem<T>& problem, Recovery<T
   const T slow = constant<T>(contact_settings::kSlowCorrection);
   recovery.asked = mask_t<T>(false);
   factors.offsets.resize(problem.points.size());
+  recovery.impulse.resize(problem.points.size());
   for (std::size_t i = 0; i < problem.points.size(); ++i) {
     const ContactPoint<T>& point = problem.points[i];
     factors.offsets[i] = {point.offset.x - point.target, point.offset.y, point.offset.z};

@@ -22,6 +22,7 @@ namespace manyhands {
   array(ctrl,             kActuator,      kFinite) /* commands of the actuators */                                    \
   array(act,              kActivation,    kFinite) /* what becomes of commands, see Activation */                      \
   array(mocap,            kMocapNumber,   kFinite) /* poses of the bodies that a user moves */                         \
+  array(q_rest,           kCoordinate,    kFinite) /* what q has no room for in single precision, see accumulate */    \
   array(active_set,       kDof,           kFinite) /* where each dof is on its force law, see JointConstraintState */   \
   array(dv,               kDof,           kFinite) /* change of v in the last step: a hint to the next */             \
   array(joint_impulse,    kDof,           kFinite) /* impulse of motor and limit in the last step */                  \

@@ -66,7 +66,7 @@ void runge_kutta_step(const Tree<real_t<T>>& tree, const Params<P>& params, real
       rk.v[i] = stage == 0 ? state.v()[i] : fma(reach, rk.d_v[i], state.v()[i]);
       rk.tau[i] = fma(T(-params.damping[i]), rk.v[i], state.tau()[i]);
     }
-    integrate_configuration(tree, rk.phi.data(), T(R(1)), rk.q.data());
+    integrate_configuration(tree, rk.phi.data(), T(R(1)), rk.q.data(), state.q_rest());
     if (!tree.lifted_bodies.empty()) {
       forward_kinematics(tree, rk.q.data(), rk.dynamics);
       visit_gravity_compensation(tree, params, rk.dynamics, [&](std::size_t i, T force) { rk.tau[i] += force; });
@@ -86,7 +86,7 @@ void runge_kutta_step(const Tree<real_t<T>>& tree, const Params<P>& params, real
     }
   }
   for (std::size_t i = 0; i < nv; ++i) state.v()[i] = fma(T(h), rk.sum_v[i], state.v()[i]);
-  integrate_configuration(tree, rk.sum_phi.data(), T(h), state.q());
+  integrate_configuration(tree, rk.sum_phi.data(), T(h), state.q(), state.q_rest());
 }
 
 }  // namespace manyhands

@@ -1,6 +1,9 @@
 // One step of one world, or of one block of worlds.
 #pragma once
 
+#include <concepts>
+#include <limits>
+
 #include "manyhands/base/assert.h"
 #include "manyhands/math/instantiate.h"
 #include "manyhands/physics/collision/broad/pair_finder.h"
@@ -48,9 +51,25 @@ struct StepWorkspace {
   std::vector<T> resting;  ///< (nb) 1 where something holds the body up
 };
 
-/// q := q moved by the velocity v (nv) for `time` [s].
+/// x += time v. In single precision `rest` keeps what x has no room for (Knuth's two-sum): without it what moves by
+/// less than half a unit of x in a step stands still, and a held thing creeps out of a hand that does not. No more than
+/// a unit, for x may have been set since.
 template <Number T>
-MANYHANDS_INLINE void integrate_configuration(const Tree<real_t<T>>& tree, const T* v, T time, T* q) {
+MANYHANDS_INLINE void accumulate(T time, T v, T& x, T& rest) {
+  if constexpr (std::same_as<real_t<T>, double>) {
+    x = fma(time, v, x);
+  } else {
+    const T unit = constant<T>(std::numeric_limits<float>::epsilon()) * abs(x);
+    const T change = fma(time, v, clamp(rest, -unit, unit)), before = x;
+    x = before + change;
+    const T added = x - before;
+    rest = (before - (x - added)) + (change - added);
+  }
+}
+
+/// q := q moved by the velocity v (nv) for `time` [s]. `rest` (nq): see `accumulate`.
+template <Number T>
+MANYHANDS_INLINE void integrate_configuration(const Tree<real_t<T>>& tree, const T* v, T time, T* q, T* rest) {
   for (std::size_t b = 1; b < tree.bodies.size(); ++b) {
     const TreeBody<real_t<T>>& body = tree.bodies[b];
     const T* vj = v + body.iv;
@@ -59,7 +78,7 @@ MANYHANDS_INLINE void integrate_configuration(const Tree<real_t<T>>& tree, const
       case JointType::kSpherical:
       case JointType::kFloating: {
         if (body.type == JointType::kFloating) {
-          for (int k = 0; k < 3; ++k) qj[k] = fma(time, vj[3 + k], qj[k]);
+          for (int k = 0; k < 3; ++k) accumulate(time, vj[3 + k], qj[k], rest[body.iq + k]);
           qj += 3;
         }
         const Quat<T> r = integrate(Quat<T>{qj[0], qj[1], qj[2], qj[3]}, Vec3<T>{vj[0], vj[1], vj[2]}, time);
@@ -70,7 +89,7 @@ MANYHANDS_INLINE void integrate_configuration(const Tree<real_t<T>>& tree, const
         break;
       }
       default:
-        for (int k = 0; k < body.nv; ++k) qj[k] = fma(time, vj[k], qj[k]);
+        for (int k = 0; k < body.nv; ++k) accumulate(time, vj[k], qj[k], rest[body.iq + k]);
         break;
     }
   }
@@ -117,10 +136,11 @@ MANYHANDS_INLINE void correct_free_fall(const Tree<real_t<T>>& tree, const Param
       gravity = fma(-inverse_mass * broadcast<T>(params.lifted_mass[index(body.lift)]), gravity, gravity);
     const auto hangs = broadcast<T>(params.stiffness[index(body.iv + 3)]) > zero;
     const T share = select(hangs, zero, overshoot * (one - resting[b]));
-    T* p = state.q() + body.iq;
-    p[0] = fma(share, fma(inverse_mass, force[0], gravity.x), p[0]);
-    p[1] = fma(share, fma(inverse_mass, force[1], gravity.y), p[1]);
-    p[2] = fma(share, fma(inverse_mass, force[2], gravity.z), p[2]);
+    const Vec3<T> acceleration = fma(inverse_mass, Vec3<T>{force[0], force[1], force[2]}, gravity);
+    T *p = state.q() + body.iq, *rest = state.q_rest() + body.iq;
+    accumulate(share, acceleration.x, p[0], rest[0]);
+    accumulate(share, acceleration.y, p[1], rest[1]);
+    accumulate(share, acceleration.z, p[2], rest[2]);
   }
 }
 
@@ -176,12 +196,12 @@ void step(const System<real_t<T>>& system, const Params<P>& params, real_t<T> h,
   ContactSolver<T>& contact = ws.contact;
   assemble(tree, colliders, pairs, params, h, state, ws.collision, ws.dynamics, contact);  // 3 the constrained problem
   const std::span<const Touch<T>> touches(ws.collision.touches);
-  warm_start(contact.problem, touches, state, contact.iterate);   // 4 its first iterate
-  solve(system.solver, contact);                                  // 5 its solution
-  store_warm_start(contact.problem, contact.iterate, state);      // 6 where the next step begins
-  add_velocity_change(state, static_cast<std::size_t>(tree.nv));  // 7 velocities
-  integrate_configuration(tree, state.v(), T(h), state.q());      // 8 positions
-  advance_activations(tree, h, state);                            // 9 what becomes of commands
+  warm_start(contact.problem, touches, state, contact.iterate);               // 4 its first iterate
+  solve(system.solver, contact);                                              // 5 its solution
+  store_warm_start(contact.problem, contact.iterate, state);                  // 6 where the next step begins
+  add_velocity_change(state, static_cast<std::size_t>(tree.nv));              // 7 velocities
+  integrate_configuration(tree, state.v(), T(h), state.q(), state.q_rest());  // 8 positions
+  advance_activations(tree, h, state);                                        // 9 what becomes of commands
   correct_free_fall(tree, params, h, contact, ws.resting, state);
 }
 

@@ -160,6 +160,8 @@ void Batch::set_q(std::span<const float> q, std::span<const std::uint8_t> mask) 
     internal::normalise_quaternions(*impl_->model, std::span(rows).subspan(i * nq, nq), std::to_string(i) + ", ");
   }
   impl_->set_rows(&StateView<float>::q, rows, mask);
+  std::ranges::fill(rows, 0.0F);
+  impl_->set_rows(&StateView<float>::q_rest, rows, mask);
 }
 
 void Batch::set_v(std::span<const float> v, std::span<const std::uint8_t> mask) {

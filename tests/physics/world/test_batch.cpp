@@ -168,6 +168,35 @@ TEST(Batch, TellsWhatAWorldInDoubleTells) {
   EXPECT_EQ(batch.flags()[1], 0);
 }
 
+/// In float each step of them is 30 times less than what the position can hold.
+TEST(Batch, SlowThingsMove) {
+  ModelBuilder builder("slow");
+  builder.set_gravity({});
+  for (const JointType type : {JointType::kPrismatic, JointType::kFloating}) {
+    const std::string name = type == JointType::kPrismatic ? "slide" : "free";
+    const LinkId link = builder.add_link(name, {.mass = 1, .com = {}, .inertia = {1, 1, 1, 0, 0, 0}});
+    builder.add_joint({.name = name, .type = type, .parent = builder.world(), .child = link, .axis = {1, 0, 0}});
+  }
+  Batch batch(std::make_shared<const Model>(builder.build()), 5, 0.002, {.num_threads = 1});
+  const double start = 0.75, speed = 1e-6;
+  std::vector<float> q = batch.q(), v = batch.v();
+  const std::size_t nq = q.size() / 5, nv = v.size() / 5;
+  for (std::size_t i = 0; i < 5; ++i) {
+    q[i * nq] = q[i * nq + 1] = static_cast<float>(start);
+    v[i * nv] = v[i * nv + 4] = static_cast<float>(speed);
+  }
+  batch.set_q(q);
+  batch.set_v(v);
+  batch.step(1000);
+  for (std::size_t i = 0; i < 5; ++i) {
+    EXPECT_NEAR(batch.q()[i * nq], start + speed * batch.time()[i], 6e-8);
+    EXPECT_NEAR(batch.q()[i * nq + 1], start + speed * batch.time()[i], 6e-8);
+  }
+  const std::uint64_t moved = batch.state_hash();
+  batch.set_q(batch.q());
+  EXPECT_NE(batch.state_hash(), moved) << "what q had no room for is forgotten where q is set";
+}
+
 TEST(Batch, WorldsDifferByTheirParameters) {
   ModelBuilder builder;
   testing::add_floor(builder);

@@ -156,18 +156,23 @@ Mesh inline_mesh(const MjcfElement& source) {
 }
 
 /// refpos, refquat and scale, in MuJoCo's order.
-void place_vertices(const MjcfElement& source, Mesh& mesh) {
+AffineMap placing_of(const MjcfElement& source) {
   const Vec3<double> origin = source.vec3_or("refpos", Vec3<double>::zero());
   const Vec3<double> scale = source.vec3_or("scale", {1, 1, 1});
   if (scale.x == 0 || scale.y == 0 || scale.z == 0) source.fail("a scale of 0; expected three other numbers");
   Mat3<double> R = Mat3<double>::identity();
   if (source.has("refquat")) R = transpose(to_matrix(quat_from_wxyz(source, source.numbers("refquat", 4, 4).data())));
+  const Mat3<double> A{scale.x * R.x, scale.y * R.y, scale.z * R.z};
+  return {A, -(A * origin)};
+}
+
+void place_vertices(const MjcfElement& source, const AffineMap& place, Mesh& mesh) {
   for (Vec3<float>& v : mesh.vertices) {
-    const Vec3<double> p = R * (Vec3<double>{v.x, v.y, v.z} - origin);
-    v = {static_cast<float>(p.x * scale.x), static_cast<float>(p.y * scale.y), static_cast<float>(p.z * scale.z)};
+    const Vec3<double> p = place * Vec3<double>{v.x, v.y, v.z};
+    v = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
     if (!is_finite(v.x) || !is_finite(v.y) || !is_finite(v.z)) source.fail("a vertex is not finite");
   }
-  if (scale.x * scale.y * scale.z < 0) {
+  if (place.mirrors()) {
     for (std::array<int, 3>& t : mesh.triangles) std::swap(t[1], t[2]);
   }
 }
@@ -192,13 +197,14 @@ std::optional<MjcfMesh> MjcfAssets::read_mesh(const MjcfElement& source) const {
     Mesh mesh = source.has("file")
                     ? load_mesh(source.paths().resolve(path_in(settings.mesh_folder, source.text("file"), settings)))
                     : inline_mesh(source);
-    place_vertices(source, mesh);
     const std::string kind = source.word_or("inertia", {"convex", "exact", "legacy", "shell"}, "legacy");
     note_coarser_hull(source, mesh);
     if (mesh.triangles.empty()) mesh = hull_of(mesh);
-    const Inertial mass = kind == "shell"    ? skin_of(mesh)
-                          : kind == "convex" ? solid_of(hull_of(mesh), false)
-                                             : solid_of(mesh, kind == "legacy");
+    const AffineMap place = placing_of(source);
+    const Inertial mass = kind == "shell"    ? skin_of(mesh, place)
+                          : kind == "convex" ? solid_of(hull_of(mesh), false, place)
+                                             : solid_of(mesh, kind == "legacy", place);
+    place_vertices(source, place, mesh);
     return MjcfMesh{std::move(mesh), mass};
   } catch (const PathEscape& error) {
     source.fail(error.what());

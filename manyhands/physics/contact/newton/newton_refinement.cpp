@@ -13,8 +13,8 @@ using internal::NewtonSystem;
 
 void run_iterations(const NewtonContext& context, int count, int& iterations) {
   double budget = count;
-  double change = 0;
-  internal::iterate_contacts(context.problem, context.factors, 0.0, budget, context.iterate, change);
+  internal::IterationChanges<double> changes{};
+  internal::iterate_contacts(context.problem, context.factors, 0.0, budget, context.iterate, changes);
   iterations += count;
 }
 
@@ -40,10 +40,12 @@ NewtonRefinement::~NewtonRefinement() = default;
 
 void NewtonRefinement::begin() noexcept { steps_ = 0; }
 
-void NewtonRefinement::look_anew() noexcept { last_residual_ = std::numeric_limits<double>::infinity(); }
+void NewtonRefinement::look_anew() noexcept { last_residual_.reset(); }
 
-bool NewtonRefinement::refine(const SolverSettings& settings, const NewtonContext& context, int& iterations) {
-  const double residual = internal::law_residual(context), gain = std::log(last_residual_ / residual);
+bool NewtonRefinement::refine(const SolverSettings& settings, const NewtonContext& context, double first_change,
+                              int& iterations) {
+  const double residual = internal::law_residual(context);
+  const double gain = std::log(last_residual_.value_or(first_change) / residual);
   last_residual_ = residual;
   if (residual <= settings.tolerance) return true;
   const double missing = std::log(residual / settings.newton_tolerance);

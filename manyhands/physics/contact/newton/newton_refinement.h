@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "manyhands/physics/contact/newton/newton_context.h"
 
@@ -27,8 +28,8 @@ class NewtonRefinement {
 
   /// After some iterations that did not converge: whether the law holds to the tolerance. Where iterations gain so
   /// little that those allowed would not do, it first takes outer steps until it holds or the step's are spent. The
-  /// active set stays as it is. Adds the Gauss-Seidel iterations that it makes itself to `iterations`.
-  bool refine(const SolverSettings& settings, const NewtonContext& context, int& iterations);
+  /// active set stays as it is. `first_change`: of velocity, by the first of them [m/s]. Adds the Gauss-Seidel iterations that it makes itself to `iterations`.
+  bool refine(const SolverSettings& settings, const NewtonContext& context, double first_change, int& iterations);
 
   [[nodiscard]] int steps() const noexcept { return steps_; }  ///< outer steps since `begin`
 
@@ -39,7 +40,7 @@ class NewtonRefinement {
 
   std::unique_ptr<System> system_;  ///< made when it is needed first
   int steps_ = 0;
-  double last_residual_ = 0;  ///< [m/s] at the last look
+  std::optional<double> last_residual_;  ///< [m/s] at the last look
 };
 
 }  // namespace manyhands
