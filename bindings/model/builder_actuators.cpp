@@ -5,7 +5,6 @@
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 
-#include <limits>
 #include <tuple>
 
 #include "bindings/model/builder_names.h"
@@ -20,12 +19,11 @@ namespace {
 
 using bindings::actuator_of;
 using bindings::joint_of;
+using bindings::kInfinity;
 using bindings::named;
 using bindings::Numbers3;
 using bindings::tendon_of;
 using bindings::vec3;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 SensorType sensor_type(const std::string& name) {
   std::string known;

@@ -3,6 +3,7 @@
 
 #include <nanobind/nanobind.h>
 
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -13,6 +14,8 @@ namespace manyhands {
 void bind_builder_actuators(nanobind::class_<ModelBuilder>& builder);  // actuators and sensors
 
 namespace bindings {
+
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 [[nodiscard]] inline LinkId link_of(const ModelBuilder& builder, const std::string& name) {
   for (std::size_t i = 0; i < builder.links().size(); ++i) {

@@ -12,7 +12,6 @@
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
-#include <limits>
 #include <map>
 #include <tuple>
 
@@ -30,6 +29,7 @@ namespace manyhands {
 namespace {
 
 using bindings::joint_of;
+using bindings::kInfinity;
 using bindings::link_of;
 using bindings::named;
 using bindings::NumberOrNumbers;
@@ -40,8 +40,6 @@ using bindings::tendon_of;
 using bindings::transform;
 using bindings::vec3;
 using Matrix3 = std::array<Numbers3, 3>;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 constexpr std::array<std::pair<const char*, JointType>, 8> kJointTypes{{{"fixed", JointType::kFixed},
                                                                         {"revolute", JointType::kRevolute},

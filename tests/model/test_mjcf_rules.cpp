@@ -43,13 +43,13 @@ std::string world(const std::string& contents) { return "<worldbody>" + contents
 TEST(MjcfRules, WhatIsNotUsedIsCountedWithItsFirstLine) {
   const auto [model, report] = load_scene(one_body(
       "<light/><camera/>\n<camera/><geom size=\"1\" solref=\"0.1 1\"/><geom size=\"1\" solref=\"0.1 1\" fancy=\"2\"/>",
-      "<sensor><clock/></sensor><deformable/>"));
+      "<custom><text/></custom><deformable/>"));
   EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "body 'b'", "<camera> in <body> is not used (and in 1 further"),
             1);
   EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "body 'b'", "<light> in <body> is not used"), 1);
   EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "geom 'geom_0'", "'solref' of <geom> is not used (and in 1"), 1);
   EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "geom 'geom_1'", "'fancy' of <geom> is not used"), 1);
-  EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "mujoco", "the section <sensor>, with 1 elements"), 1);
+  EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "mujoco", "the section <custom>, with 1 elements"), 1);
   EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "mujoco", "the section <deformable>, with 0 elements"), 1);
   const auto camera = std::ranges::find_if(
       report.notes, [](const LoadNote& note) { return contains(note.message, "<camera> in <body>"); });
@@ -311,27 +311,6 @@ TEST(MjcfRules, TendonsWithoutWhatTheyNeedAreErrors) {
   refused("<fixed range=\"2 1\"><joint joint=\"j\" coef=\"1\"/></fixed>");
   const std::string fixed = "<fixed name=\"t\"><joint joint=\"j\" coef=\"1\"/></fixed>";
   refused(fixed + fixed);
-}
-
-TEST(MjcfRules, BoundedServosOfOneJointAreNoted) {
-  const auto notes = [](const std::string& actuators) {
-    const LoadReport report =
-        load_scene(one_body("<joint name=\"j\"/>", "<actuator>" + actuators + "</actuator>")).report;
-    return count_notes(report, LoadAction::kRepaired, "actuator", "another servo drives its joint");
-  };
-  const std::string free = "<position joint=\"j\" kp=\"1\"/>", bounded = "<velocity joint=\"j\" forcerange=\"-1 1\"/>";
-  EXPECT_EQ(notes(free + free), 0);
-  EXPECT_EQ(notes(bounded + "<motor joint=\"j\" forcerange=\"-1 1\"/>"), 0);
-  EXPECT_EQ(notes(free + bounded), 1);
-  EXPECT_EQ(notes(bounded + bounded), 1);
-  const std::string pulls = "<position tendon=\"t\" forcerange=\"-1 1\"/>";
-  const LoadReport report = load_scene(one_body("<joint name=\"j\"/>",
-                                                "<tendon><fixed name=\"t\"><joint joint=\"j\" coef=\"1\"/></fixed>"
-                                                "</tendon><actuator>" +
-                                                    pulls + pulls + bounded + "</actuator>"))
-                                .report;
-  EXPECT_EQ(count_notes(report, LoadAction::kRepaired, "actuator", "another servo drives its tendon"), 1);
-  EXPECT_EQ(count_notes(report, LoadAction::kRepaired, "actuator", "another servo drives its joint"), 0);
 }
 
 TEST(MjcfRules, HullsThatMuJoCoWouldMakeCoarserAreNoted) {
