@@ -134,6 +134,15 @@ void bind_model_class(nb::module_& m) {
       .def_prop_ro(
           "gravity", [](const PythonModel& self) { return vector3(self.model->gravity()); },
           nb::sig(returns_array("gravity").c_str()), "In the world frame, (3) [m/s^2].")
+      .def_prop_ro(
+          "medium",
+          [](const PythonModel& self) {
+            const Medium& medium = self.model->medium();
+            return nb::make_tuple(medium.density, medium.viscosity, vector3(medium.wind));
+          },
+          nb::sig("def medium(self) -> tuple[float, float, numpy.typing.NDArray[numpy.float64]]"),
+          "What links move through, and what drags on each as on the box of its inertia: density [kg/m^3], viscosity "
+          "[Pa s], wind (3) [m/s] in world axes.")
       .def(
           "neutral_configuration",
           [](const PythonModel& self) {

@@ -346,6 +346,16 @@ void bind_whole(nb::class_<ModelBuilder>& builder) {
           "set_gravity", [](ModelBuilder& self, const Numbers3& gravity) { self.set_gravity(vec3(gravity)); },
           "gravity"_a, nb::sig("def set_gravity(self, gravity: numpy.typing.ArrayLike) -> None"),
           "(3) [m/s^2] in the world frame; (0, 0, -9.81) if never set.")
+      .def(
+          "set_medium",
+          [](ModelBuilder& self, double density, double viscosity, const Numbers3& wind) {
+            self.set_medium({.density = density, .viscosity = viscosity, .wind = vec3(wind)});
+          },
+          nb::kw_only(), "density"_a = 0.0, "viscosity"_a = 0.0, "wind"_a = Numbers3{},
+          nb::sig("def set_medium(self, *, density: float = 0.0, viscosity: float = 0.0, "
+                  "wind: numpy.typing.ArrayLike = (0, 0, 0)) -> None"),
+          "What links move through: it drags on each as on the box of its inertia. Density [kg/m^3], viscosity [Pa s], "
+          "wind (3) [m/s] in world axes. Air: 1.2 and 1.8e-5; water: 1000 and 1e-3.")
       .def("set_time_step", &ModelBuilder::set_time_step, "time_step"_a, "[s], for worlds that are not told another.")
       .def(
           "add_keyframe",

@@ -265,7 +265,8 @@ void bind_making(nb::class_<World>& world) {
 
 void bind_world(nb::module_& m) {
   nb::exception<SimulationError>(m, "SimulationError", PyExc_RuntimeError).doc() =
-      "A step led to numbers that are not finite; the world is as it was before that step.";
+      "A step led to numbers that are not finite, or moved things so far that it made motion from nothing: the message "
+      "names joints, time and cause. The world is as it was before that step.";
   auto world = nb::class_<World>(
       m, "World",
       "A model in motion, in double precision: parts with names, contact, motors and actuators.\n\n"
@@ -277,7 +278,8 @@ void bind_world(nb::module_& m) {
       .def(
           "step", [](World& self, int n) { step_in_pieces(self, n, 1000); }, "n"_a = 1,
           "Advances by n steps; Ctrl-C stops between two of them. Raises SimulationError, naming a joint, if a step "
-          "leads to numbers that are not finite: the world is then as it was before that step. With 'rk4' raises "
+          "leads to numbers that are not finite, or moves things so far that it makes motion from nothing: the world is "
+          "then as it was before that step. With 'rk4' raises "
           "RuntimeError if a motor is on, something touches or a joint leaves its limits.")
       .def(
           "set_motors", &set_motors, nb::kw_only(), "target_q"_a = 0.0, "target_v"_a = 0.0, "kp"_a = 0.1, "kd"_a = 1.0,

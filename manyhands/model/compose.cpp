@@ -274,6 +274,7 @@ PartMap append(ModelBuilder& builder, const Model& model, const AppendOptions& o
 ModelBuilder builder_of(const Model& model) {
   ModelBuilder builder(model.name());
   builder.set_gravity(model.gravity());
+  builder.set_medium(model.medium());
   if (model.time_step()) builder.set_time_step(*model.time_step());
   builder.set_contact_rules(model.contact_rules());
   append(builder, model);

@@ -50,6 +50,15 @@ struct Link {
   Transform<double> X_BL = Transform<double>::identity();  ///< pose on that body (set by build)
 };
 
+/// What links move through: it drags on each as on the box of its inertia, as in MuJoCo.
+struct Medium {
+  double density = 0;                        ///< [kg/m^3]
+  double viscosity = 0;                      ///< [Pa s]
+  Vec3<double> wind = Vec3<double>::zero();  ///< its velocity, world axes [m/s]
+
+  [[nodiscard]] bool drags() const { return density > 0 || viscosity > 0; }
+};
+
 /// One joint drives another: q = multiplier * q_driver + offset.
 struct Mimic {
   std::string joint{};

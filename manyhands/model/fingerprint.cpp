@@ -126,6 +126,7 @@ std::uint64_t fingerprint(const Model& model) {
   const ContactRules& rules = model.contact_rules();
   sum.add(rules.friction, rules.restitution, rules.self_collision, rules.contacts);
   sum.add(model.gravity());
+  if (model.medium().drags()) sum.add(model.medium().density, model.medium().viscosity, model.medium().wind);
   for (const double q : model.initial_configuration()) sum.add(q);
   const std::vector<double> reference = model.spring_reference();
   for (const Joint& joint : model.joints()) {

@@ -123,6 +123,7 @@ class Model {
   [[nodiscard]] std::span<const int> dof_q() const { return dof_q_; }
 
   [[nodiscard]] Vec3<double> gravity() const { return gravity_; }   ///< [m/s^2], in the world frame
+  [[nodiscard]] const Medium& medium() const { return medium_; }    ///< that links move through
   [[nodiscard]] std::vector<double> neutral_configuration() const;  ///< q with joints at 0, quaternions at identity
   [[nodiscard]] std::vector<double> initial_configuration() const;  ///< the same but for joints that start elsewhere
   [[nodiscard]] std::vector<double> initial_mocap() const;  ///< poses of the mocap bodies: x y z, quaternion xyzw each
@@ -166,6 +167,7 @@ class Model {
   std::vector<Keyframe> keyframes_;
   std::optional<double> time_step_;
   Vec3<double> gravity_{0, 0, -9.81};
+  Medium medium_;
   NameIndex link_names_, joint_names_, frame_names_, geom_names_;  // frames: without the links' own
   std::vector<std::vector<GeomId>> link_geoms_;
   std::vector<std::vector<LinkId>> link_children_, body_links_;

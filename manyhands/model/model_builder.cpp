@@ -131,6 +131,15 @@ std::pair<LinkId, Transform<double>> ModelBuilder::frame(std::string_view name) 
   return {frame.link, frame.X_LF};
 }
 
+void ModelBuilder::set_medium(const Medium& medium) {
+  const Vec3<double>& wind = medium.wind;
+  for (const double x : {medium.density, medium.viscosity})
+    if (!(x >= 0 && is_finite(x))) throw ModelError("the density and viscosity of a medium must be 0 or more");
+  for (const double x : {wind.x, wind.y, wind.z})
+    if (!is_finite(x)) throw ModelError("the wind must be finite");
+  medium_ = medium;
+}
+
 std::vector<LinkId> ModelBuilder::depth_first() const {
   std::vector<std::vector<LinkId>> children(links_.size());
   for (const Joint& joint : joints_) children[joint.parent.index()].push_back(joint.child);
@@ -157,6 +166,7 @@ Model ModelBuilder::compile() const {
   Model model;
   model.name_ = name_;
   model.gravity_ = gravity_;
+  model.medium_ = medium_;
   model.time_step_ = time_step_;
   model.links_ = links_;
   model.joints_ = joints_;

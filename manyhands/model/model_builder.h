@@ -51,6 +51,8 @@ class ModelBuilder {
   /// Adds a named frame on a link, besides the links' own.
   void add_frame(std::string name, LinkId link, const Transform<double>& X_LF);
   void set_gravity(const Vec3<double>& gravity) { gravity_ = gravity; }
+  /// Throws ModelError unless density and viscosity are 0 or more, and all is finite.
+  void set_medium(const Medium& medium);
   void set_time_step(double time_step) { time_step_ = time_step; }  ///< [s], for worlds that are not told another
   /// Its sizes are checked by `build`; an empty q, v, ctrl or act becomes the initial one, or 0.
   void add_keyframe(Keyframe keyframe) { keyframes_.push_back(std::move(keyframe)); }
@@ -113,6 +115,7 @@ class ModelBuilder {
   std::vector<Keyframe> keyframes_;
   std::optional<double> time_step_;
   Vec3<double> gravity_{0, 0, -9.81};
+  Medium medium_;
   LoadReport report_;
 };
 

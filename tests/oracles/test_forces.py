@@ -100,6 +100,16 @@ def test_gravity_compensation() -> None:
     assert_equal_accelerations(GRAVCOMP)
 
 
+@pytest.mark.parametrize("medium", ['density="900"', 'viscosity="0.7"', 'density="40" viscosity="2" wind="3 -1 2"'])
+def test_the_drag_of_a_medium(medium: str) -> None:
+    assert_equal_accelerations(SPRINGS.replace("<option", f"<option {medium}"))
+
+
+def test_without_passive_forces_there_is_no_drag() -> None:
+    still = FLAGGED.replace('FLAG="disable"', 'spring="disable" damper="disable"')
+    assert_equal_accelerations(still.replace("<option", '<option density="900"'))
+
+
 @pytest.mark.parametrize("flag", ["gravity", "spring", "damper", "actuation", "clampctrl", "warmstart", "eulerdamp"])
 def test_flags(flag: str) -> None:
     assert_equal_accelerations(FLAGGED.replace("FLAG", flag))

@@ -39,6 +39,7 @@ struct ContactSolver {
   Iterate<T> kept;         ///< scratch: a solution of which some worlds are kept
   std::vector<T> free_dv;  ///< (nv) scratch: what the velocities gain without constraints
   int iterations = 0;      ///< of Gauss-Seidel, over all worlds of the block
+  T unsettled{};           ///< by how much the last of them changed a contact's velocity [m/s]
 };
 
 namespace internal {
@@ -67,7 +68,8 @@ MANYHANDS_INLINE mask_t<T> iterate_and_refine(const SolverSettings& settings, Co
   const T allowed = select(search.active, min(search.batch, search.iterations_left), zero);
   T budget = allowed;
   solver.iterations += iterate_contacts(solver.problem, solver.factors, tolerance, budget, solver.iterate, changes);
-  mask_t<T> converged = changes.last <= tolerance;  // NOLINT(misc-const-correctness): Newton's method converges in double
+  mask_t<T> converged =
+      changes.last <= tolerance;  // NOLINT(misc-const-correctness): Newton's method converges in double
   if constexpr (SolverTraits<real_t<T>>::kRefines) {
     if (!converged)
       converged = solver.newton.refine(settings, {solver.problem, solver.factors, solver.iterate}, changes.first,
@@ -110,6 +112,7 @@ MANYHANDS_INLINE mask_t<T> solve_exactly(const SolverSettings& settings, Contact
     const auto converged = iterate_and_refine(settings, solver, changes);
     follow_contacts(problem, solver.factors, solver.iterate);
     find_joint_impulses(problem, solver.factors, solver.iterate);
+    solver.unsettled = select(search.active, select(converged, constant<T>(0), changes.last), solver.unsettled);
     const auto wrong = check_joints(problem, solver.iterate, search.next_state) > constant<T>(0);
     search.changed = search.active & wrong & (search.looks < constant<T>(contact_settings::kMaxLooks));
     const auto slow = converged | (changes.last <= constant<T>(contact_settings::kSlowCorrection));
@@ -139,7 +142,7 @@ template <Number T>
 MANYHANDS_INLINE mask_t<T> find_suspects(mask_t<T> near, ContactSolver<T>& solver) {
   const auto demands = demands_much(solver.problem, solver.recovery, solver.factors);
   calm_down(demands & !near, solver.iterate);
-  return demands | !near;
+  return demands | is_pushed(solver.problem) | !near;
 }
 
 /// Begins anew in the worlds of the mask, which have run away: see runaway.h.
@@ -166,7 +169,7 @@ MANYHANDS_INLINE void give_up(mask_t<T> asked, ContactSolver<T>& solver) {
 template <Number T>
 MANYHANDS_INLINE void solve(const SolverSettings& settings, ContactSolver<T>& solver) {
   solver.iterations = 0;
-  solver.iterate.iterations = constant<T>(0);
+  solver.iterate.iterations = solver.unsettled = constant<T>(0);
   internal::stay_calm(solver.problem, solver.iterate);
   solve_joints(solver.problem, solver.factors, solver.iterate, solver.search.next_state);
   if (solver.problem.only_joints()) return;

@@ -7,6 +7,7 @@
 
 #include "manyhands/physics/contact/tendon_laws.h"
 #include "manyhands/physics/dynamics/actuation.h"
+#include "manyhands/physics/dynamics/drag.h"
 #include "manyhands/physics/dynamics/gravity_compensation.h"
 #include "manyhands/physics/dynamics/springs.h"
 
@@ -55,16 +56,18 @@ MANYHANDS_INLINE void assemble_actuators(const Tree<real_t<T>>& tree, const Para
 }
 
 /// The springs, with the force in the middle of the change of velocity: h k (reference - q - h dv / 4). Then q+ = q + h
-/// v+ is the trapezoidal rule's: it gains and loses nothing, and is stable however stiff the spring is.
+/// v+ is the trapezoidal rule's: it gains and loses nothing, and is stable however stiff the spring is. One so stiff
+/// that a step would turn its oscillator by more than a right angle, h^2 k > 4 M, is met by h^2 k / 2: half a turn a
+/// step, without end, would take q ever farther.
 template <Number T, Number P>
 MANYHANDS_INLINE void assemble_springs(const Tree<real_t<T>>& tree, const Params<P>& params, real_t<T> h,
                                        const State<T>& state, Workspace<T>& dynamics, JointLaws<T>& laws) {
-  const T step(h), quarter(real_t<T>(0.25) * h * h);
+  const T step(h), quarter(real_t<T>(0.25) * h * h), half(real_t<T>(0.5) * h * h);
   visit_springs<T>(tree, params, state.q(), [&](std::size_t i, T stiffness, T stretch) {
     const auto acts = stiffness > constant<T>(0);
     laws.smooth[i] = select(acts, fma(-step * stiffness, stretch, laws.smooth[i]), laws.smooth[i]);
     T& inertia = tree_row(tree, dynamics.M.data(), i)[i];
-    inertia = fma(quarter, stiffness, inertia);
+    inertia = max(fma(quarter, stiffness, inertia), half * stiffness);
   });
 }
 
@@ -124,6 +127,7 @@ MANYHANDS_INLINE void assemble_joint_laws(const Tree<real_t<T>>& tree, const Par
   }
   visit_gravity_compensation(tree, params, dynamics,
                              [&](std::size_t i, T force) { laws.smooth[i] = fma(step, force, laws.smooth[i]); });
+  add_drag(tree, h, laws.smooth.data(), dynamics);
   internal::assemble_springs(tree, params, h, state, dynamics, laws);
   if (!tree.lengths.empty()) {
     place_lengths(tree, state.q(), state.v(), dynamics);

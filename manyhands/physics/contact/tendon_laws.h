@@ -9,12 +9,13 @@
 
 namespace manyhands::internal {
 
-/// Springs, dampers and armature, implicit as those of joints: M += J^T (armature + h damping + h^2 stiffness / 4) J.
-/// After `place_lengths`.
+/// Springs, dampers and armature, implicit as those of joints: M += J^T (armature + h damping + h^2 stiffness / 4) J,
+/// and more where a spring is too stiff for the step. After `place_lengths`.
 template <Number T, Number P>
 MANYHANDS_INLINE void assemble_tendon_forces(const Tree<real_t<T>>& tree, const Params<P>& params, real_t<T> h,
                                              Workspace<T>& ws, JointLaws<T>& laws) {
-  const T step(h), quarter(real_t<T>(0.25) * h * h), zero = constant<T>(0), one = constant<T>(1);
+  const T step(h), quarter(real_t<T>(0.25) * h * h), half(real_t<T>(0.5) * h * h);
+  const T zero = constant<T>(0), one = constant<T>(1);
   const auto add = [&](std::size_t k, T mass, T force) {
     if (none(mass > zero)) return;
     add_along_length(tree, ws, k, step * force, laws.smooth.data());
@@ -24,8 +25,10 @@ MANYHANDS_INLINE void assemble_tendon_forces(const Tree<real_t<T>>& tree, const 
     const T damping = broadcast<T>(params.tendon_damping[k]), armature = broadcast<T>(params.tendon_armature[k]);
     add(k, fma(step, damping, armature), -fma(damping, ws.length_rate[k], armature * ws.length_bend[k]));
   }
-  visit_tendon_springs(
-      params, ws, [&](std::size_t k, T stiffness, T stretch) { add(k, quarter * stiffness, -stiffness * stretch); });
+  visit_tendon_springs(params, ws, [&](std::size_t k, T stiffness, T stretch) {
+    const T meets = length_inertia(tree, ws, k, zero, [&](std::size_t) { return one; });
+    add(k, max(quarter * stiffness, fma(half, stiffness, -meets)), -stiffness * stretch);
+  });
 }
 
 /// The inertia that each length meets while every other dof stands still, once M is whole.

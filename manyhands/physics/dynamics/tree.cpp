@@ -1,10 +1,12 @@
 #include "manyhands/physics/dynamics/tree.h"
 
 #include <algorithm>
+#include <numbers>
 #include <utility>
 
 #include "manyhands/base/assert.h"
 #include "manyhands/math/instantiate.h"
+#include "manyhands/model/equivalent_box.h"
 #include "manyhands/physics/dynamics/checks.h"
 #include "manyhands/physics/dynamics/tree_actuators.h"
 #include "manyhands/physics/dynamics/tree_lengths.h"
@@ -83,6 +85,22 @@ void include_both_joints(const Tree<R>& tree, TreeEquality<R>& equality) {
   } else if (moves(equality.dof_b, equality.body_a)) {
     equality.body_b = parent(equality.body_b);
   }
+}
+
+template <Real R>
+TreeDrag<R> drag_of(const Medium& medium, const Link& link) {
+  const EquivalentBox box = equivalent_box(link.inertial);
+  const auto& [x, y, z] = box.size;
+  const double diameter = (x + y + z) / 3, round = std::numbers::pi * diameter * medium.viscosity;
+  const auto fourth = [](double l) { return l * l * l * l; };
+  const double pushed = medium.density / 2, turned = medium.density / 64;
+  return {.body = link.body.index(),
+          .X_BK = broadcast<R>(link.X_BL * box.X_LB),
+          .linear = static_cast<R>(3 * round),
+          .angular = static_cast<R>(round * diameter * diameter),
+          .per_speed = broadcast<R>(pushed * Vec3<double>{y * z, z * x, x * y}),
+          .per_rate = broadcast<R>(turned * Vec3<double>{x * (fourth(y) + fourth(z)), y * (fourth(z) + fourth(x)),
+                                                         z * (fourth(x) + fourth(y))})};
 }
 
 /// Rows of an equality constraint; those of tendons are lengths.
@@ -204,6 +222,7 @@ Tree<R>::Tree(const Model& model)
   add_lengths(model, *this);
   find_pattern(*this);
   set_equalities(model);
+  set_medium(model);
   add_actuators(model, *this);
   for (const JointLimits& limits : model.dof_limits()) {
     dof_limited.push_back(is_finite(limits.lower) || is_finite(limits.upper));
@@ -233,6 +252,18 @@ void Tree<R>::set_equalities(const Model& model) {
     equality_rows += rows_of(equality.type);
   }
   join_clusters();
+}
+
+template <Real R>
+void Tree<R>::set_medium(const Model& model) {
+  const Medium& medium = model.medium();
+  drags.clear();
+  wind = broadcast<R>(medium.wind);
+  if (!medium.drags()) return;
+  for (const Link& link : model.links()) {
+    const std::size_t body = link.body.index();
+    if (last_dof[body] >= 0 && link.inertial.mass > 0) drags.push_back(drag_of<R>(medium, link));
+  }
 }
 
 template struct Tree<double>;

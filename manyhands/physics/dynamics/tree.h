@@ -117,6 +117,15 @@ struct TreeEquality {
   bool turns{};       ///< whether three rows of rotation follow the first three
 };
 
+/// A link in a medium: see drag.h.
+template <Real R>
+struct TreeDrag {
+  std::size_t body{};
+  Transform<R> X_BK = Transform<R>::identity();  ///< the box of its inertia
+  R linear{}, angular{};                         ///< drag per velocity [N s/m, N m s/rad]
+  Vec3<R> per_speed{}, per_rate{};               ///< and how that grows with it, by axis
+};
+
 /// The uniform part of a model for kernels of real type R.
 template <Real R>
 struct Tree {
@@ -128,6 +137,8 @@ struct Tree {
   void set_equalities(const Model& model);
   /// Of dofs, and behind them of lengths.
   [[nodiscard]] int num_laws() const { return nv + static_cast<int>(lengths.size()); }
+  /// Takes over the model's medium, and the links that it drags on.
+  void set_medium(const Model& model);
   /// The dofs that move the body, leaves first.
   [[nodiscard]] std::span<const int> path_of(std::size_t body) const {
     return std::span(path).subspan(path_begin[body], path_begin[body + 1] - path_begin[body]);
@@ -157,6 +168,8 @@ struct Tree {
   std::vector<TreeActuator<R>> actuators;  ///< (nu)
   std::vector<std::size_t> lifted_bodies;  ///< that gravity compensation acts on, in the order of Model::lifts
   std::vector<std::size_t> mocap_bodies;   ///< that a user moves
+  std::vector<TreeDrag<R>> drags;          ///< of links that move, in a medium
+  Vec3<R> wind{};                          ///< the medium's velocity [m/s]
   std::vector<TreeEquality<R>> equalities;
   std::vector<TreeLength<R>>
       lengths;                   ///< of tendons, then of equality constraints between them, then of actuators at sites

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "manyhands/physics/dynamics/aba.h"
+#include "manyhands/physics/dynamics/drag.h"
 #include "manyhands/physics/dynamics/gravity_compensation.h"
 #include "manyhands/physics/dynamics/springs.h"
 #include "manyhands/physics/step/step.h"
@@ -70,6 +71,13 @@ void runge_kutta_step(const Tree<real_t<T>>& tree, const Params<P>& params, real
     if (!tree.lifted_bodies.empty()) {
       forward_kinematics(tree, rk.q.data(), rk.dynamics);
       visit_gravity_compensation(tree, params, rk.dynamics, [&](std::size_t i, T force) { rk.tau[i] += force; });
+    }
+    if (!tree.drags.empty()) {
+      for (std::size_t b = 1; b < tree.bodies.size(); ++b) {
+        place(tree, b, rk.q.data(), rk.dynamics);
+        move(tree, b, rk.v.data(), rk.dynamics);
+      }
+      visit_drag(tree, rk.dynamics, [&](std::size_t i, T force) { rk.tau[i] += force; });
     }
     visit_springs<T>(tree, params, rk.q.data(),
                      [&](std::size_t i, T stiffness, T stretch) { rk.tau[i] = fma(-stiffness, stretch, rk.tau[i]); });

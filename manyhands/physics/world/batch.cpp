@@ -121,9 +121,10 @@ void Batch::step(int n) {
   for (std::size_t i = 0; i < impl_->steps.size(); ++i) {
     const ExtrasView<float> extras = impl_->world(i).extras;
     impl_->steps[i] += static_cast<std::int64_t>(extras.advanced[0]);
-    const bool deep = extras.deepest[0] > static_cast<float>(kDeepPenetration);
-    impl_->flags[i] =
-        static_cast<std::uint8_t>((extras.frozen[0] > 0 ? BatchFlag::kNotFinite : 0) | (deep ? BatchFlag::kDeep : 0));
+    const auto flag = [](bool is_up, std::uint8_t bit) { return is_up ? bit : std::uint8_t{0}; };
+    impl_->flags[i] = flag(extras.frozen[0] > 0, BatchFlag::kNotFinite) |
+                      flag(extras.deepest[0] > static_cast<float>(kDeepPenetration), BatchFlag::kDeep) |
+                      flag(extras.unsettled[0] > static_cast<float>(kUnsettledChange), BatchFlag::kUnsettled);
   }
 }
 

@@ -20,12 +20,16 @@ struct BatchOptions {
 
 /// Bits of `Batch::flags`.
 struct BatchFlag {
-  static constexpr std::uint8_t kNotFinite = 1;  ///< stands still at its last finite state, until reset or restored
+  static constexpr std::uint8_t kNotFinite = 1;  ///< or made motion from nothing: stands still where it was, until reset
   static constexpr std::uint8_t kDeep = 2;       ///< penetration beyond kDeepPenetration in the last call of `step`
+  static constexpr std::uint8_t kUnsettled = 4;  ///< in the last call of `step` contacts were left as kUnsettledChange
 };
 
 /// What counts as a deep penetration [m].
 inline constexpr double kDeepPenetration = 0.01;
+/// The last iteration of a step changed a contact's velocity by more than this [m/s]: float and few iterations do not
+/// do for what is stacked high, or for what is heavy on what is light. Iterate more (`set_solver`), or use a World.
+inline constexpr double kUnsettledChange = 0.05;
 
 /// Motor commands (n, nv) each; see `World::set_motors`.
 struct BatchMotors {

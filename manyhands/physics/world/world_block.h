@@ -19,7 +19,8 @@ namespace manyhands {
   field(advanced,    T,                kWorld, kResult)      /* steps that the last call of `step` took */            \
   field(touching,    T,                kWorld, kResult)      /* points that touch */                                  \
   field(penetration, T,                kWorld, kResult)      /* deepest in the last step [m] */                       \
-  field(deepest,     T,                kWorld, kResult)      /* deepest in the last call of `step` [m] */
+  field(deepest,     T,                kWorld, kResult)      /* deepest in the last call of `step` [m] */             \
+  field(unsettled,   T,                kWorld, kResult)      /* most in the last call: ContactSolver::unsettled */
 // clang-format on
 
 template <Number T>

@@ -162,6 +162,7 @@ void WorldCore::insert(const Model& part, ContactRules rules) {
                            static_cast<int>(alone.tree.equality_rows)};
   if (tree.lengths.empty() && alone.tree.lengths.empty()) {
     tree.insert(alone.tree, at);
+    tree.set_medium(*model);
   } else {
     tree = Tree<double>(*model);  // what lengths join may lie anywhere
     scratch = Workspace<double>(tree);

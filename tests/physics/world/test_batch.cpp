@@ -168,6 +168,20 @@ TEST(Batch, TellsWhatAWorldInDoubleTells) {
   EXPECT_EQ(batch.flags()[1], 0);
 }
 
+/// Ten iterations in float carry a cube on a cube, and not one on another of a hundredth of its mass.
+TEST(Batch, SaysWhereTenIterationsDoNotDo) {
+  for (const double ratio : {1.0, 100.0}) {
+    ModelBuilder builder("pair");
+    testing::add_floor(builder);
+    testing::add_cube(builder, "below", {0, 0, 0.02}, 0.1);
+    testing::add_cube(builder, "above", {0, 0, 0.06}, 0.1 * ratio);
+    Batch batch(std::make_shared<const Model>(builder.build()), 3, 0.002, {.num_threads = 1});
+    batch.step(300);
+    for (const std::uint8_t flags : batch.flags())
+      EXPECT_EQ((flags & BatchFlag::kUnsettled) != 0, ratio > 1) << "mass ratio " << ratio;
+  }
+}
+
 /// In float each step of them is 30 times less than what the position can hold.
 TEST(Batch, SlowThingsMove) {
   ModelBuilder builder("slow");

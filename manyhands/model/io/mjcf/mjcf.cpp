@@ -103,7 +103,9 @@ Model read_scene(MjcfSource& source, const MjcfOptions& options) {
   read_keyframes(scene);
   apply_flags(scene);
   note_unused_sections(root);
-  scene.builder.set_gravity(scene.settings.flags.gravity ? scene.settings.gravity : Vec3<double>::zero());
+  const MjcfFlags& flags = scene.settings.flags;
+  scene.builder.set_gravity(flags.gravity ? scene.settings.gravity : Vec3<double>::zero());
+  scene.builder.set_medium(flags.has_passive() ? scene.settings.medium : Medium{});
   scene.builder.set_time_step(scene.settings.time_step);
   for (const JointId id : scene.builder.joints_without_inertia()) {
     for (const MjcfJoint& joint : scene.joints) {

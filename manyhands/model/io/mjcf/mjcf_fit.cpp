@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "manyhands/model/io/mjcf/mjcf_assets.h"
-#include "manyhands/model/io/mjcf/mjcf_principal.h"
+#include "manyhands/model/principal_axes.h"
 
 namespace manyhands::io {
 

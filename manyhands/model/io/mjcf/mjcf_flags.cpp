@@ -22,8 +22,7 @@ void apply_flags(MjcfScene& scene) {
     tendon.lower = -std::numeric_limits<double>::infinity();
     tendon.upper = std::numeric_limits<double>::infinity();
   }
-  const bool has_passive = flags.spring || flags.damper;  // MuJoCo's gravcomp goes with the last of them
-  for (std::size_t i = 0; i < builder.links().size() && !has_passive; ++i) {
+  for (std::size_t i = 0; i < builder.links().size() && !flags.has_passive(); ++i) {
     builder.link(LinkId(i)).gravity_compensation = 0;
   }
   for (const int index : scene.actuators) {

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "manyhands/model/io/mjcf/mjcf_principal.h"
 #include "manyhands/model/io/mjcf/mjcf_scene.h"
 #include "manyhands/model/io/text_numbers.h"
+#include "manyhands/model/principal_axes.h"
 
 namespace manyhands::io {
 
@@ -194,7 +194,9 @@ MjcfGeomMass add_geom(MjcfScene& scene, int body_index, const MjcfPlaced& placed
        "conaffinity", "rgba",  "material", "margin",     "group",     "gap",         "solref",   "solimp", "solmix",
        "priority",    "user",  "fitscale", "fluidshape", "fluidcoef", "shellinertia"},
       {});
-  e.ignore({"solref", "solimp", "solmix", "gap", "user", "fluidshape", "fluidcoef"});
+  e.ignore({"solref", "solimp", "solmix", "gap", "user", "fluidcoef"});
+  if (e.word_or("fluidshape", {"none", "ellipsoid"}, "none") == "ellipsoid" && scene.settings.medium.drags())
+    e.note_serious(LoadAction::kRepaired, "a medium drags on the box of its body's inertia, not on an ellipsoid");
   MjcfGeom entry{.name = name, .id = {}, .source = e, .body = body_index};
   entry.contype = e.integer_or("contype", 1);
   entry.conaffinity = e.integer_or("conaffinity", 1);

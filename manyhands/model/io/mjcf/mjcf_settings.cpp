@@ -86,11 +86,11 @@ void read_option(const MjcfElement& e, MjcfSettings& settings) {
   settings.time_step = e.number_or("timestep", settings.time_step);
   if (!(settings.time_step > 0)) e.fail("the time step must be above 0");
   settings.gravity = e.vec3_or("gravity", settings.gravity);
-  for (const char* const medium : {"density", "viscosity"}) {
-    if (e.number_or(medium, 0) == 0) continue;
-    e.note_serious(LoadAction::kIgnored,
-                   std::string("the drag of a medium is not built: ") + medium + " " + e.text(medium) + " is not used");
-  }
+  settings.medium.density = e.number_or("density", settings.medium.density);
+  settings.medium.viscosity = e.number_or("viscosity", settings.medium.viscosity);
+  settings.medium.wind = e.vec3_or("wind", settings.medium.wind);
+  if (settings.medium.density < 0 || settings.medium.viscosity < 0)
+    e.fail("a density or viscosity below 0; expected 0 or more");
   for (const MjcfElement& child : e.children("flag")) read_flag(child.named("option flag"), settings.flags);
 }
 

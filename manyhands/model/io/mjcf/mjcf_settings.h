@@ -16,6 +16,9 @@ inline constexpr double kMjcfUnlimited = 1e10;
 struct MjcfFlags {
   bool contact = true, equality = true, friction_loss = true, limit = true, gravity = true;
   bool spring = true, damper = true, actuation = true, clamp_ctrl = true, filter_parent = true;
+
+  /// MuJoCo's gravity compensation and drag go with the last of them.
+  [[nodiscard]] bool has_passive() const { return spring || damper; }
 };
 
 struct MjcfSettings {
@@ -31,6 +34,7 @@ struct MjcfSettings {
   double total_mass = -1;  ///< negative: as it comes
   double time_step = 0.002;
   Vec3<double> gravity{0, 0, -9.81};
+  Medium medium{};
   bool fit_to_box = false;  ///< shapes fitted to meshes are as large as their box; else they have their inertia
   bool align_free = false;  ///< the frames of free bodies become their principal axes
   MjcfFlags flags;

@@ -3,10 +3,10 @@
 
 #include "manyhands/model/io/inertia_repair.h"
 #include "manyhands/model/io/mjcf/mjcf_inertia.h"
-#include "manyhands/model/io/mjcf/mjcf_principal.h"
 #include "manyhands/model/io/mjcf/mjcf_scene.h"
 #include "manyhands/model/io/text_numbers.h"
 #include "manyhands/model/part_checks.h"
+#include "manyhands/model/principal_axes.h"
 
 namespace manyhands::io {
 

@@ -68,6 +68,9 @@ void write_settings(MjcfWriter& writer) {
   set(compiler, "inertiafromgeom", "false");
   pugi::xml_node option = writer.root.append_child("option");
   set(option, "gravity", model.gravity());
+  set_unless(option, "density", model.medium().density, 0);
+  set_unless(option, "viscosity", model.medium().viscosity, 0);
+  if (model.medium().drags()) set(option, "wind", model.medium().wind);
   if (model.time_step()) {
     set(option, "timestep", *model.time_step());
   } else {

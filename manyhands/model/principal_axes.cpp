@@ -1,11 +1,11 @@
-#include "manyhands/model/io/mjcf/mjcf_principal.h"
+#include "manyhands/model/principal_axes.h"
 
 #include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
-namespace manyhands::io {
+namespace manyhands {
 
 namespace {
 
@@ -54,4 +54,4 @@ PrincipalAxes principal_axes(const SymMat3<double>& inertia) {
   return {to_matrix(r), trace * Vec3<double>{moment[0], moment[1], moment[2]}};
 }
 
-}  // namespace manyhands::io
+}  // namespace manyhands

@@ -4,7 +4,7 @@
 #include "manyhands/math/quaternion.h"
 #include "manyhands/math/spatial.h"
 
-namespace manyhands::io {
+namespace manyhands {
 
 struct PrincipalAxes {
   Mat3<double> R = Mat3<double>::identity();  ///< the axes as columns
@@ -15,4 +15,4 @@ struct PrincipalAxes {
 /// Where moments are equal, axes are a convention; this is MuJoCo's (mju_eig3).
 [[nodiscard]] PrincipalAxes principal_axes(const SymMat3<double>& inertia);
 
-}  // namespace manyhands::io
+}  // namespace manyhands
