@@ -1,7 +1,7 @@
 """The old gym, as programs written for its versions 0.21 to 0.23 use it, over Gymnasium.
 
-`reset` gives the observation alone, and `step` gives (observation, reward, done, info). `make` takes what was registered
-here and what is registered in Gymnasium. `manyhands.install_as("gym")` makes `import gym` give this module.
+`reset` gives the observation alone, and `step` gives (observation, reward, done, info). `make` takes what was
+registered here and what is registered in Gymnasium. `manyhands.install_as("gym")` makes `import gym` give this module.
 """
 
 from gymnasium import error, spaces

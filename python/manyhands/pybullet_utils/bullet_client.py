@@ -2,6 +2,7 @@
 
 import inspect
 import os
+from contextlib import suppress
 from functools import partial
 from importlib import import_module
 from typing import Any
@@ -15,7 +16,7 @@ class BulletClient:
     Constants and whatever else pybullet has are found here, too.
     """
 
-    def __init__(self, connection_mode: int | None = None, hostName: str | None = None, options: str = "") -> None:  # noqa: N803
+    def __init__(self, connection_mode: int | None = None, hostName: str | None = None, options: str = "") -> None:
         """connection_mode: pybullet.DIRECT, GUI and so on; None joins a simulation in shared memory, or else makes one
         without a window. Raises pybullet.error if there can be no connection."""
         self._client = -1
@@ -46,7 +47,5 @@ class BulletClient:
 
     def __del__(self) -> None:
         if vars(self).get("_client", -1) >= 0 and self._pid == os.getpid():
-            try:
+            with suppress(_pybullet.error):
                 self.disconnect()
-            except _pybullet.error:
-                pass

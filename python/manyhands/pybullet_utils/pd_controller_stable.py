@@ -1,7 +1,8 @@
-"""Stable PD control, which is PD control with the velocity that the step will end with (Tan, Liu, Turk: Stable
+"""Stable PD control: its damping counts with the velocity that the step will end with (Tan, Liu, Turk: Stable
 proportional-derivative controllers, 2011).
 
-With M a = p + d - bias, p = kp (q_desired - q), d = kd (v_desired - v - h a):  (M + h kd) a = p + kd (v_desired - v) - bias.
+From M a = p + d - bias with p = kp (q_desired - q) and d = kd (v_desired - v - h a) follows
+(M + h kd) a = p + kd (v_desired - v) - bias.
 """
 
 from collections.abc import Sequence
@@ -16,8 +17,8 @@ Array = NDArray[np.float64]
 class PDControllerStable:
     """For bodies whose joints have one degree of freedom each.
 
-    `pb` is pybullet or a BulletClient. Rows of numbers are those of all joints of jointIndices in order; of a body whose
-    base moves, those of the base come first: position (3) and quaternion (4) in desiredPositions, else (6).
+    `pb` is pybullet or a BulletClient. Rows of numbers are those of jointIndices in order; of a body whose base moves,
+    those of the base come first: position (3) and quaternion (4) in desiredPositions, else (6).
     """
 
     def __init__(self, pb: Any) -> None:

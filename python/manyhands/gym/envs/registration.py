@@ -36,11 +36,13 @@ class EnvSpec:
             module, _, name = entry_point.partition(":")
             entry_point = getattr(import_module(module), name)
         assert callable(entry_point)
-        env = entry_point(**{**self.kwargs, **kwargs})
+        env: Any = entry_point(**{**self.kwargs, **kwargs})
         env.unwrapped.spec = self
         if isinstance(env, gymnasium.Env) and not getattr(env, "has_old_returns", False):
             env = FromGymnasium(env)
-        return env if self.max_episode_steps is None else TimeLimit(env, self.max_episode_steps)
+        if self.max_episode_steps is None or isinstance(env, TimeLimit):
+            return env
+        return TimeLimit(env, self.max_episode_steps)
 
 
 class EnvRegistry(dict[str, EnvSpec]):
@@ -73,6 +75,7 @@ def spec(id: str) -> Any:
     if id in gymnasium.registry:
         return gymnasium.registry[id]
     near = difflib.get_close_matches(id, [*registry, *gymnasium.registry], cutoff=0.5)
+    near = list(dict.fromkeys(near))
     hint = f"did you mean {', '.join(near)}?" if near else "import the package that registers it"
     raise NameNotFound(f"there is no environment {id!r}; {hint}")
 

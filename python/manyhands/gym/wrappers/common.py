@@ -83,7 +83,7 @@ class TransformReward(RewardWrapper):
 
 
 class RecordEpisodeStatistics(Wrapper):
-    """At the end of an episode `info["episode"]` is its return `r`, its length `l` and the seconds `t` since the start."""
+    """At the end of an episode `info["episode"]` has its return `r`, its length `l` and the seconds `t` so far."""
 
     def __init__(self, env: Any) -> None:
         super().__init__(env)
