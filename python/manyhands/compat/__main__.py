@@ -96,8 +96,8 @@ def _run(program: str) -> int:
         code = compile(Path(path).read_bytes(), path, "exec", dont_inherit=True)
         exec(code, vars(module))
     except Exception as error:
-        trace = error.__traceback__
-        sys.excepthook(type(error), error, trace and trace.tb_next)
+        error.__traceback__ = error.__traceback__ and error.__traceback__.tb_next
+        sys.excepthook(type(error), error, error.__traceback__)
         return 1
     return 0
 
