@@ -255,10 +255,10 @@ class PyBullet:
         """Loads a robot, its root link's frame at a position (3) and quaternion (4).
 
         fileName: in the working folder, or one that ships with the package, as "franka_panda/panda.urdf". flags: those
-        of PyBullet. Self-collision is honoured; flags that change nothing here say so in a warning. Raises `error` if
-        the file is not there or malformed, and on what cannot be honoured: other flags, a globalScaling other than 1.
+        of PyBullet; one that changes nothing here says so in a warning. Raises `error` if the file is not there or
+        malformed, and on what cannot be honoured: other flags, a globalScaling other than 1.
         """
-        self_collision = load_flags.self_collision_of(int(flags))
+        load_flags.require_honoured(int(flags))
         if globalScaling not in (1, -1):  # -1 is PyBullet's own default
             raise error(f"globalScaling is {globalScaling}, but robots keep their size here: scale the file itself")
         if useMaximalCoordinates and useMaximalCoordinates != -1:
@@ -266,7 +266,7 @@ class PyBullet:
         pose = Pose(np.array(basePosition, np.float64), rotations.as_quaternion(baseOrientation))
         try:
             path = bodies.find_urdf(fileName)
-            self.physics_client.add_robot(body_name, path, pose, bool(useFixedBase), self_collision)
+            self.physics_client.add_robot(body_name, path, pose, bool(useFixedBase))
         except (FileNotFoundError, UrdfError) as reason:
             raise error(f"cannot load {fileName!r}: {reason}") from reason
         self._bodies_idx[body_name] = len(self._bodies_idx)

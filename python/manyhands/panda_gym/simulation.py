@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from itertools import combinations, count
+from itertools import count
 from pathlib import Path
 
 import numpy as np
@@ -15,9 +15,6 @@ from manyhands.panda_gym import bodies
 from manyhands.panda_gym.bodies import Body, Pose
 from manyhands.panda_gym.joints import Joints
 from manyhands.rotations import Array
-
-SelfCollision = Callable[[int, int, list[int]], bool]
-"""Whether two links of a robot touch each other: their indices, and the parents of all."""
 
 
 class error(Exception):  # noqa: N801, N818  the name it has in PyBullet
@@ -62,30 +59,13 @@ class Simulation:
 
     # ---- bodies ------------------------------------------------------------------------------------------------
 
-    def add_robot(
-        self, name: str, path: Path, pose: Pose, fixed_base: bool, touch: SelfCollision | None = None
-    ) -> None:
-        """A URDF file's robot, its root link's frame at `pose`. touch: which of its links touch each other, or none."""
+    def add_robot(self, name: str, path: Path, pose: Pose, fixed_base: bool) -> None:
+        """A URDF file's robot, its root link's frame at `pose`."""
         self._require_new(name)
         model = bodies.load_robot(path, fixed_base)
         self.world.add(model, pose.position, pose.quaternion, name=name)
         self.bodies[name] = bodies.robot(name, model, bodies.load_robot(path, fixed_base=True), pose)
-        if touch is not None:
-            self._let_touch(name, touch)
         self._world_has_changed()
-
-    def _let_touch(self, name: str, touch: SelfCollision) -> None:
-        """Lets links of a robot touch each other, those that collide and are not welded together."""
-        known = self.bodies[name]
-        model = self.world.model
-        place = {link.name: i for i, link in enumerate(model.links)}
-        indices = [place[link] for link in known.links]
-        number = {index: i for i, index in enumerate(indices)}
-        parents = [number.get(model.links[index].parent, -1) for index in indices]
-        solid = [i for i in range(len(known.links)) if self.touches(name, i - 1)]
-        for a, b in combinations(solid, 2):
-            if model.links[indices[a]].body != model.links[indices[b]].body and touch(a, b, parents):
-                self.world.set_collision(known.links[a], known.links[b], True)
 
     def add_shape(self, name: str, body: Body, builder: ModelBuilder | None) -> None:
         """What `bodies.shape` made."""
