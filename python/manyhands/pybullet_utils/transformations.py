@@ -64,7 +64,7 @@ def euler_matrix(ai: float, aj: float, ak: float, axes: str = "sxyz") -> Array:
 
 def inverse_matrix(matrix: ArrayLike) -> Array:
     """The transform back."""
-    return np.linalg.inv(np.asarray(matrix, np.float64))
+    return np.asarray(np.linalg.inv(np.asarray(matrix, np.float64)), np.float64)
 
 
 def concatenate_matrices(*matrices: ArrayLike) -> Array:
@@ -104,8 +104,8 @@ def euler_from_matrix(matrix: ArrayLike, axes: str = "sxyz") -> tuple[float, flo
         turns_twice = cosine
     if turns_twice < 1e-12:
         i, k = (-sign * R[b, d], R[b, b]), (0.0, 1.0)
-    angles = math.atan2(*i), math.atan2(sine, cosine), math.atan2(*k)
-    return angles if axes[0] == "s" else angles[::-1]
+    first, second, third = math.atan2(*i), math.atan2(sine, cosine), math.atan2(*k)
+    return (first, second, third) if axes[0] == "s" else (third, second, first)
 
 
 def euler_from_quaternion(quaternion: ArrayLike, axes: str = "sxyz") -> tuple[float, float, float]:

@@ -8,11 +8,15 @@ from textwrap import dedent
 
 STUB = """
 import sys
-path = sys.path[:]
-sys.path[:] = [entry for entry in path if "stand_ins" not in entry]
-import pybullet
-sys.path[:] = path
-sys.modules["manyhands.pybullet"] = sys.modules.pop("pybullet")
+from importlib.machinery import ExtensionFileLoader, PathFinder
+from importlib.util import module_from_spec
+
+for entry in sys.path:
+    spec = PathFinder.find_spec("pybullet", [entry])
+    if spec is not None and isinstance(spec.loader, ExtensionFileLoader):
+        sys.modules["manyhands.pybullet"] = module_from_spec(spec)
+        spec.loader.exec_module(sys.modules["manyhands.pybullet"])
+        break
 """
 """What a process runs first: it has PyBullet, which knows nothing of its place."""
 
