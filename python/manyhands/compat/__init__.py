@@ -1,4 +1,4 @@
-"""Old programs on this engine: `install_as` in a program, `python -m manyhands.compat program.py` around one."""
+"""Old programs on this engine: `install_as` in a program, `python -m manyhands.compat PROGRAM` around one."""
 
 from manyhands.compat.names import NAMES, install_as
 

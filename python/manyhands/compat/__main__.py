@@ -1,4 +1,4 @@
-"""`python -m manyhands.compat program.py`: runs a program as Python does, with our modules in the places of others."""
+"""`python -m manyhands.compat PROGRAM`: runs a program as Python does, with our modules in the places of others."""
 
 import argparse
 import builtins

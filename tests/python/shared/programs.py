@@ -16,6 +16,7 @@ for entry in sys.path:
     if spec is not None and isinstance(spec.loader, ExtensionFileLoader):
         sys.modules["manyhands.pybullet"] = module_from_spec(spec)
         spec.loader.exec_module(sys.modules["manyhands.pybullet"])
+        sys.modules.pop("pybullet", None)
         break
 """
 """What a process runs first: it has PyBullet, which knows nothing of its place."""
@@ -24,7 +25,7 @@ for entry in sys.path:
 def run(
     folder: Path, *arguments: str, program: str = "", stub: bool = False, paths: tuple[Path, ...] = ()
 ) -> subprocess.CompletedProcess[str]:
-    """Python with arguments; `program` lies in the folder as program.py, and runs if there are no arguments."""
+    """Python with arguments; `program` is put in the folder, and runs if there are no arguments."""
     if program:
         (folder / "program.py").write_text(dedent(program))
     path = [str(each) for each in paths]
