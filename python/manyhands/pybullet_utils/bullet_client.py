@@ -4,10 +4,9 @@ import inspect
 import os
 from contextlib import suppress
 from functools import partial
-from importlib import import_module
 from typing import Any
 
-_pybullet: Any = import_module("manyhands.pybullet")
+from manyhands import pybullet as _pybullet
 
 
 class BulletClient:

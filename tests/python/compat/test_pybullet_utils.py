@@ -31,6 +31,7 @@ AXES = [
 def ours(monkeypatch: pytest.MonkeyPatch) -> Iterator[ModuleType]:
     """Our bullet_client, with PyBullet in the place of our module."""
     monkeypatch.setitem(sys.modules, "manyhands.pybullet", pybullet)
+    monkeypatch.setattr("manyhands.pybullet", pybullet, raising=False)
     monkeypatch.delitem(sys.modules, "manyhands.pybullet_utils.bullet_client", raising=False)
     yield importlib.import_module("manyhands.pybullet_utils.bullet_client")
     sys.modules.pop("manyhands.pybullet_utils.bullet_client", None)
