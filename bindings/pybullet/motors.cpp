@@ -35,33 +35,28 @@ constexpr Function kSetMotor{
     "of the error that one step removes. TORQUE_CONTROL adds `force` in the next step. PD_CONTROL: gains in N m/rad.",
     set_motor};
 
-/// Numbers for n joints, or the fallback for all.
-std::vector<double> list_or(const Arguments& a, std::size_t i, std::size_t n, double fallback, const char* error) {
-  if (!a.has(i)) return std::vector<double>(n, fallback);
-  std::vector<double> numbers = a.numbers(i);
-  if (numbers.size() != n) throw Error(error);
-  return numbers;
+/// Puts the numbers of a list, one for each joint, into a field of the settings; unset lists leave it.
+void take_list(const Arguments& a, std::size_t i, double MotorSetting::* field, std::span<MotorSetting> settings,
+               const char* error) {
+  if (!a.has(i)) return;
+  const std::vector<double> numbers = a.numbers(i);
+  if (numbers.size() != settings.size()) throw Error(error);
+  for (std::size_t k = 0; k < numbers.size(); ++k) settings[k].*field = numbers[k];
 }
 
 PyObject* set_motors(Client& client, const Arguments& a) {
-  const int id = a.integer(0), mode = a.integer(2);
   const std::vector<int> joints = a.integers(1);
-  const std::size_t n = joints.size();
-  if (n == 0) return none();
-  for (const int joint : joints) {
-    if (joint < 0 || joint >= client.num_joints(id)) throw Error("Joint index out-of-range.");
-  }
-  const bullet::ControlMode control = mode_of(mode, bullet::kPd);
-  const auto q = list_or(a, 3, n, 0, "number of target positions should match the number of joint indices");
-  const auto v = list_or(a, 4, n, 0, "number of target velocities should match the number of joint indices");
-  const auto force = list_or(a, 5, n, 100000, "number of forces should match the joint indices");
-  const auto kp = list_or(a, 6, n, 0.1, "number of kps should match the joint indices");
-  const auto kd = list_or(a, 7, n, 1, "number of kds should match the number of joint indices");
-  for (std::size_t i = 0; i < n; ++i) {
-    client.set_motor(
-        id, joints[i],
-        {.mode = control, .target_q = q[i], .target_v = v[i], .force = force[i], .kp = kp[i], .kd = kd[i]});
-  }
+  if (joints.empty()) return none();
+  const MotorSetting standard{.mode = mode_of(a.integer(2), bullet::kPd)};
+  std::vector<MotorSetting> settings(joints.size(), standard);
+  take_list(a, 3, &MotorSetting::target_q, settings,
+            "number of target positions should match the number of joint indices");
+  take_list(a, 4, &MotorSetting::target_v, settings,
+            "number of target velocities should match the number of joint indices");
+  take_list(a, 5, &MotorSetting::force, settings, "number of forces should match the joint indices");
+  take_list(a, 6, &MotorSetting::kp, settings, "number of kps should match the joint indices");
+  take_list(a, 7, &MotorSetting::kd, settings, "number of kds should match the number of joint indices");
+  client.set_motors(a.integer(0), joints, settings);
   return none();
 }
 

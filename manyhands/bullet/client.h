@@ -81,6 +81,7 @@ class Client {
 
   // ---- motors and forces (client_motors.cpp) -------------------------------------------------------------------
   void set_motor(int body, int joint, const MotorSetting& setting);
+  void set_motors(int body, std::span<const int> joints, std::span<const MotorSetting> settings);
   void apply_force(int body, int link, const Vec3<double>& force, const Vec3<double>& point, bool in_link_frame);
   void apply_torque(int body, int link, const Vec3<double>& torque, bool in_link_frame);
 
@@ -148,6 +149,7 @@ class Client {
   void take_notes(const LoadReport& report);
   [[nodiscard]] Transform<double> inertial_pose(Body& body, int link);
   [[nodiscard]] Motion<double> inertial_velocity(Body& body, int link);
+  void set_motor(Body& body, int joint, const MotorSetting& setting);
   void write_motor(Body& body, int joint);
   void write_inertial(Body& body, int link);
   void write_surface(Body& body, int link);

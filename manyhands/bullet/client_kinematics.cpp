@@ -96,13 +96,22 @@ class Search {
       : m_(m), link_(m.model.link(link)), plan_(plan), request_(request), goal_(goal), n_(m.iq.size()) {
     rows_ = request.orientation ? 6 : 3;
     J_.resize(rows_ * n_);
+    scaled_.resize(rows_ * n_);
     step_.resize(n_);
+    softness_.resize(n_, 1 / kDamping);
+    for (std::size_t i = 0; i < n_ && request.damping.size() >= n_; ++i) {
+      softness_[i] = 1 / std::max(request.damping[i], kLeastDamping);
+    }
+    for (BodyId b = link_.body; b.value() > 0; b = m_.model.body(b).parent) path_.push_back(b.index());
+    std::ranges::reverse(path_);
+    column_.assign(static_cast<std::size_t>(m.model.nv()), -1);
+    for (std::size_t i = 0; i < n_; ++i) column_[static_cast<std::size_t>(m.iv[i])] = static_cast<int>(i);
   }
 
   Numbers run(Numbers q) {
     Numbers all = configuration(m_, q);
     for (int k = 0; k < request_.max_iterations; ++k) {
-      forward_kinematics(m_.tree, all.data(), m_.ws);
+      for (const std::size_t b : path_) place(m_.tree, b, all.data(), m_.ws);
       const bool is_last = set_error() <= request_.threshold;  // as in PyBullet, one step more
       set_jacobian();
       if (uses_null_space()) {
@@ -124,7 +133,7 @@ class Search {
 
  private:
   static constexpr double kLargestStep = 0.7853981633974483;  // of a joint in one iteration [rad]
-  static constexpr double kDamping = 0.5;
+  static constexpr double kDamping = 0.5, kLeastDamping = 1e-9;
 
   /// Returns how far the position is off [m].
   double set_error() {
@@ -155,29 +164,31 @@ class Search {
   void set_jacobian() {
     std::ranges::fill(J_, 0.0);
     visit_jacobian(m_.tree, link_.body, link_.X_BL.p, m_.ws, [&](int dof, const Motion<double>& S) {
-      const auto found = std::ranges::find(m_.iv, dof);
-      if (found == m_.iv.end()) return;
-      double* const column = &J_[static_cast<std::size_t>(found - m_.iv.begin())];
+      const int i = column_[static_cast<std::size_t>(dof)];
+      if (i < 0) return;
+      double* const column = &J_[static_cast<std::size_t>(i)];
       const std::array<double, 6> numbers{S.v.x, S.v.y, S.v.z, S.w.x, S.w.y, S.w.z};
       for (std::size_t r = 0; r < rows_; ++r) column[r * n_] = numbers[r];
     });
   }
 
-  /// dq = (J^T J + diag(d))^-1 J^T e
+  /// dq = (J^T J + D)^-1 J^T e = D^-1 J^T (J D^-1 J^T + 1)^-1 e, with D the damping of each joint.
   void step_damped() {
-    A_.assign(n_ * n_, 0.0);
-    for (std::size_t i = 0; i < n_; ++i) {
-      double b = 0;
-      for (std::size_t r = 0; r < rows_; ++r) b += J_[r * n_ + i] * e_[r];
-      step_[i] = b;
-      for (std::size_t k = 0; k <= i; ++k) {
-        double a = 0;
-        for (std::size_t r = 0; r < rows_; ++r) a += J_[r * n_ + i] * J_[r * n_ + k];
-        A_[i * n_ + k] = a;
+    std::array<double, 36> A{};
+    for (std::size_t r = 0; r < rows_; ++r) {
+      for (std::size_t i = 0; i < n_; ++i) scaled_[r * n_ + i] = J_[r * n_ + i] * softness_[i];
+      for (std::size_t s = 0; s <= r; ++s) {
+        double a = r == s ? 1 : 0;
+        for (std::size_t i = 0; i < n_; ++i) a += scaled_[r * n_ + i] * J_[s * n_ + i];
+        A[r * rows_ + s] = a;
       }
-      A_[i * n_ + i] += request_.damping.size() >= n_ ? request_.damping[i] : kDamping;
     }
-    solve(n_, A_.data(), step_.data());
+    std::array<double, 6> y = e_;
+    solve(rows_, A.data(), y.data());
+    for (std::size_t i = 0; i < n_; ++i) {
+      step_[i] = 0;
+      for (std::size_t r = 0; r < rows_; ++r) step_[i] += scaled_[r * n_ + i] * y[r];
+    }
   }
 
   [[nodiscard]] bool uses_null_space() const {
@@ -227,7 +238,9 @@ class Search {
   const Transform<double>& goal_;
   std::size_t n_, rows_;
   std::array<double, 6> e_{};
-  Numbers J_, A_, step_;
+  Numbers J_, A_, scaled_, step_, softness_;
+  std::vector<std::size_t> path_;  // bodies from the base to the link
+  std::vector<int> column_;        // (nv) of J, or -1
 };
 
 }  // namespace

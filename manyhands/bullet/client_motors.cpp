@@ -25,28 +25,38 @@ void Client::write_motor(Body& body, int joint) {
 void Client::set_motor(int id, int joint, const MotorSetting& setting) {
   Body* const body = find(id);
   require_joint(body, joint);
-  if (body->dof[static_cast<std::size_t>(joint)] < 0) return;
-  MotorMemory& motor = body->motor(joint);
-  const JointId in_world = joint_id(*body, joint);
+  set_motor(*body, joint, setting);
+}
+
+void Client::set_motors(int id, std::span<const int> joints, std::span<const MotorSetting> settings) {
+  Body* const body = find(id);
+  for (const int joint : joints) require_joint(body, joint);
+  for (std::size_t i = 0; i < joints.size(); ++i) set_motor(*body, joints[i], settings[i]);
+}
+
+void Client::set_motor(Body& body, int joint, const MotorSetting& setting) {
+  if (body.dof[static_cast<std::size_t>(joint)] < 0) return;
+  MotorMemory& motor = body.motor(joint);
+  const JointId in_world = joint_id(body, joint);
   if (setting.mode == kTorque) {
     motor.torque += setting.force;
     const std::vector<double> tau(world_.joint_v(in_world).size(), motor.torque);
     world_.set_joint_tau(in_world, tau);
-    torqued_.push_back({id, joint});
+    torqued_.push_back({body.id, joint});
     return;
   }
   if (setting.mode == kPd || setting.mode == kStablePd) {
     motor.pd = {setting.kp, setting.kd, setting.target_q, setting.target_v, setting.force};
     if (setting.force == 0) motor.pd.clear();
-    body->has_clamps = true;
+    body.has_clamps = true;
     return;
   }
   motor.is_default = false;
   motor.setting = setting;
   if (setting.mode == kVelocity) motor.max_velocity = std::numeric_limits<double>::infinity();
   if (setting.max_velocity && *setting.max_velocity >= 0) motor.max_velocity = *setting.max_velocity;
-  body->has_clamps = body->has_clamps || is_finite(motor.max_velocity);
-  write_motor(*body, joint);
+  body.has_clamps = body.has_clamps || is_finite(motor.max_velocity);
+  write_motor(body, joint);
 }
 
 void Client::apply_force(int id, int link, const Vec3<double>& force, const Vec3<double>& point, bool in_link_frame) {

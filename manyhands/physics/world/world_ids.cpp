@@ -12,6 +12,16 @@ using internal::require_numbers;
 using internal::require_pose;
 using internal::require_vector;
 
+namespace {
+
+/// Messages are made only where a check fails: these calls are frequent.
+bool all_finite(std::span<const double> numbers) { return std::ranges::all_of(numbers, is_finite<double>); }
+bool all_finite(std::initializer_list<double> numbers) {
+  return all_finite(std::span(numbers.begin(), numbers.size()));
+}
+
+}  // namespace
+
 const Model& World::parts() const { return *loose().model; }
 
 const Link& World::required_link(const WorldCore& core, LinkId link) {
@@ -88,11 +98,14 @@ void World::apply_link_force(LinkId id, const Vec3<double>& force, const Vec3<do
   const FloatEnvironment floats;
   WorldCore& now = loose();
   const std::string& name = required_link(now, id).name;
-  require_vector("the force on '" + name + "'", force);
-  require_vector("the torque on '" + name + "'", torque);
-  require_vector("the point of the force on '" + name + "'", point);
+  const Force<double> about_origin{torque + cross(point, force), force};
+  if (!all_finite({about_origin.n.x, about_origin.n.y, about_origin.n.z, force.x, force.y, force.z})) {
+    require_vector("the force on '" + name + "'", force);
+    require_vector("the torque on '" + name + "'", torque);
+    require_vector("the point of the force on '" + name + "'", point);
+  }
   Force<double>& sum = now.extras.external[id.index()];
-  sum = sum + Force<double>{torque + cross(point, force), force};
+  sum = sum + about_origin;
   now.extras.pushed[0] = 1;
 }
 
@@ -114,10 +127,13 @@ std::span<const double> World::joint_v(JointId joint) const {
 
 void World::set_joint(JointId joint, std::span<const double> q, std::span<const double> v) {
   WorldCore& now = loose();
-  const std::string& name = now.model->joint(joint).name;
-  require_numbers("the position of joint '" + name + "'", q, joint_q(joint).size());
-  require_numbers("the velocity of joint '" + name + "'", v, joint_v(joint).size());
   const Body& body = required_body(now, joint);
+  const std::size_t nq = joint_q(joint).size(), nv = joint_v(joint).size();
+  if (q.size() != nq || v.size() != nv || !all_finite(q) || !all_finite(v)) {
+    const std::string& name = now.model->joint(joint).name;
+    require_numbers("the position of joint '" + name + "'", q, nq);
+    require_numbers("the velocity of joint '" + name + "'", v, nv);
+  }
   std::ranges::copy(q, now.state.q() + body.iq);
   std::ranges::copy(v, now.state.v() + body.iv);
   now.moved();
@@ -125,7 +141,10 @@ void World::set_joint(JointId joint, std::span<const double> q, std::span<const 
 
 void World::set_joint_tau(JointId joint, std::span<const double> tau) {
   WorldCore& now = loose();
-  require_numbers("the force of joint '" + now.model->joint(joint).name + "'", tau, joint_v(joint).size());
+  const std::size_t nv = joint_v(joint).size();
+  if (tau.size() != nv || !all_finite(tau)) {
+    require_numbers("the force of joint '" + now.model->joint(joint).name + "'", tau, nv);
+  }
   std::ranges::copy(tau, now.state.tau() + required_body(now, joint).iv);
 }
 
@@ -133,10 +152,11 @@ void World::set_joint_motor(JointId joint, const JointMotor& motor) {
   WorldCore& now = loose();
   const Body& body = required_body(now, joint);
   const std::array<double, 5> numbers{motor.target_q, motor.target_v, motor.kp, motor.kd, motor.max_force};
-  const std::string& name = now.model->joint(joint).name;
-  require_numbers<double>("the motor of joint '" + name + "'", numbers, 5);
-  internal::require_not_negative<double>("the gains and force of the motor of joint '" + name + "'",
-                                         std::span(numbers).subspan(2));
+  if (!all_finite(numbers) || motor.kp < 0 || motor.kd < 0 || motor.max_force < 0) {
+    const std::string what = "the motor of joint '" + now.model->joint(joint).name + "'";
+    require_numbers<double>(what, numbers, 5);
+    internal::require_not_negative<double>("the gains and force of " + what, std::span(numbers).subspan(2));
+  }
   for (int k = 0; body.joint == joint && k < body.nv; ++k) {
     const auto i = static_cast<std::size_t>(body.iv + k);
     now.state.target_q()[i] = motor.target_q;
