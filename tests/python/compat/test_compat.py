@@ -6,7 +6,6 @@ from textwrap import dedent
 import pytest
 from programs import output, run
 
-pytest.importorskip("pybullet")
 COMPAT = ("-m", "manyhands.compat")
 
 PROGRAM = """
@@ -30,7 +29,7 @@ def test_a_program_is_the_main_module(tmp_path: Path) -> None:
     (tmp_path / "inner").mkdir()
     (tmp_path / "inner" / "beside.py").write_text("")
     (tmp_path / "inner" / "program.py").write_text(dedent(PROGRAM))
-    done = output(tmp_path, "", *COMPAT, "inner/program.py", "-m", "--keep", "x", stub=True)
+    done = output(tmp_path, "", *COMPAT, "inner/program.py", "-m", "--keep", "x")
     folder = str((tmp_path / "inner").resolve())
     file = str(tmp_path / "inner" / "program.py")
     expected = f"['inner/program.py', '-m', '--keep', 'x'] __main__ {file} {folder} None beside 1\n"
@@ -88,7 +87,7 @@ def test_processes_that_a_program_starts(tmp_path: Path) -> None:
             process.join()
             subprocess.run([sys.executable, "-c", "import gym.envs; print(gym.envs.__name__)"], check=True)
     """
-    assert output(tmp_path, program, *COMPAT, "program.py", stub=True) == (
+    assert output(tmp_path, program, *COMPAT, "program.py") == (
         "manyhands.gym manyhands.gym.wrappers.time_limit manyhands.pybullet_utils.bullet_client\nmanyhands.gym.envs\n"
     )
 

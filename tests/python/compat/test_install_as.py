@@ -37,7 +37,6 @@ def test_names_stand_for_our_modules(tmp_path: Path) -> None:
         assert panda_gym.__spec__.name == "manyhands.panda_gym", "our modules keep what they are"
         manyhands.install_as("gym")
         """,
-        stub=True,
     )
 
 
@@ -85,7 +84,6 @@ def test_what_is_not_ours_is_taken_from_the_installed_package(tmp_path: Path) ->
         else:
             raise AssertionError
         """,
-        stub=True,
     )
 
 

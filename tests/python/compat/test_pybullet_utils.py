@@ -1,15 +1,16 @@
-"""manyhands.pybullet_utils beside the package of that name, over PyBullet itself."""
+"""manyhands.pybullet_utils beside the package of that name."""
 
 import gc
-import importlib
 import itertools
-import sys
 from collections.abc import Iterator
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 import pytest
+
+from manyhands import pybullet as ours
+from manyhands.pybullet_utils import pd_controller_stable, transformations
+from manyhands.pybullet_utils.bullet_client import BulletClient
 
 pybullet = pytest.importorskip("pybullet")
 data: Any = pytest.importorskip("pybullet_data")
@@ -17,7 +18,6 @@ real_transformations: Any = pytest.importorskip("pybullet_utils.transformations"
 real_pd: Any = pytest.importorskip("pybullet_utils.pd_controller_stable")
 real_client: Any = pytest.importorskip("pybullet_utils.bullet_client")
 
-from manyhands.pybullet_utils import pd_controller_stable, transformations  # noqa: E402  after its oracle
 
 AXES = [
     f"{frame}{''.join(letters)}"
@@ -28,16 +28,6 @@ AXES = [
 
 
 @pytest.fixture
-def ours(monkeypatch: pytest.MonkeyPatch) -> Iterator[ModuleType]:
-    """Our bullet_client, with PyBullet in the place of our module."""
-    monkeypatch.setitem(sys.modules, "manyhands.pybullet", pybullet)
-    monkeypatch.setattr("manyhands.pybullet", pybullet, raising=False)
-    monkeypatch.delitem(sys.modules, "manyhands.pybullet_utils.bullet_client", raising=False)
-    yield importlib.import_module("manyhands.pybullet_utils.bullet_client")
-    sys.modules.pop("manyhands.pybullet_utils.bullet_client", None)
-
-
-@pytest.fixture
 def client() -> Iterator[Any]:
     made = real_client.BulletClient(pybullet.DIRECT)
     made.setAdditionalSearchPath(data.getDataPath())
@@ -45,21 +35,21 @@ def client() -> Iterator[Any]:
     made.disconnect()
 
 
-def test_each_client_has_its_own_world(ours: Any) -> None:
-    first, second = ours.BulletClient(pybullet.DIRECT), ours.BulletClient()  # nobody shares memory: the second is new
+def test_each_client_has_its_own_world() -> None:
+    first, second = BulletClient(ours.DIRECT), BulletClient()  # nobody shares memory: the second is new
     assert first._client != second._client
     first.setGravity(0, 0, -5)
     for _ in range(2):  # the second call takes another way than the first
-        first.createCollisionShape(pybullet.GEOM_SPHERE, radius=0.1)
+        first.createCollisionShape(ours.GEOM_SPHERE, radius=0.1)
         first.createMultiBody(1.0)
     assert (first.getNumBodies(), second.getNumBodies()) == (2, 0)
     assert first.getPhysicsEngineParameters()["gravityAccelerationZ"] == -5
-    assert first.DIRECT == pybullet.DIRECT and first.error is pybullet.error
+    assert first.DIRECT == ours.DIRECT and first.error is ours.error
     first.disconnect()
     assert first._client == -1
-    with pytest.raises(pybullet.error):
+    with pytest.raises(ours.error):
         first.stepSimulation()
-    with pytest.raises(pybullet.error):
+    with pytest.raises(ours.error):
         first.disconnect()
     with pytest.raises(AttributeError, match="no_such"):
         second.no_such()
@@ -67,15 +57,15 @@ def test_each_client_has_its_own_world(ours: Any) -> None:
     second.disconnect()
 
 
-def test_a_forgotten_client_disconnects(ours: Any) -> None:
-    number = ours.BulletClient(pybullet.DIRECT)._client
+def test_a_forgotten_client_disconnects() -> None:
+    number = BulletClient(ours.DIRECT)._client
     gc.collect()
-    assert pybullet.isConnected(number) == 0
+    assert ours.isConnected(number) == 0
 
 
-def test_a_client_that_cannot_connect(ours: Any) -> None:
-    with pytest.raises(pybullet.error):
-        ours.BulletClient(98765)
+def test_a_client_that_cannot_connect() -> None:
+    with pytest.raises(ours.error):
+        BulletClient(98765)
 
 
 @pytest.mark.parametrize("fixed", [True, False])
