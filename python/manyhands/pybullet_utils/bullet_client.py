@@ -6,7 +6,9 @@ from contextlib import suppress
 from functools import partial
 from typing import Any
 
-from manyhands import pybullet as _pybullet
+from manyhands import pybullet
+
+_pybullet: Any = pybullet  # its stubs do not know `error`
 
 
 class BulletClient:
