@@ -388,14 +388,14 @@ def test_the_first_scene(page: dict[str, Any]) -> None:
 
 
 def test_the_loop_goes_round(page: dict[str, Any]) -> None:
-    class Enough(Exception): ...
+    class EnoughError(Exception): ...
 
     rounds: list[int] = []
 
     def calculate_reward() -> float:
         rounds.append(1)
         if len(rounds) == 20:
-            raise Enough
+            raise EnoughError
         return 0.0
 
     page |= {
@@ -406,7 +406,7 @@ def test_the_loop_goes_round(page: dict[str, Any]) -> None:
         "episode_finished": lambda: len(rounds) % 5 == 0,
         "reset_world": lambda: page["p"].resetSimulation(),
     }
-    with pytest.raises(Enough):
+    with pytest.raises(EnoughError):
         run(page, IMPORTS, "p.connect(p.DIRECT)", LOOP)
 
 
@@ -447,7 +447,7 @@ def test_the_environment_runs_as_written_and_its_slip_is_found(page: dict[str, A
     observation, _ = env.reset(seed=0)
     assert observation.shape == (21,), "it declares 20"
     for _ in range(20):
-        observation, reward, terminated, truncated, info = env.step(env.action_space.sample())
+        observation, _, _, _, info = env.step(env.action_space.sample())
     assert info["distance_to_target"] == pytest.approx(float(observation[-1]))
     env.close()
     wrong = page["PyBulletReachEnv"]()
