@@ -56,13 +56,17 @@ PyObject* load_urdf(Client& client, const Arguments& a) {
   }
 }
 
-constexpr Function kLoadUrdf{
+/// In the legacy form the eighth number is a quaternion's, and not the client.
+constexpr FreeFunction kLoadUrdf{
     "loadURDF",
     "fileName | basePosition=[0, 0, 0], baseOrientation=[0, 0, 0, 1], useMaximalCoordinates=-1, useFixedBase=0, "
     "flags=0, globalScaling=-1",
     "Loads a robot or thing, whose base link comes to stand at basePosition [m], baseOrientation (xyzw), and returns "
     "its body id. Prints what is wrong and raises error if it cannot.",
-    load_urdf};
+    [](const Arguments& a) -> PyObject* {
+      const ClientLock client(is_legacy(a) ? 0 : a.integer(7, 0));
+      return load_urdf(*client, a);
+    }};
 
 PyObject* load_mjcf(Client& client, const Arguments& a) {
   constexpr const char* kError = "Cannot load MJCF file.";
