@@ -14,6 +14,7 @@
 #include "manyhands/base/assets.h"
 #include "manyhands/model/fingerprint.h"
 #include "manyhands/model/io/mjcf/mjcf.h"
+#include "manyhands/model/io/sdf/sdf.h"
 #include "manyhands/model/io/urdf/urdf.h"
 
 namespace nb = nanobind;
@@ -44,6 +45,8 @@ void bind_errors(nb::module_& m) {
       "A URDF file is not a robot that can be loaded; the message says 'file:line: what was wrong'.";
   nb::exception<MjcfError>(m, "MjcfError", PyExc_ValueError).doc() =
       "An MJCF file is not a scene that can be loaded; the message says 'file:line: what was wrong'.";
+  nb::exception<SdfError>(m, "SdfError", PyExc_ValueError).doc() =
+      "An SDF file holds no models that can be loaded; the message says 'file:line: what was wrong'.";
 }
 
 void bind_report(nb::module_& m) {
@@ -168,15 +171,44 @@ void bind_model_class(nb::module_& m) {
 
 using PythonLoaded = std::pair<std::unique_ptr<PythonModel>, LoadReport>;
 
+PythonLoaded as_python(LoadedModel loaded) {
+  bindings::warn_of(loaded.report.notes, "the report, which comes with the model,");
+  return {std::make_unique<PythonModel>(std::move(loaded.model)), std::move(loaded.report)};
+}
+
 /// Loads without holding Python's lock.
 template <class Load>
 PythonLoaded loaded_by(Load load) {
-  LoadedModel loaded = [&] {
+  return as_python([&] {
     const nb::gil_scoped_release release;
     return load();
-  }();
-  bindings::warn_of(loaded.report.notes, "the report, which comes with the model,");
-  return {std::make_unique<PythonModel>(std::move(loaded.model)), std::move(loaded.report)};
+  }());
+}
+
+void bind_sdf(nb::module_& m) {
+  m.def(
+      "load_sdf",
+      [](const std::filesystem::path& path, std::vector<std::filesystem::path> package_paths,
+         bool allow_outside_package, bool load_meshes, bool bullet) {
+        std::vector<LoadedModel> models = [&] {
+          const nb::gil_scoped_release release;
+          return load_sdf(path, {.package_paths = std::move(package_paths),
+                                 .allow_outside_package = allow_outside_package,
+                                 .load_meshes = load_meshes,
+                                 .bullet = bullet});
+        }();
+        std::vector<PythonLoaded> loaded;
+        for (LoadedModel& model : models) loaded.push_back(as_python(std::move(model)));
+        return loaded;
+      },
+      "path"_a, nb::kw_only(), "package_paths"_a = std::vector<std::filesystem::path>{},
+      "allow_outside_package"_a = false, "load_meshes"_a = true, "bullet"_a = false,
+      "Loads the models of an SDF file, each with what was defaulted, repaired or ignored in it.\n\n"
+      "One for each <model> and <include>, at its place in the world; `World.from_file` takes them all. Root links float "
+      "by joints 'LINK_free', unless the model is static or the link has no mass. package_paths: where models lie, "
+      "searched before GZ_SIM_RESOURCE_PATH, GAZEBO_MODEL_PATH, ROS_PACKAGE_PATH, AMENT_PREFIX_PATH and the folders "
+      "above the file. bullet: Bullet's rules of friction and joint frames in place of Gazebo's. The other options are "
+      "those of `load_urdf`. Raises FileNotFoundError, and SdfError (a ValueError) for malformed files.");
 }
 
 void bind_mjcf(nb::module_& m) {
@@ -242,6 +274,7 @@ void bind_model(nb::module_& m) {
   bind_model_builder(m);
   bind_loading(m);
   bind_mjcf(m);
+  bind_sdf(m);
   bind_saving(m);
 }
 

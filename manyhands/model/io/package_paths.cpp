@@ -136,8 +136,10 @@ fs::path PackagePaths::find_package(const std::string& package) const {
   for (const fs::path& place : package_paths_) {
     if (const auto found = package_at(place, package, true)) return *found;
   }
-  for (const fs::path& place : paths_of_variable("ROS_PACKAGE_PATH")) {
-    if (const auto found = package_at(place, package, true)) return *found;
+  for (const char* const variable : {"GZ_SIM_RESOURCE_PATH", "GAZEBO_MODEL_PATH", "ROS_PACKAGE_PATH"}) {
+    for (const fs::path& place : paths_of_variable(variable)) {
+      if (const auto found = package_at(place, package, true)) return *found;
+    }
   }
   for (const fs::path& prefix : paths_of_variable("AMENT_PREFIX_PATH")) {
     if (is_folder(prefix / "share" / package)) return prefix / "share" / package;
@@ -146,7 +148,8 @@ fs::path PackagePaths::find_package(const std::string& package) const {
     if (const auto found = package_at(above, package, false)) return *found;
   }
   throw std::runtime_error("no package " + in_quotes(package) +
-                           " in package_paths, ROS_PACKAGE_PATH, AMENT_PREFIX_PATH or the folders above the file");
+                           " in package_paths, ROS_PACKAGE_PATH, AMENT_PREFIX_PATH, GZ_SIM_RESOURCE_PATH, "
+                           "GAZEBO_MODEL_PATH or the folders above the file");
 }
 
 fs::path PackagePaths::checked(const fs::path& path, const std::vector<fs::path>& roots) const {

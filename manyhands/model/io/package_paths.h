@@ -26,9 +26,10 @@ class PackagePaths {
   [[nodiscard]] PackagePaths at(const std::filesystem::path& folder) const;
 
   /// The file meant by `name`: package://PACKAGE/..., model://PACKAGE/..., file://..., an absolute path, or a path
-  /// relative to the folder. A package is looked for in the package paths, in ROS_PACKAGE_PATH, in the share folders
-  /// of AMENT_PREFIX_PATH and in the folders above the description: a folder of its name, or one whose package.xml
-  /// bears it. The result is a regular file, symbolic links resolved.
+  /// relative to the folder. A package is looked for in the package paths, in GZ_SIM_RESOURCE_PATH,
+  /// GAZEBO_MODEL_PATH and ROS_PACKAGE_PATH, in the share folders of AMENT_PREFIX_PATH and in the folders above the
+  /// description: a folder of its name, or one whose package.xml bears it. The result is a regular file, symbolic links
+  /// resolved.
   ///
   /// Throws PathEscape if it lies outside its package, or, without a package, outside that of the description: the
   /// nearest folder above with a package.xml, pyproject.toml or __init__.py, and those above it while they have one,

@@ -89,8 +89,6 @@ class MjcfAssets {
 [[nodiscard]] std::optional<GeomTexture> texture_on(ShapeType shape, const MjcfMaterial& material,
                                                     const MjcfElement& geom);
 
-/// The surface of the convex hull of a mesh's vertices. Throws ModelError if they have no extent.
-[[nodiscard]] Mesh hull_of(const Mesh& mesh);
 
 /// A shape fitted to a mesh, as the file's frame has it, and its pose there.
 struct MjcfFit {

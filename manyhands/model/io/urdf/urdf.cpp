@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
-#include <tuple>
 
-#include "manyhands/model/io/mesh/mesh_file.h"
+#include "manyhands/model/io/mesh_shelf.h"
+#include "manyhands/model/io/missing_inertia.h"
 #include "manyhands/model/io/package_paths.h"
 #include "manyhands/model/io/text_file.h"
 #include "manyhands/model/io/text_numbers.h"
@@ -41,7 +40,9 @@ class Assembler {
     const io::UrdfTree tree = io::find_tree(robot_);
     add_root(robot_.links[tree.root]);
     for (const io::UrdfBranch& branch : tree.branches) add_branch(branch);
-    give_inertia_where_needed();
+    io::give_missing_inertia(builder_, [&](const Link& link, const std::string& done) {
+      elements_.at(link.name).note(LoadAction::kRepaired, done);
+    });
     for (const std::size_t index : tree.depth_first()) {
       for (const io::UrdfGeom& geom : robot_.links[index].geoms) add_geom(geom, ids_.at(robot_.links[index].name));
     }
@@ -83,48 +84,6 @@ class Assembler {
     builder_.add_joint(std::move(added));
   }
 
-  /// Joints that move no inertia: the outermost get what is missing, which serves those nearer the root as well.
-  void give_inertia_where_needed() {
-    constexpr int kMostPasses = 8;  // two do, unless numbers are so large that rounding eats what was given
-    for (int pass = 0; pass < kMostPasses; ++pass) {
-      const std::vector<JointId> found = builder_.joints_without_inertia();
-      if (found.empty()) return;
-      const std::set<JointId> lacking(found.begin(), found.end());
-      std::vector<bool> is_served(builder_.links().size(), false);  // a link beyond this one was given inertia
-      for (std::size_t i = is_served.size() - 1; i > 0; --i) {
-        const Link& link = builder_.links()[i];
-        const bool lacks = lacking.contains(link.joint);
-        if (lacks && !is_served[i]) give_inertia(builder_.joint(link.joint));
-        if ((lacks || is_served[i]) && link.parent.is_valid()) is_served[link.parent.index()] = true;
-      }
-    }
-  }
-
-  void give_inertia(Joint& joint) {
-    constexpr double kMass = 1e-3;            // [kg]
-    constexpr double kInertia = 1e-6;         // [kg m^2]
-    constexpr double kShareOfLargest = 1e-3;  // of a needle, about its axis: what a thin rod has
-    Link& link = builder_.link(joint.child);
-    const UrdfElement& element = elements_.at(link.name);
-    if (joint.parent == builder_.world() && joint.type == JointType::kFloating && joint.child == LinkId(1) &&
-        link.inertial.mass <= 0) {
-      joint.type = JointType::kFixed;
-      element.note(LoadAction::kRepaired, "the root link has no mass and cannot float; it is fixed to the world");
-      return;
-    }
-    Inertial& inertial = link.inertial;
-    std::string given;
-    if (inertial.mass < kMass) {
-      inertial.mass = kMass;
-      given = "a mass of " + io::format_number(kMass) + " kg and ";
-    }
-    SymMat3<double>& I = inertial.inertia;
-    const double added = std::max(kInertia, kShareOfLargest * std::max({I.xx, I.yy, I.zz}));
-    I = I + SymMat3<double>{added, added, added, 0, 0, 0};
-    element.note(LoadAction::kRepaired, "joint '" + joint.name + "' would move no inertia; " + given +
-                                            "an inertia of " + io::format_number(added) + " kg m^2 given to the link");
-  }
-
   void add_geom(const io::UrdfGeom& part, LinkId link) {
     Geom geom = part.geom;
     geom.link = link;
@@ -140,25 +99,18 @@ class Assembler {
     builder_.add_geom(std::move(geom));
   }
 
-  /// The mesh of a geom, loaded once for all that use it; an invalid id, which is noted, if it cannot be read.
+  /// The mesh of a geom; an invalid id, which is noted, if it cannot be read.
   MeshId mesh_of(const io::UrdfGeom& part) {
-    const Vec3<double>& s = part.mesh_scale;
-    const auto [entry, is_new] = meshes_.try_emplace(std::tuple(part.mesh_file, s.x, s.y, s.z));
-    LoadedMesh& mesh = entry->second;
-    if (is_new) {
-      try {
-        mesh.id = builder_.add_mesh(load_mesh(paths_.resolve(part.mesh_file), s));
-      } catch (const io::PathEscape& error) {
-        part.source.fail("mesh " + io::in_quotes(part.mesh_file) + ": " + error.what());
-      } catch (const std::exception& error) {
-        mesh.problem = error.what();
+    const std::string mesh = "mesh " + io::in_quotes(part.mesh_file) + ": ";
+    try {
+      const io::ShelvedMesh found = meshes_.find(paths_, part.mesh_file, part.mesh_scale);
+      if (!found.id.is_valid()) {
+        part.source.note_serious(LoadAction::kIgnored, mesh + found.problem + "; the geom is left out");
       }
+      return found.id;
+    } catch (const io::PathEscape& error) {
+      part.source.fail(mesh + error.what());
     }
-    if (!mesh.id.is_valid()) {
-      part.source.note_serious(LoadAction::kIgnored, "mesh " + io::in_quotes(part.mesh_file) + ": " + mesh.problem +
-                                                         "; the geom is left out");
-    }
-    return mesh.id;
   }
 
   /// Nothing, which is noted, if there is no such file that may be read.
@@ -178,11 +130,6 @@ class Assembler {
                                     std::to_string(meshes_left_out_) + " geoms with meshes left out, as asked"});
   }
 
-  struct LoadedMesh {
-    MeshId id;
-    std::string problem;
-  };
-
   const io::UrdfRobot& robot_;
   const io::UrdfSource& source_;
   const UrdfOptions& options_;
@@ -190,7 +137,7 @@ class Assembler {
   ModelBuilder builder_;
   std::map<std::string, LinkId> ids_;
   std::map<std::string, UrdfElement> elements_;
-  std::map<std::tuple<std::string, double, double, double>, LoadedMesh> meshes_;
+  io::MeshShelf meshes_{builder_};
   int meshes_left_out_ = 0;
 };
 

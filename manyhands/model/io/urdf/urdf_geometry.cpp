@@ -3,26 +3,18 @@
 
 #include "manyhands/model/io/text_numbers.h"
 #include "manyhands/model/io/urdf/urdf_parts.h"
+#include "manyhands/model/unit.h"
 
 namespace manyhands::io {
 
 namespace {
-
-/// The smallest rotation that takes z to the unit vector n.
-Mat3<double> rotation_to_normal(const Vec3<double>& n) {
-  const Vec3<double> side = std::abs(n.x) < 0.5 ? Vec3<double>{1, 0, 0} : Vec3<double>{0, 1, 0};
-  Vec3<double> y = cross(n, side);
-  y = (1 / norm(y)) * y;
-  return {cross(y, n), y, n};
-}
 
 void read_plane(const UrdfElement& element, Geom& geom) {
   element.expect({"normal"});
   const Vec3<double> normal = element.vec3_or("normal", {0, 0, 1});
   const double length = norm(normal);
   if (length < 1e-9) element.fail("the normal of <plane> is 0; expected a direction such as \"0 0 1\"");
-  if (normal.x != 0 || normal.y != 0 || normal.z < 0)
-    geom.X_LG.R = geom.X_LG.R * rotation_to_normal((1 / length) * normal);
+  geom.X_LG.R = geom.X_LG.R * rotation_to_normal((1 / length) * normal);
 }
 
 /// PyBullet reads a single number as the scale of all axes, and files rely on it.
