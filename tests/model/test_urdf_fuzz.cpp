@@ -95,7 +95,8 @@ TEST(UrdfFuzz, RobotsLoadOrGiveTheOneError) {
   for (unsigned seed = 0; seed < rounds(6000); ++seed) {
     const std::string text = Mutator(seed).mutated(kUrdf);
     try {
-      expect_whole(load_urdf_string(text, "fuzz.urdf", ".", {.fixed_base = seed % 2 == 0}).model);
+      expect_whole(
+          load_urdf_string(text, "fuzz.urdf", ".", {.fixed_base = seed % 2 == 0, .bullet = seed % 3 == 0}).model);
       ++loaded;
     } catch (const UrdfError& error) {
       ASSERT_TRUE(std::string(error.what()).starts_with("fuzz.urdf:"));

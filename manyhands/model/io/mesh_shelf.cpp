@@ -4,7 +4,8 @@
 
 namespace manyhands::io {
 
-ShelvedMesh MeshShelf::find(const PackagePaths& paths, const std::string& name, const Vec3<double>& scale) {
+ShelvedMeshes MeshShelf::find(const PackagePaths& paths, const std::string& name, const Vec3<double>& scale,
+                              bool by_objects) {
   std::filesystem::path path;
   try {
     path = paths.resolve(name);
@@ -13,10 +14,16 @@ ShelvedMesh MeshShelf::find(const PackagePaths& paths, const std::string& name, 
   } catch (const std::runtime_error& error) {
     return {.problem = error.what()};
   }
-  const auto [entry, is_new] = meshes_.try_emplace(std::tuple(path, scale.x, scale.y, scale.z));
+  const auto [entry, is_new] = meshes_.try_emplace(std::tuple(path, scale.x, scale.y, scale.z, by_objects));
   if (is_new) {
     try {
-      entry->second.id = builder_->add_mesh(load_mesh(path, scale));
+      std::vector<Mesh> meshes;
+      if (by_objects) {
+        meshes = load_mesh_objects(path, scale);
+      } else {
+        meshes.push_back(load_mesh(path, scale));
+      }
+      for (Mesh& mesh : meshes) entry->second.ids.push_back(builder_->add_mesh(std::move(mesh)));
     } catch (const std::exception& error) {
       entry->second.problem = error.what();
     }

@@ -117,8 +117,12 @@ fs::path resolved(const fs::path& path) {
 
 }  // namespace
 
-PackagePaths::PackagePaths(const fs::path& folder, std::vector<fs::path> package_paths, bool allow_outside)
-    : folder_(resolved(fs::absolute(folder))), package_paths_(std::move(package_paths)), allow_outside_(allow_outside) {
+PackagePaths::PackagePaths(const fs::path& folder, std::vector<fs::path> package_paths, bool allow_outside,
+                           bool look_above)
+    : folder_(resolved(fs::absolute(folder))),
+      package_paths_(std::move(package_paths)),
+      allow_outside_(allow_outside),
+      look_above_(look_above) {
   own_roots_.push_back(root_around(folder_));
   for (const fs::path& path : package_paths_) own_roots_.push_back(resolved(path));
 }
@@ -165,6 +169,23 @@ fs::path PackagePaths::checked(const fs::path& path, const std::vector<fs::path>
 }
 
 fs::path PackagePaths::resolve(std::string_view name) const {
+  if (!look_above_) return resolve_as_said(name);
+  try {
+    return resolve_as_said(name);
+  } catch (const PathEscape&) {
+    throw;
+  } catch (const std::runtime_error&) {
+    const std::size_t scheme = name.find("://");
+    const fs::path rest = fs::path(name.substr(scheme == name.npos ? 0 : scheme + 3)).relative_path();
+    for (fs::path above = folder_; above.has_relative_path(); above = above.parent_path()) {
+      std::error_code error;
+      if (fs::is_regular_file(above / rest, error)) return checked(above / rest, own_roots_);
+    }
+    throw;
+  }
+}
+
+fs::path PackagePaths::resolve_as_said(std::string_view name) const {
   for (const std::string_view scheme : {"package://", "model://"}) {
     if (!name.starts_with(scheme)) continue;
     const std::string_view rest = name.substr(scheme.size());

@@ -186,13 +186,14 @@ MjcfGeomMass add_geom(MjcfScene& scene, int body_index, const MjcfPlaced& placed
     geom.surface = surface_of(entry.friction, entry.condim);
     geom.margin = e.positive_or("margin", 0);
     geom.rgba = {0.5f, 0.5f, 0.5f, 1};
-    if (e.has("material")) {
+    if (e.has("material") && !(e.source().is_bullet() && !scene.assets.has_material(e.text("material")))) {
       const MjcfMaterial& material = scene.assets.material(e.text("material"), e);
       geom.rgba = material.rgba;
       geom.texture = texture_on(geom.shape.type, material, e);
     }
     geom.rgba = read_rgba(e, geom.rgba);
-    const double density = e.positive_or("density", 1000);
+    constexpr double kUsual = 1000;  // [kg/m^3]
+    const double density = e.source().is_bullet() ? kUsual : e.positive_or("density", kUsual);
     double factor = density;
     if (e.has("mass")) factor = part.volume.mass > 0 ? e.positive_or("mass", 0) / part.volume.mass : 0;
     mass.inertial = manyhands::placed(geom.X_LG, scaled(part.volume, factor));

@@ -241,31 +241,34 @@ class Assembler {
       const Pose X_WR = frames_.pose(frames_.find(part.source, link.scope, part.pose.relative_to));
       geom.X_LG = inverse(X_WL_.at(link.key)) * X_WR * part.pose.X;
     }
-    if (geom.shape.type == ShapeType::kMesh) {
-      if (!options_.load_meshes) {
-        ++meshes_left_out_;
-        return;
-      }
-      geom.shape.mesh = mesh_of(part);
-      if (!geom.shape.mesh.is_valid()) return;
-    }
     if (part.ellipsoid) {
       geom.shape.mesh = builder_.add_mesh(hull_of(io::points_on_ellipsoid(*part.ellipsoid)));
       part.source.note(LoadAction::kRepaired, "the ellipsoid became the hull of 162 points on it");
     }
     if (!part.texture_file.empty()) geom.texture = texture_of(part);
+    if (geom.shape.type == ShapeType::kMesh) return add_meshes(part, geom);
     builder_.add_geom(std::move(geom));
   }
 
-  /// An invalid id, which is noted, if it cannot be read.
-  MeshId mesh_of(const io::SdfGeom& part) {
+  /// In Bullet the hulls of a file's objects touch; else its triangles do, or its hull where it moves.
+  void add_meshes(const io::SdfGeom& part, Geom& geom) {
+    if (!options_.load_meshes) {
+      ++meshes_left_out_;
+      return;
+    }
+    const bool by_objects = options_.bullet && geom.role == GeomRole::kCollision && !part.is_concave;
+    if (by_objects) geom.shape.type = ShapeType::kConvex;
     const std::string mesh = "mesh " + io::in_quotes(part.mesh_file) + ": ";
     try {
-      const io::ShelvedMesh found = meshes_.find(part.source.file().paths, local_name(part.mesh_file), part.mesh_scale);
-      if (!found.id.is_valid()) {
+      const io::ShelvedMeshes found =
+          meshes_.find(part.source.file().paths, local_name(part.mesh_file), part.mesh_scale, by_objects);
+      if (found.ids.empty()) {
         part.source.note_serious(LoadAction::kIgnored, mesh + found.problem + "; the geom is left out");
       }
-      return found.id;
+      for (const MeshId id : found.ids) {
+        geom.shape.mesh = id;
+        builder_.add_geom(geom);
+      }
     } catch (const io::PathEscape& error) {
       part.source.fail(mesh + error.what());
     }

@@ -54,6 +54,7 @@ std::string SdfElement::name() const {
 
 std::string SdfElement::text() const {
   std::string_view value = node_.child_value();
+  if (value.empty()) value = node_.attribute("value").value();
   const std::size_t begin = value.find_first_not_of(" \t\r\n");
   if (begin == value.npos) return "";
   return std::string(value.substr(begin, value.find_last_not_of(" \t\r\n") - begin + 1));

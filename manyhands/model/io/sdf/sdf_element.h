@@ -55,7 +55,7 @@ class SdfElement {
   [[nodiscard]] std::string name() const;  ///< its attribute 'name'; fails if that is missing or empty
 
   // ---- its own text ----------------------------------------------------------------------------------------------
-  [[nodiscard]] std::string text() const;  ///< without blanks around it
+  [[nodiscard]] std::string text() const;  ///< without blanks around it; of Bullet's, its attribute 'value'
   [[nodiscard]] double number() const;
   [[nodiscard]] std::vector<double> numbers(std::size_t count) const;  ///< fails if there are fewer
   [[nodiscard]] bool flag() const;                                     ///< 1, true, 0 or false

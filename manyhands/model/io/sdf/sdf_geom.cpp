@@ -113,6 +113,7 @@ std::optional<SdfGeom> read_geom(const SdfElement& element, GeomRole role) {
     result.geom.rgba[3] *= static_cast<float>(shown);
   } else {
     element.expect({"pose", "geometry", "surface", "max_contacts"});
+    result.is_concave = element.attribute("concave") == "yes" || element.attribute("concave") == "1";
   }
   const SdfElement geometry = element.child("geometry");
   const std::vector<SdfElement> shapes = geometry ? geometry.children() : std::vector<SdfElement>{};

@@ -18,6 +18,7 @@ struct SdfGeom {
   SdfPose pose{};
   std::string mesh_file{};
   Vec3<double> mesh_scale{1, 1, 1};
+  bool is_concave = false;  ///< by Bullet's attribute: its triangles touch, not its hulls
   std::string texture_file{};
   std::optional<Vec3<double>> ellipsoid{};  ///< half axes [m]
 };

@@ -45,8 +45,8 @@ class SdfReader {
   SdfReader(SdfWorld& world, const SdfOptions& options) : world_(world), options_(options) {}
 
   void read(std::string_view text, const std::string& name, const fs::path& folder) {
-    const SdfElement root =
-        add_file(text, name, PackagePaths(folder, options_.package_paths, options_.allow_outside_package));
+    const SdfElement root = add_file(
+        text, name, PackagePaths(folder, options_.package_paths, options_.allow_outside_package, options_.bullet));
     if (root.tag() != "sdf") {
       root.fail("the root element is <" + std::string(root.tag()) + ">; expected <sdf version=\"1.6\">");
     }
@@ -225,9 +225,9 @@ class SdfReader {
       const std::string text = read_text_file(path);
       bytes_ += text.size();
       const bool has_scheme = uri.find("://") != uri.npos;
-      PackagePaths paths =
-          has_scheme ? PackagePaths(path.parent_path(), options_.package_paths, options_.allow_outside_package)
-                     : include.file().paths.at(path.parent_path());
+      PackagePaths paths = has_scheme ? PackagePaths(path.parent_path(), options_.package_paths,
+                                                     options_.allow_outside_package, options_.bullet)
+                                      : include.file().paths.at(path.parent_path());
       const SdfElement root = add_file(text, path.string(), std::move(paths));
       const SdfElement model = root.tag() == "sdf" ? root.child("model") : root.child("sdf");
       if (root.tag() != "sdf" || !model) return left_out("there is no <model> in " + in_quotes(path.string()));

@@ -1,6 +1,7 @@
 #include "manyhands/model/io/urdf/urdf.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "manyhands/model/io/mesh_shelf.h"
@@ -33,7 +34,7 @@ class Assembler {
       : robot_(robot),
         source_(source),
         options_(options),
-        paths_(folder, options.package_paths, options.allow_outside_package),
+        paths_(folder, options.package_paths, options.allow_outside_package, options.bullet),
         builder_(robot.name) {}
 
   Model assemble() {
@@ -55,30 +56,58 @@ class Assembler {
 
  private:
   void add_root(const io::UrdfLink& link) {
+    if (options_.bullet) return add_bullet_root(link);
     elements_.emplace(link.name, link.source);
     if (link.name == "world") {
       ids_[link.name] = builder_.world();
       if (!options_.fixed_base) link.source.note(LoadAction::kIgnored, "the root link is the world and cannot float");
       return;
     }
-    const LinkId id = ids_[link.name] = builder_.add_link(link.name, link.inertial);
-    if (options_.fixed_base) {
-      builder_.place_root(id, options_.base_pose);
-      return;
-    }
+    const LinkId id = new_link(link);
+    if (options_.fixed_base) return builder_.place_root(id, options_.base_pose);
+    let_float(id);
+  }
+
+  /// In Bullet a root called "world" is a link like others, and one without mass stands.
+  void add_bullet_root(const io::UrdfLink& link) {
+    const LinkId id = new_link(link);
+    if (options_.fixed_base || !(link.inertial.mass > 0)) return builder_.place_root(id, options_.base_pose);
+    let_float(id);
+  }
+
+  void let_float(LinkId id) {
     Joint joint{.name = "root_joint", .type = JointType::kFloating, .parent = builder_.world(), .child = id};
     const auto taken = [&](const io::UrdfJoint& other) { return other.joint.name == joint.name; };
     while (std::ranges::any_of(robot_.joints, taken)) joint.name += '_';
     builder_.add_joint(joint);
   }
 
+  LinkId new_link(const io::UrdfLink& link) {
+    std::string name = link.name;
+    const auto taken = [&](const io::UrdfLink& other) { return other.name == name; };
+    if (name == "world") {
+      while (std::ranges::any_of(robot_.links, taken)) name += '_';
+      link.source.note(LoadAction::kRepaired, "it has the world's name; called " + io::in_quotes(name));
+    }
+    elements_.emplace(name, link.source);
+    Inertial inertial = link.inertial;
+    inertial.com = options_.scale * inertial.com;
+    return ids_[link.name] = builder_.add_link(name, inertial);
+  }
+
   void add_branch(const io::UrdfBranch& branch) {
     const io::UrdfLink& link = robot_.links[branch.link];
     const io::UrdfJoint& joint = robot_.joints[branch.joint];
-    elements_.emplace(link.name, link.source);
-    if (link.name == "world") link.source.fail("only the root link may be called 'world'; expected another name");
-    const LinkId id = ids_[link.name] = builder_.add_link(link.name, link.inertial);
+    if (link.name == "world" && !options_.bullet) {
+      link.source.fail("only the root link may be called 'world'; expected another name");
+    }
+    const LinkId id = new_link(link);
     Joint added = joint.joint;
+    added.X_PF.p = options_.scale * added.X_PF.p;
+    if (added.type == JointType::kPrismatic) {
+      added.limits.lower *= options_.scale;
+      added.limits.upper *= options_.scale;
+    }
     added.parent = ids_.at(joint.parent);
     added.child = id;
     builder_.add_joint(std::move(added));
@@ -87,27 +116,32 @@ class Assembler {
   void add_geom(const io::UrdfGeom& part, LinkId link) {
     Geom geom = part.geom;
     geom.link = link;
-    if (geom.shape.type == ShapeType::kMesh) {
-      if (!options_.load_meshes) {
-        ++meshes_left_out_;
-        return;
-      }
-      geom.shape.mesh = mesh_of(part);
-      if (!geom.shape.mesh.is_valid()) return;
-    }
+    geom.X_LG.p = options_.scale * geom.X_LG.p;
+    geom.shape.size = options_.scale * geom.shape.size;
     if (!part.texture_file.empty()) geom.texture = texture_of(part);
+    if (geom.shape.type == ShapeType::kMesh) return add_meshes(part, geom);
     builder_.add_geom(std::move(geom));
   }
 
-  /// The mesh of a geom; an invalid id, which is noted, if it cannot be read.
-  MeshId mesh_of(const io::UrdfGeom& part) {
+  /// In Bullet the hulls of a file's objects touch; else its triangles do, or its hull where it moves.
+  void add_meshes(const io::UrdfGeom& part, Geom& geom) {
+    if (!options_.load_meshes) {
+      ++meshes_left_out_;
+      return;
+    }
+    const bool by_objects = options_.bullet && geom.role == GeomRole::kCollision && !part.is_concave;
+    if (by_objects) geom.shape.type = ShapeType::kConvex;
     const std::string mesh = "mesh " + io::in_quotes(part.mesh_file) + ": ";
     try {
-      const io::ShelvedMesh found = meshes_.find(paths_, part.mesh_file, part.mesh_scale);
-      if (!found.id.is_valid()) {
+      const io::ShelvedMeshes found =
+          meshes_.find(paths_, part.mesh_file, options_.scale * part.mesh_scale, by_objects);
+      if (found.ids.empty()) {
         part.source.note_serious(LoadAction::kIgnored, mesh + found.problem + "; the geom is left out");
       }
-      return found.id;
+      for (const MeshId id : found.ids) {
+        geom.shape.mesh = id;
+        builder_.add_geom(geom);
+      }
     } catch (const io::PathEscape& error) {
       part.source.fail(mesh + error.what());
     }
@@ -163,9 +197,10 @@ std::string read_text(const fs::path& path) {
 
 LoadedModel load_urdf_string(std::string_view text, const std::string& file, const fs::path& folder,
                              const UrdfOptions& options) {
+  if (!(std::isfinite(options.scale) && options.scale > 0)) throw UrdfError(file, 0, "scale is not above 0");
   const io::XmlFile xml = parse_xml(text, file);
   LoadReport report;
-  io::UrdfSource source{file, xml, report};
+  io::UrdfSource source{file, xml, report, options.bullet};
   const UrdfElement root(source, xml.root(), "robot");
   if (root.tag() != "robot") {
     root.fail("the root element is <" + std::string(root.tag()) + ">; expected <robot name=\"...\">");
