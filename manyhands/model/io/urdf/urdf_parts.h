@@ -26,6 +26,7 @@ struct UrdfGeom {
   Geom geom;           ///< its link and mesh still unset
   std::string mesh_file;
   Vec3<double> mesh_scale{1, 1, 1};
+  bool is_concave = false;  ///< by Bullet's attribute: its triangles touch, not its hulls
   std::string texture_file{};
 };
 
