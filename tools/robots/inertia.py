@@ -61,10 +61,10 @@ def _solid(shape: Shape) -> tuple[float, Array, Array]:
 
 
 def centre_of(shapes: list[Shape]) -> Vec3:
-    """Centre of mass of a body of one density, overlaps counted twice; to 0.1 mm."""
+    """Centre of mass of a body of one density, overlaps counted twice; to 1 um."""
     solids = [_solid(shape) for shape in shapes]
     total = sum(volume for volume, _, _ in solids)
-    x, y, z = (round(float(sum(v * c[i] for v, c, _ in solids) / total), 4) for i in range(3))
+    x, y, z = (round(float(sum(v * c[i] for v, c, _ in solids) / total), 6) for i in range(3))
     return x, y, z
 
 

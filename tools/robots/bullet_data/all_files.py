@@ -11,9 +11,11 @@ from robots.bullet_data import (
     mechanisms,
     minitaur,
     mjcf,
+    mjcf_arms,
     objects,
     quadrupeds,
     r2d2,
+    random_objects,
     scenery,
     wheeled,
 )
@@ -33,6 +35,8 @@ FAMILIES = [
     minitaur,
     humanoid,
     mjcf,
+    mjcf_arms,
+    random_objects,
 ]
 
 

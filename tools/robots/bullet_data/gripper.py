@@ -56,7 +56,7 @@ def _gripper(base_mass: float, motor_lower: float, lift: bool) -> Robot:
     for side, s in (("left", -1), ("right", 1)):
         block: list[tuple[Shape, str]] = [
             (box(0.024, 0.040, 0.030, (0, 0, -0.012)), "metal"),
-            (box(0.020, 0.026, 0.030, (0, 0, 0.015)), "slate"),
+            (box(0.020, 0.026, 0.058, (0, 0, 0.029)), "slate"),
         ]
         links.append(solid(f"gripper_{side}", 0.2, [], looks=block, like=small, com=(0, 0, 0.0115)))
         turn: Vec3 = (0, 0, PI) if s > 0 else ZERO

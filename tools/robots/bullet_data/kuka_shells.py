@@ -6,19 +6,20 @@ As our Panda's: neighbouring links meet in discs about the joint axis, with a co
 from __future__ import annotations
 
 from robots.description import Parts, Vec3
-from robots.mesh import Mesh, band, disc, from_field, join
+from robots.mesh import Mesh, band, disc, from_field, join, lathe
 from robots.sdf import Field, cone, cut, cylinder, plate, quadrant, union
 
 R, ELBOW, CELL = 0.066, 0.072, 0.0138
 
 
 def _ring(axis: str, at: float, radius: float, centre: Vec3 = (0.0, 0.0, 0.0)) -> Mesh:
-    return band(axis, at - 0.0018, at + 0.0018, radius - 0.012, radius, centre)
+    low, high, inner = at - 0.0018, at + 0.0018, radius - 0.010
+    return lathe(axis, [(inner, low), (radius, low), (radius, high), (inner, high)], centre, 28)
 
 
 def base() -> Parts:
     foot = plate((-0.136, -0.104, 0.001), (0.104, 0.104, 0.032), 0.06, 0.009)
-    column = cylinder("z", 0.001, 0.150, R + 0.004, 0.012)
+    column = cylinder("z", 0.001, 0.150, R + 0.004, 0.017)
     socket = cone((-0.10, 0.0, 0.040), (-0.02, 0.0, 0.075), 0.034, 0.05)
     body = cut(union(foot, column, socket, blend=0.035), quadrant("-z", 0.0008, "-z", 0.0008), blend=0.006)
     shell = from_field(body, (-0.15, -0.12, -0.01), (0.12, 0.12, 0.16), CELL)
@@ -38,7 +39,7 @@ def _elbow_caps(axis: str, sign: float, at: Vec3, reach: float) -> tuple[Mesh, M
 def riser(height: float, side: float, bottom: float = 0.006) -> Parts:
     """A tube along z that ends in the half of an elbow about y, on the side `side` of its plane."""
     at = (0.0, 0.0, height)
-    tube = cylinder("z", bottom, height - 0.02, R, 0.012)
+    tube = cylinder("z", bottom, height - 0.02, R, 0.017)
     low, high = sorted((side * 0.004, side * 0.082))
     elbow = cylinder("y", low, high, ELBOW, 0.020, at)
     lean = cone((0.0, 0.0, height - 0.10), (0.0, side * 0.014, height - 0.03), 0.060, 0.054)
@@ -51,7 +52,7 @@ def riser(height: float, side: float, bottom: float = 0.006) -> Parts:
 
 def crank(length: float, side: float, radius: float = R) -> Parts:
     """The other half of an elbow about z, at the origin on the side `side`, and a tube from it along y."""
-    tube = cylinder("y", 0.02, length - 0.006, radius, 0.012)
+    tube = cylinder("y", 0.02, length - 0.006, radius, 0.017)
     low, high = sorted((side * 0.004, side * 0.082))
     elbow = cylinder("z", low, high, ELBOW, 0.020)
     lean = cone((0.0, 0.10, 0.0), (0.0, 0.03, side * 0.014), 0.060, 0.054)
@@ -66,16 +67,16 @@ def crank(length: float, side: float, radius: float = R) -> Parts:
 
 def forearm() -> Parts:
     """Tapers from the tube and passes the wrist on one side, as far as its axis."""
-    tube = cylinder("z", 0.006, 0.09, R, 0.012)
+    tube = cylinder("z", 0.006, 0.09, R, 0.017)
     taper = cone((0.0, 0.0, 0.07), (0.0, 0.050, 0.165), 0.060, 0.040)
     arm = cone((0.0, 0.058, 0.155), (0.0, 0.066, 0.2155), 0.030, 0.028)
     hinge = cylinder("y", 0.056, 0.096, 0.052, 0.014, (0.0, 0.0, 0.2155))
     swing = cylinder("y", -0.3, 0.054, 0.090, 0.01, (0.0, 0.0, 0.2155))
     field: Field = cut(union(tube, taper, arm, hinge, blend=0.030), swing, blend=0.030)
-    shell = from_field(field, (-0.09, -0.09, -0.01), (0.09, 0.12, 0.29), 0.012)
+    shell = from_field(field, (-0.09, -0.09, -0.01), (0.09, 0.12, 0.29), 0.013)
     at = (0.0, 0.0, 0.2155)
     core = disc("y", 0.040, 0.066, 0.046, 0.003, at, 24)
-    cap = disc("y", 0.088, 0.0982, 0.032, 0.0015, at, 24)
+    cap = disc("y", 0.088, 0.1035, 0.032, 0.0015, at, 24)
     return {"shell": shell, "graphite": join([core, cap]), "accent": _ring("y", 0.055, 0.0485, at)}
 
 

@@ -17,6 +17,15 @@ ROTOR: Looks = [(Cylinder("z", -0.0145, 0.0145, 0.030), "graphite"), (Cylinder("
 
 
 @dataclass(frozen=True)
+class Shin:
+    """A bar that hangs on a knee, and reaches from it by its length. Constraints measure from its centre of mass."""
+
+    size: Vec3
+    mass: float
+    com: float
+
+
+@dataclass(frozen=True)
 class Build:
     """How one of them differs from the others."""
 
@@ -29,8 +38,8 @@ class Build:
     hip: Vec3
     knee: Vec3
     upper: Vec3  # size of the bars that motors turn
-    lower: Vec3  # and of the others
-    masses: tuple[float, float, float, float]  # motor, upper bar, lower bars outside and inside
+    shins: tuple[Shin, Shin]  # outside and inside
+    masses: tuple[float, float]  # motor, upper bar
     plain_names: bool  # hip_front_rightR_joint rather than the first model's
 
 
@@ -64,16 +73,16 @@ def _legs(build: Build) -> tuple[list[Link], list[Joint]]:
         motor, upper, lower = (f"{part}_{leg}_link" for part in ("motor", "upper_leg", "lower_leg"))
         hip, knee = _hip_name(leg, build.plain_names)
         h = build.upper[2] / 2
-        lower_mass = build.masses[3 if pair in ("rightL", "leftR") else 2]
+        shin = build.shins[1 if pair in ("rightL", "leftR") else 0]
+        length = shin.size[2]
         bar: list[Shape] = [box(*build.upper)]
         pin: Looks = [(Cylinder("y", -0.008, 0.014, 0.008, (0, 0, h)), "accent")]
-        length = build.lower[2]
-        shin: list[Shape] = [box(*build.lower, (0, 0, length / 2))]
+        rod: list[Shape] = [box(*shin.size, (0, 0, length / 2))]
         ankle: Looks = [(Cylinder("y", -0.007, 0.007, 0.009, (0, 0, length)), "graphite")]
         links += [
             solid(motor, build.masses[0], MOTOR, "metal", looks=ROTOR),
             solid(upper, build.masses[1], bar, "slate", looks=pin, com=ZERO),
-            solid(lower, lower_mass, shin, "shell", looks=ankle, com=ZERO, contact=FOOT),
+            solid(lower, shin.mass, rod, "shell", looks=ankle, com=(0, 0, shin.com), contact=FOOT),
         ]
         joints += [
             Joint(
@@ -122,8 +131,8 @@ def files() -> Files:
         hip=(0.0, 0.06, -0.015),
         knee=(0.0, 0.01, 0.055),
         upper=(0.01, 0.01, 0.11),
-        lower=(0.01, 0.01, 0.2),
-        masses=(0.25, 0.05, 0.05, 0.05),
+        shins=(Shin((0.01, 0.01, 0.2), 0.05, 0.0), Shin((0.01, 0.01, 0.2), 0.05, 0.0)),
+        masses=(0.25, 0.05),
         plain_names=False,
     )
     trunk: list[Shape] = [box(0.30, 0.13, 0.087, (0, 0, 0))]
@@ -141,8 +150,31 @@ def files() -> Files:
         hip=(0.0, 0.045, -0.0145),
         knee=(0.0, 0.0085, 0.056),
         upper=(0.039, 0.008, 0.129),
-        lower=(0.017, 0.009, 0.24),
-        masses=(0.072, 0.034, 0.086, 0.072),
+        shins=(Shin((0.017, 0.009, 0.24), 0.086, 0.12), Shin((0.017, 0.009, 0.216), 0.072, 0.1)),
+        masses=(0.072, 0.034),
         plain_names=True,
     )
-    return {**_robot("quadruped/minitaur.urdf", first), **_robot("quadruped/minitaur_rainbow_dash.urdf", second)}
+    bulk: list[Shape] = [box(0.295, 0.142, 0.078)]
+    deck: Looks = [
+        (box(0.25, 0.11, 0.012, (0, 0, 0.045)), "accent"),
+        (box(0.08, 0.08, 0.02, (0.06, 0, 0.05)), "graphite"),
+    ]
+    third = Build(
+        base=solid("base_chassis_link", 1.81246, bulk, "slate", looks=deck, com=(0.05, 0.0, 0.0)),
+        sides=_beams(0.46, 1.3668, 0.0455),
+        side_xyz=((0.0, -0.1165, -0.011), (0.0, 0.1165, -0.011)),
+        side_roll=(-0.0872665, 0.0872665),
+        motor_x=0.20268,
+        motor_y={"rightR": -0.03275, "rightL": 0.03275, "leftL": 0.03275, "leftR": -0.03275},
+        hip=(0.0, 0.045, -0.01725),
+        knee=(0.0, 0.01, 0.056),
+        upper=(0.039, 0.0064, 0.129),
+        shins=(Shin((0.017, 0.0064, 0.24), 0.066, 0.12), Shin((0.017, 0.0064, 0.216), 0.055, 0.1)),
+        masses=(0.241, 0.026),
+        plain_names=True,
+    )
+    return {
+        **_robot("quadruped/minitaur.urdf", first),
+        **_robot("quadruped/minitaur_rainbow_dash.urdf", second),
+        **_robot("quadruped/minitaur_derpy.urdf", third),
+    }

@@ -210,7 +210,7 @@ def _cheetah() -> Files:
         rotor: Looks = [(Cylinder("y", -0.024, 0.024, 0.048), "slate"), (Cylinder("y", -0.026, 0.026, 0.020), "teal")]
         links.append(solid(f"thigh_{leg}", 0.634, thigh, "shell", looks=rotor, com=(0, 0.016, -0.02)))
         shank: list[Shape] = [Capsule("z", -0.18, 0.0, 0.010)]
-        links.append(solid(f"shank_{leg}", 0.064, shank, "graphite", com=(0, 0, -0.09)))
+        links.append(solid(f"shank_{leg}", 0.064, shank, "graphite", com=(0, 0, -0.209)))
         links.append(solid(f"toe_{leg}", 0.15, [Sphere(0.015)], "slate", contact=foot))
         back: Vec3 = (0.0, -1.0, 0.0)
         joints += [

@@ -52,9 +52,9 @@ def _fingers(mass: float, grip: bool) -> list[Link]:
             Box((0.090, -0.010, -0.010), (0.120, 0.004, 0.010)),
             Box((0.092, -0.0104, -0.0085), (0.118, -0.008, 0.0085)),
         )
-        links.append(solid(f"{side}_gripper", mass, [finger], "metal", contact=contact))
+        links.append(solid(f"{side}_gripper", mass, [finger], "metal", com=ZERO, contact=contact))
         pads: list[tuple[Shape, str]] = [(mirrored(pad), "accent")]
-        links.append(solid(f"{side}_tip", mass, [mirrored(tip)], "graphite", looks=pads, contact=contact))
+        links.append(solid(f"{side}_tip", mass, [mirrored(tip)], "graphite", looks=pads, com=ZERO, contact=contact))
     return links
 
 

@@ -69,6 +69,7 @@ def _tables() -> Files:
         "baseLink",
         0.0,
         [box(0.6, 0.6, 0.08, (0, 0, 0.6))],
+        com=(0, 0, 0.6),
         looks=[(Placed(MeshFile("top.obj"), (0, 0, 0.6)), "walnut"), *posts],
     )
     joint = Joint("fixed", "fixed", "world", "baseLink", ZERO)
@@ -198,8 +199,8 @@ def _shelf() -> Files:
 
 
 def _terrain() -> Files:
-    """Rolling ground of 48 x 48 cells with z up, 40 m wide."""
-    n = 33
+    """Rolling ground of 24 x 24 cells with z up, 40 m wide."""
+    n = 25
     y, x = np.mgrid[0:n, 0:n] / (n - 1) * 2 - 1
 
     def hump(u: np.ndarray) -> np.ndarray:

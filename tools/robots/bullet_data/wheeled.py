@@ -200,25 +200,47 @@ def _racecar() -> Files:
     return place("racecar/racecar.urdf", model("racecar", links, [*first, *rear, *_front_joints(), *SENSOR_JOINTS]))
 
 
-def _differential_gear(prefix: str, x: float) -> tuple[list[Link], list[Joint]]:
-    """A ring that the motor turns, two spiders in it, two sides that turn the wheels; gear constraints tie them."""
-    names = [("ring", 0.0637), ("spiderA", 0.056), ("spiderB", 0.056), ("sideA", 0.056), ("sideB", 0.056)]
-    gear: list[Shape] = [Cylinder("y", -0.006, 0.006, 0.012)]
-    links = [solid(f"{prefix}_{name}", mass, [], looks=[(gear[0], "metal")], like=gear) for name, mass in names]
+def _differential_gear(
+    prefix: str, mount: Joint, masses: tuple[float, float], size: float
+) -> tuple[list[Link], list[Joint]]:
+    """A ring on `mount`, two spiders in it, two sides that turn what they hold; gear constraints tie them.
+
+    `masses`: of the ring and of the others; `size`: the ring's radius.
+    """
+    hoop = [Cylinder("y", -0.12 * size, 0.12 * size, size)]
+    wheels = {
+        "spiderA": Cylinder("y", 0.20 * size, 0.55 * size, 0.34 * size),
+        "spiderB": Cylinder("y", 0.20 * size, 0.55 * size, 0.34 * size),
+        "sideA": Cylinder("y", 0.20 * size, 0.50 * size, 0.42 * size),
+        "sideB": Cylinder("y", -0.50 * size, -0.20 * size, 0.42 * size),
+    }
     ring = f"{prefix}_ring"
-    joints = [Joint(f"{ring}_chassis", "continuous", "chassis", ring, (x, 0, 0), ZERO, (0, 1, 0))]
-    for name, yaw in (("spiderA", 1.570795), ("spiderB", -1.570795), ("sideA", 0.0), ("sideB", 0.0)):
-        joints.append(
-            Joint(f"{prefix}_{name}_ring", "continuous", ring, f"{prefix}_{name}", ZERO, (0, 0, yaw), (0, 1, 0))
-        )
+    links = [solid(ring, masses[0], [], looks=[(hoop[0], "metal")], like=[*hoop], com=ZERO)]
+    joints = [mount]
+    for (name, wheel), yaw in zip(wheels.items(), (1.570795, -1.570795, 0.0, 0.0), strict=True):
+        look = "accent" if name.startswith("spider") else "slate"
+        links.append(solid(f"{prefix}_{name}", masses[1], [], looks=[(wheel, look)], like=[wheel], com=ZERO))
+        child = f"{prefix}_{name}"
+        joints.append(Joint(f"{child}_ring", "continuous", ring, child, ZERO, (0, 0, yaw), (0, 1, 0)))
     return links, joints
+
+
+def _ring_alone() -> Files:
+    """The gears of a differential without a car."""
+    mount = Joint("diff_ring_world", "continuous", "world", "diff_ring", (0.256, 0.2854, 0.03282), ZERO, (0, 1, 0))
+    links, joints = _differential_gear("diff", mount, (2.637, 2.637), 0.0612)
+    return place("differential/diff_ring.urdf", model("husky_robot", [Link("world"), *links], joints))
 
 
 def _differential() -> Files:
     parts = _car_links(True, (0.1, 0.01))
     floor: list[Shape] = [box(0.46, 0.15, 0.05, (0.16, 0, 0))]
-    rear_links, rear_joints = _differential_gear("diff", 0.0)
-    front_links, front_joints = _differential_gear("diff2", 0.32)
+    mounts = [
+        Joint(f"{prefix}_ring_chassis", "continuous", "chassis", f"{prefix}_ring", (x, 0, 0), ZERO, (0, 1, 0))
+        for prefix, x in (("diff", 0.0), ("diff2", 0.32))
+    ]
+    rear_links, rear_joints = _differential_gear("diff", mounts[0], (0.0637, 0.056), 0.025)
+    front_links, front_joints = _differential_gear("diff2", mounts[1], (0.0637, 0.056), 0.025)
     links = [solid("chassis", 4.0, [], looks=BODY, like=floor, com=(0.2, 0, 0)), *(parts[n] for n in (*ORDER, *LAST))]
     rear = [
         Joint(
@@ -232,4 +254,4 @@ def _differential() -> Files:
 
 
 def files() -> Files:
-    return {**_husky(), **_racecar(), **_differential()}
+    return {**_husky(), **_racecar(), **_differential(), **_ring_alone()}
