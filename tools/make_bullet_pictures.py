@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Take docs/images/bullet_data.png: every model of assets/bullet, as our cameras see it.
+"""Take docs/images/bullet_data.jpg: every model of assets/bullet, as our cameras see it.
 
 python tools/make_bullet_pictures.py [--out FILE] [--columns N] [NAME ...]
 """
@@ -18,7 +18,7 @@ import manyhands as mh
 
 ROOT = Path(__file__).resolve().parent.parent
 BULLET = ROOT / "assets" / "bullet"
-SIZE = (240, 200)
+SIZE = (200, 166)
 GAP = 4
 UPRIGHT = (math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5))
 Y_UP = ("duck_vhacd", "teddy", "humanoid/", "laikago/laikago.urdf", "laikago/laikago_toes.urdf")
@@ -66,6 +66,9 @@ BOXES = {
     "mjcf/humanoid.xml": ((-0.2, -0.4, 0.0), (0.4, 0.4, 1.68)),
     "mjcf/inverted_double_pendulum.xml": ((-1.0, -0.1, -0.1), (1.0, 0.1, 1.2)),
     "mjcf/reacher.xml": ((-0.3, -0.3, 0.0), (0.3, 0.3, 0.05)),
+    "mjcf/pusher.xml": ((-0.2, -0.8, -0.33), (1.0, 0.1, 0.3)),
+    "mjcf/striker.xml": ((-0.2, -0.8, -0.33), (1.0, 0.1, 0.3)),
+    "mjcf/thrower.xml": ((-0.2, -0.9, -0.33), (0.8, 0.5, 0.6)),
     "mjcf/swimmer.xml": ((-1.5, -0.1, -0.1), (1.5, 0.1, 0.1)),
 }
 """What is shown of models that have a floor, or that depth pictures do not see."""
@@ -100,40 +103,38 @@ def bounds(world: mh.World) -> tuple[Points, Points]:
 
 def picture(name: str) -> Image.Image:
     world = world_with(name)
-    lens = mh.Camera.perspective(2 * SIZE[0], 2 * SIZE[1], math.radians(30))
+    fov = 50 if name.startswith("samurai") else 30
+    lens = mh.Camera.perspective(2 * SIZE[0], 2 * SIZE[1], math.radians(fov))
     if name.startswith(GROUNDS):
-        camera = lens.orbit(
-            [0.0, 0.0, 0.0],
-            110.0 if name.startswith("samurai") else 2.5,
-            1.9 if name.startswith("samurai") else 0.7,
-            -0.4,
-        )
+        distance, yaw = (85.0, 0.9) if name.startswith("samurai") else (2.5, 0.7)
+        camera = lens.orbit([0.0, 0.0, 0.0], distance, yaw, -0.4)
     else:
         low, high = (np.array(corner) for corner in BOXES.get(name) or bounds(world))
         world.add_plane("ground", position=[0.0, 0.0, float(low[2])])
         reach = float(np.linalg.norm(high - low))
         camera = lens.orbit([float(c) for c in (low + high) / 2], 1.95 * reach, 0.75, -0.38)
-    colour = world.render(camera, look=mh.Look(shadow_rays=8, sun_size=0.25, antialiasing=2)).colour
+    colour = world.render(camera, look=mh.Look(antialiasing=2)).colour
     shown = Image.fromarray(np.asarray(colour)).resize(SIZE, Image.Resampling.LANCZOS)
     label = name.rsplit(".", 1)[0]
-    ImageDraw.Draw(shown).text((6, SIZE[1] - 17), label, fill=(40, 48, 58), font=ImageFont.load_default(11))
+    ImageDraw.Draw(shown).text((6, SIZE[1] - 17), label, fill=(40, 48, 58), font=ImageFont.load_default(10))
     return shown
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--out", type=Path, default=ROOT / "docs/images/bullet_data.png")
-    parser.add_argument("--columns", type=int, default=9)
+    parser.add_argument("--out", type=Path, default=ROOT / "docs/images/bullet_data.jpg")
+    parser.add_argument("--columns", type=int, default=10)
     parser.add_argument("names", nargs="*", help="models by their paths in assets/bullet; all that differ in looks")
     options = parser.parse_args()
     files = sorted(p.relative_to(BULLET).as_posix() for p in BULLET.rglob("*") if p.suffix in (".urdf", ".xml"))
-    names = options.names or [name for name in files if name not in LEFT_OUT]
+    shown = [name for name in files if name not in LEFT_OUT and not name.startswith("random")]
+    names = options.names or shown + [f"random_urdfs/{k:03d}/{k:03d}.urdf" for k in (2, 5, 18)]
     width, height = SIZE[0] + GAP, SIZE[1] + GAP
     rows = math.ceil(len(names) / options.columns)
     sheet = Image.new("RGB", (options.columns * width - GAP, rows * height - GAP), "white")
     for k, name in enumerate(names):
         sheet.paste(picture(name), (k % options.columns * width, k // options.columns * height))
-    sheet.quantize(256, dither=Image.Dither.FLOYDSTEINBERG).save(options.out, optimize=True)
+    sheet.save(options.out, quality=86)
     print(f"{options.out}: {len(names)} models, {options.out.stat().st_size / 1000:.0f} kB")
 
 

@@ -118,7 +118,7 @@ def _joint(joint: Joint) -> Iterator[str]:
         yield f'    <limit lower="{lower}" upper="{upper}" effort="{effort}" velocity="{velocity}"/>'
     if joint.drive is not None:
         yield f'    <limit effort="{number(joint.drive[0])}" velocity="{number(joint.drive[1])}"/>'
-    if joint.kind != "fixed":
+    if joint.limits is not None or joint.damping or joint.friction:
         yield f'    <dynamics damping="{number(joint.damping)}" friction="{number(joint.friction)}"/>'
     if joint.mimic:
         yield f'    <mimic joint="{joint.mimic}" multiplier="1" offset="0"/>'

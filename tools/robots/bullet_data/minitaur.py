@@ -115,6 +115,34 @@ def _beams(length: float, mass: float, y: float) -> list[Link]:
     return [solid(f"chassis_{side}", mass, bars, "metal", com=ZERO) for side in ("right", "left")]
 
 
+def _sketch() -> Files:
+    """The first of the family: motors straight on the chassis, bars without yaw."""
+    deck: Looks = [
+        (box(0.24, 0.08, 0.012, (0, 0, 0.041)), "graphite"),
+        (box(0.05, 0.06, 0.014, (0.10, 0, 0.043)), "teal"),
+    ]
+    hull: list[Shape] = [box(0.33, 0.10, 0.07), *(box(0.10, 0.18, 0.05, (s * 0.21, 0, 0)) for s in (1, -1))]
+    links, joints = [solid("base_chassis_link", 3.2, hull, "slate", looks=deck, com=ZERO)], []
+    lateral = {"rightR": -0.125, "rightL": -0.06, "leftR": 0.125, "leftL": 0.06}
+    for leg in (f"{end}_{pair}" for end in ("front", "back") for pair in lateral):
+        end, pair = leg.split("_")
+        motor, upper, lower = (f"{part}_{leg}_link" for part in ("motor", "upper_leg", "lower_leg"))
+        hip, knee = _hip_name(leg, plain=False)
+        outwards = -0.02 if pair in ("rightR", "leftL") else 0.02
+        at = (0.21 if end == "front" else -0.21, lateral[pair], 0.0)
+        links += [
+            solid(motor, 0.25, MOTOR, "metal", looks=ROTOR),
+            solid(upper, 0.05, [box(0.01, 0.01, 0.11)], "slate"),
+            solid(lower, 0.05, [box(0.01, 0.01, 0.2, (0, 0, 0.1))], "shell", com=ZERO, contact=FOOT),
+        ]
+        joints += [
+            Joint(f"motor_{leg}_joint", "continuous", "base_chassis_link", motor, at, (TURN, 0, 0), Z, drive=DRIVE),
+            Joint(hip, "fixed", motor, upper, (0, 0.06, outwards), (-TURN, 0, 0), drive=DRIVE),
+            Joint(knee, "continuous", upper, lower, (0, 0, 0.055), ZERO, (0, 1, 0), drive=DRIVE),
+        ]
+    return place("quadruped/quadruped.urdf", model("quadruped", links, joints))
+
+
 def files() -> Files:
     hull: list[Shape] = [box(0.33, 0.10, 0.07), *(box(0.17, 0.10, 0.05, (0, s * 0.10, 0)) for s in (1, -1))]
     top: Looks = [
@@ -177,4 +205,5 @@ def files() -> Files:
         **_robot("quadruped/minitaur.urdf", first),
         **_robot("quadruped/minitaur_rainbow_dash.urdf", second),
         **_robot("quadruped/minitaur_derpy.urdf", third),
+        **_sketch(),
     }

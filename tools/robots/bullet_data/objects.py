@@ -93,14 +93,14 @@ def _balls() -> Files:
         **place("sphere2red_nocol.urdf", ghost),
         **place("sphere_transparent.urdf", _ball(0.5, 10.0, "glass", "baseLink", ROLLS, glass)),
         **place("soccerball.urdf", football),
-        "sphere_smooth.obj": obj(ellipsoid(ZERO, (1, 1, 1), 12, 20)),
-        "textured_sphere_smooth.obj": obj(ellipsoid(ZERO, (1, 1, 1), 12, 20)),
-        "soccerball.obj": obj(ellipsoid(ZERO, (0.5, 0.5, 0.5), 12, 20)),
+        "sphere_smooth.obj": obj(ellipsoid(ZERO, (1, 1, 1), 10, 16)),
+        "textured_sphere_smooth.obj": obj(ellipsoid(ZERO, (1, 1, 1), 10, 16)),
+        "soccerball.obj": obj(ellipsoid(ZERO, (0.5, 0.5, 0.5), 10, 16)),
     }
 
 
 def _bricks() -> Files:
-    studs = [disc("z", 0.0, 0.0028, 0.005, 0.0006, (x, y, 0.0), 16) for x in (-0.008, 0.008) for y in (-0.008, 0.008)]
+    studs = [disc("z", 0.0, 0.0028, 0.005, 0.0006, (x, y, 0.0), 14) for x in (-0.008, 0.008) for y in (-0.008, 0.008)]
     studs = [shifted(stud, 0.0085) for stud in studs]
     body = shifted(chamfered(0.0318, 0.0318, 0.0202, 0.0007), -0.0015)
     lego = prop(
@@ -138,7 +138,7 @@ def _mug() -> Files:
     outer, inner, low, high = 0.044, 0.0395, 0.0, 0.100
     profile = [(0.0, low), (0.038, low), (0.0425, 0.004), (outer, 0.010), (outer, high - 0.001)]
     profile += [(0.0425, high + 0.003), (inner, high), (inner, 0.010), (0.034, 0.006), (0.0, 0.006)]
-    bowl = lathe("z", profile, ZERO, 36)
+    bowl = lathe("z", profile, ZERO, 30)
     path = [
         (0.040, 0.080),
         (0.058, 0.083),
@@ -181,7 +181,7 @@ def _duck() -> Files:
     blobs = [_ellipsoid_field(*e) for e in (*body, *wings, head)]
     neck = cone((0.0, 0.75, 0.0), (0.16, 1.15, 0.0), 0.36, 0.32)
     whole = union(*blobs, neck, blend=0.22)
-    duck = from_field(whole, (-1.1, -0.05, -0.72), (0.9, 1.8, 0.72), 0.10)
+    duck = from_field(whole, (-1.1, -0.05, -0.72), (0.9, 1.8, 0.72), 0.108)
     bill = ellipsoid(beak[0], beak[1], 6, 12)
     eyes = [ellipsoid((0.46, 1.44, s * 0.29), (0.075, 0.085, 0.06), 5, 10) for s in (-1, 1)]
     k = 0.05
@@ -275,7 +275,7 @@ def _capsule(centre: tuple[float, float, float], radii: tuple[float, float, floa
 
 def _toys() -> Files:
     """A torus, a stone, a rabbit's worth of triangles, and an open box."""
-    turn = [(1.0 + 0.4 * math.cos(a), 0.4 * math.sin(a)) for a in (2 * math.pi * k / 12 for k in range(12))]
+    turn = [(1.0 + 0.4 * math.cos(a), 0.4 * math.sin(a)) for a in (2 * math.pi * k / 10 for k in range(10))]
     rock = from_field(
         union(
             _ellipsoid_field((0, 0, 0), (0.5, 0.4, 0.3)), _ellipsoid_field((0.2, 0.1, 0.1), (0.3, 0.35, 0.3)), blend=0.1
@@ -289,11 +289,21 @@ def _toys() -> Files:
     walls += [box(wall, size, high, (s * (size - wall) / 2, 0, high / 2)) for s in (-1, 1)]
     walls += [box(size - 2 * wall, wall, high, (0, s * (size - wall) / 2, high / 2)) for s in (-1, 1)]
     return {
-        "torus/torus_textured.obj": obj(lathe("z", turn, ZERO, 28)),
+        "torus/torus_textured.obj": obj(lathe("z", turn, ZERO, 24)),
+        "cloth_z_up.obj": _cloth(),
         "stone.obj": obj(rock),
         "bunny.obj": obj(upright_to_y(_rabbit())),
         **place("toys/concave_box.urdf", model("concave_box", [solid("base_link", 0.2, walls, "oak")])),
     }
+
+
+def _cloth(n: int = 12) -> bytes:
+    """A square sheet of 2 m by 2 m in z = 0, of n x n cells."""
+    lines = ["# Part of manyhands."]
+    lines += [f"v {2 * c / n - 1:.4f} {2 * r / n - 1:.4f} 0" for r in range(n + 1) for c in range(n + 1)]
+    for k in (r * (n + 1) + c + 1 for r in range(n) for c in range(n)):
+        lines += [f"f {k} {k + 1} {k + n + 2}", f"f {k} {k + n + 2} {k + n + 1}"]
+    return ("\n".join(lines) + "\n").encode()
 
 
 def _rabbit() -> Mesh:

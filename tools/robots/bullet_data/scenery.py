@@ -11,13 +11,12 @@ from robots.bullet_data.sdf_text import world_text
 from robots.bullet_data.shapes import chamfered, loft
 from robots.description import ZERO, Cylinder, Joint, Link, MeshFile, Placed, Plane, Robot, Shape, Vec3
 
-CHECKS = {"white": "checker_blue.png"}
+CHECKS = {"white": "checker_blue.png", "frosted": "checker_blue.png"}
 
 
 def _ground(name: str, link: str, shape: Shape, friction: float, look: str = "white") -> Robot:
     contact = {"lateral_friction": friction}
-    textures = CHECKS if look == "white" else {}
-    return model(name, [solid(link, 0.0, [shape], looks=[(Plane(), look)], contact=contact)], textures=textures)
+    return model(name, [solid(link, 0.0, [shape], looks=[(Plane(), look)], contact=contact)], textures=CHECKS)
 
 
 def _sheet(half: float, repeat: float, library: str) -> bytes:
@@ -38,7 +37,7 @@ def _grounds() -> Files:
         **place("plane.urdf", _ground("plane", "planeLink", deep, 1.0)),
         **place("plane100.urdf", _ground("floor", "floor", box(200, 200, 0.001), 0.5)),
         **place("plane_implicit.urdf", _ground("plane", "planeLink", Plane(), 0.9)),
-        **place("plane_transparent.urdf", _ground("plane", "planeLink", box(30, 30, 10, (0, 0, -5)), 1.0, "glass")),
+        **place("plane_transparent.urdf", _ground("plane", "planeLink", box(30, 30, 10, (0, 0, -5)), 1.0, "frosted")),
         "plane.obj": _sheet(15, 15, "plane.mtl"),
         "plane100.obj": _sheet(100, 100, "plane.mtl"),
         "plane_transparent.obj": _sheet(15, 15, "plane_transparent.mtl"),
