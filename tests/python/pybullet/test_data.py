@@ -42,6 +42,29 @@ def test_our_loaders_read_it_without_serious_notes(name: str) -> None:
     assert np.isfinite(world.q).all() and np.isfinite(world.v).all()
 
 
+@pytest.mark.parametrize("name", [m for m in MODELS if m.endswith(".xml")])
+def test_mujoco_reads_the_same_joints(name: str) -> None:
+    mujoco = pytest.importorskip("mujoco")
+    theirs = mujoco.MjModel.from_xml_path(str(BULLET / name))
+    ours, _ = mh.load_mjcf(BULLET / name)
+    assert (ours.nq, ours.nv, ours.nu) == (theirs.nq, theirs.nv, theirs.nu)
+    names = [mujoco.mj_id2name(theirs, mujoco.mjtObj.mjOBJ_JOINT, k) for k in range(theirs.njnt)]
+    assert set(names) <= {joint.name for joint in ours.joints}
+
+
+def test_a_mug_holds_a_ball_and_a_tray_a_cube() -> None:
+    world = mh.World()
+    world.add(BULLET / "objects" / "mug.urdf")
+    world.add(BULLET / "tray" / "traybox.urdf", position=[1.0, 0.0, 0.0], name="tray")
+    world.add_sphere("ball", 0.02, position=[0.005, 0.004, 0.15], mass=0.02)
+    world.add_box("cube", [0.025, 0.025, 0.025], position=[1.1, 0.1, 0.15], mass=0.1)
+    for _ in range(1000):
+        world.step()
+    ball, cube = (world.body_pose(name)[0] for name in ("ball", "cube"))
+    assert ball[2] == pytest.approx(0.026, abs=2e-3) and np.hypot(ball[0], ball[1]) < 0.0225
+    assert cube[2] == pytest.approx(0.040, abs=2e-3) and np.abs(cube[:2] - [1.0, 0.0]).max() < 0.2
+
+
 @pytest.mark.parametrize("name", [m for m in MESHES if not m.startswith(SHEETS)])
 def test_solids_are_closed_and_face_outwards(name: str) -> None:
     vertices, faces = robot_files.obj_arrays(BULLET / name)
