@@ -77,6 +77,7 @@ Mesh load_mesh(const fs::path& path, const Vec3<double>& scale) {
   try {
     Mesh mesh = read(path);
     mesh.source = path.string();
+    mesh.scale = scale;
     if (!finish(mesh, scale)) throw MeshError("the file holds no triangles");
     return mesh;
   } catch (const MeshError& error) {
@@ -89,7 +90,10 @@ std::vector<Mesh> load_mesh_objects(const fs::path& path, const Vec3<double>& sc
     std::vector<Mesh> objects = read_objects(path);
     std::erase_if(objects, [&](Mesh& object) { return !finish(object, scale); });
     if (objects.empty()) throw MeshError("the file holds no triangles");
-    for (Mesh& object : objects) object.source.insert(0, path.string() + (object.source.empty() ? "" : "#"));
+    for (Mesh& object : objects) {
+      object.source.insert(0, path.string() + (object.source.empty() ? "" : "#"));
+      object.scale = scale;
+    }
     return objects;
   } catch (const MeshError& error) {
     throw MeshError(path.string() + ": " + error.what());

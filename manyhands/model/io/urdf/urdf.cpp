@@ -92,7 +92,9 @@ class Assembler {
     elements_.emplace(name, link.source);
     Inertial inertial = link.inertial;
     inertial.com = options_.scale * inertial.com;
-    return ids_[link.name] = builder_.add_link(name, inertial);
+    const LinkId id = ids_[link.name] = builder_.add_link(name, inertial);
+    builder_.link(id).inertial_axes = link.inertial_axes;
+    return id;
   }
 
   void add_branch(const io::UrdfBranch& branch) {

@@ -82,6 +82,7 @@ bool is_solid(const UrdfGeom& geom) {
 
 /// The visual's own material, or the one that it names.
 void wear_material(const UrdfElement& visual, const Materials& materials, UrdfGeom& result) {
+  if (visual.is_bullet()) result.geom.rgba = {1, 1, 1, 1};
   const UrdfElement element = visual.child("material");
   if (!element) return;
   element.expect({"name"}, {"color", "texture"});

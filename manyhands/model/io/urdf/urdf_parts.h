@@ -34,6 +34,7 @@ struct UrdfLink {
   UrdfElement source;
   std::string name;
   Inertial inertial;
+  Mat3<double> inertial_axes = Mat3<double>::identity();  ///< of its <inertial>
   std::vector<UrdfGeom> geoms;
 };
 

@@ -144,6 +144,7 @@ void scale_inertia(const UrdfElement& link, Inertial& inertial) {
 UrdfLink read_link(const UrdfElement& link, const Materials& materials) {
   link.expect({"name"}, {"inertial", "visual", "collision", "contact"});
   UrdfLink result{.source = link, .name = link.text("name"), .inertial = read_inertial(link), .geoms = {}};
+  if (const UrdfElement inertial = link.child("inertial")) result.inertial_axes = inertial.origin().R;
   if (link.is_bullet()) scale_inertia(link, result.inertial);
   const SurfaceMaterial surface = read_contact(link);
   const auto read_all = [&](const char* tag, GeomRole role) {
