@@ -14,6 +14,7 @@
 #include "manyhands/base/assets.h"
 #include "manyhands/model/fingerprint.h"
 #include "manyhands/model/io/mjcf/mjcf.h"
+#include "manyhands/model/io/sdf/sdf.h"
 #include "manyhands/model/io/urdf/urdf.h"
 
 namespace nb = nanobind;
@@ -44,6 +45,8 @@ void bind_errors(nb::module_& m) {
       "A URDF file is not a robot that can be loaded; the message says 'file:line: what was wrong'.";
   nb::exception<MjcfError>(m, "MjcfError", PyExc_ValueError).doc() =
       "An MJCF file is not a scene that can be loaded; the message says 'file:line: what was wrong'.";
+  nb::exception<SdfError>(m, "SdfError", PyExc_ValueError).doc() =
+      "An SDF file holds no models that can be loaded; the message says 'file:line: what was wrong'.";
 }
 
 void bind_report(nb::module_& m) {
@@ -168,32 +171,66 @@ void bind_model_class(nb::module_& m) {
 
 using PythonLoaded = std::pair<std::unique_ptr<PythonModel>, LoadReport>;
 
+PythonLoaded as_python(LoadedModel loaded) {
+  bindings::warn_of(loaded.report.notes, "the report, which comes with the model,");
+  return {std::make_unique<PythonModel>(std::move(loaded.model)), std::move(loaded.report)};
+}
+
 /// Loads without holding Python's lock.
 template <class Load>
 PythonLoaded loaded_by(Load load) {
-  LoadedModel loaded = [&] {
+  return as_python([&] {
     const nb::gil_scoped_release release;
     return load();
-  }();
-  bindings::warn_of(loaded.report.notes, "the report, which comes with the model,");
-  return {std::make_unique<PythonModel>(std::move(loaded.model)), std::move(loaded.report)};
+  }());
+}
+
+void bind_sdf(nb::module_& m) {
+  m.def(
+      "load_sdf",
+      [](const std::filesystem::path& path, std::vector<std::filesystem::path> package_paths,
+         bool allow_outside_package, bool load_meshes, bool bullet) {
+        std::vector<LoadedModel> models = [&] {
+          const nb::gil_scoped_release release;
+          return load_sdf(path, {.package_paths = std::move(package_paths),
+                                 .allow_outside_package = allow_outside_package,
+                                 .load_meshes = load_meshes,
+                                 .bullet = bullet});
+        }();
+        std::vector<PythonLoaded> loaded;
+        for (LoadedModel& model : models) loaded.push_back(as_python(std::move(model)));
+        return loaded;
+      },
+      "path"_a, nb::kw_only(), "package_paths"_a = std::vector<std::filesystem::path>{},
+      "allow_outside_package"_a = false, "load_meshes"_a = true, "bullet"_a = false,
+      "Loads the models of an SDF file, each with what was defaulted, repaired or ignored in it.\n\n"
+      "One for each <model> and <include>, at its place in the world; `World.from_file` takes them all. Root links "
+      "float "
+      "by joints 'LINK_free', unless the model is static or the link has no mass. package_paths: where models lie, "
+      "searched before GZ_SIM_RESOURCE_PATH, GAZEBO_MODEL_PATH, ROS_PACKAGE_PATH, AMENT_PREFIX_PATH and the folders "
+      "above the file. bullet: Bullet's rules of friction and joint frames in place of Gazebo's. The other options are "
+      "those of `load_urdf`. Raises FileNotFoundError, and SdfError (a ValueError) for malformed files.");
 }
 
 void bind_mjcf(nb::module_& m) {
   m.def(
       "load_mjcf",
-      [](const std::filesystem::path& path, bool allow_outside_package, bool load_meshes) {
+      [](const std::filesystem::path& path, bool allow_outside_package, bool load_meshes, bool bullet) {
         return loaded_by([&] {
-          return load_mjcf(path, {.allow_outside_package = allow_outside_package, .load_meshes = load_meshes});
+          return load_mjcf(
+              path, {.allow_outside_package = allow_outside_package, .load_meshes = load_meshes, .bullet = bullet});
         });
       },
-      "path"_a, nb::kw_only(), "allow_outside_package"_a = false, "load_meshes"_a = true,
+      "path"_a, nb::kw_only(), "allow_outside_package"_a = false, "load_meshes"_a = true, "bullet"_a = false,
       "Loads a scene from an MJCF file, and what was defaulted, repaired or ignored in it.\n\n"
       "Links, joints, geoms and actuators follow in MuJoCo's order: q is MuJoCo's qpos with quaternions turned from "
       "wxyz "
       "to xyzw, `Model.initial_configuration` its qpos0, `Model.time_step` and `Model.keyframes` the file's. "
       "allow_outside_package: whether meshes and included files may lie outside the file's package. load_meshes: False "
-      "leaves out shapes that need a mesh. Raises FileNotFoundError, and MjcfError (a ValueError) for malformed "
+      "leaves out shapes that need a mesh. bullet: Bullet's rules where they differ: global coordinates and fixed "
+      "joints "
+      "are read, bodies, joints and geoms alone count, at 1000 kg/m^3. Raises FileNotFoundError, and MjcfError (a "
+      "ValueError) for malformed "
       "files.");
   m.def(
       "load_mjcf_string",
@@ -211,21 +248,26 @@ void bind_loading(nb::module_& m) {
   m.def(
       "load_urdf",
       [](const std::filesystem::path& path, bool fixed_base, std::vector<std::filesystem::path> package_paths,
-         bool allow_outside_package, bool load_meshes) {
+         bool allow_outside_package, bool load_meshes, bool bullet, double scale) {
         return loaded_by([&] {
           return load_urdf(path, {.fixed_base = fixed_base,
                                   .package_paths = std::move(package_paths),
                                   .allow_outside_package = allow_outside_package,
-                                  .load_meshes = load_meshes});
+                                  .load_meshes = load_meshes,
+                                  .bullet = bullet,
+                                  .scale = scale});
         });
       },
       "path"_a, nb::kw_only(), "fixed_base"_a = true, "package_paths"_a = std::vector<std::filesystem::path>{},
-      "allow_outside_package"_a = false, "load_meshes"_a = true,
+      "allow_outside_package"_a = false, "load_meshes"_a = true, "bullet"_a = false, "scale"_a = 1.0,
       "Loads a robot from a URDF file, and what was defaulted, repaired or ignored in it.\n\n"
       "fixed_base: False lets the root link float by a joint 'root_joint', first in q and v. package_paths: where "
       "packages lie, searched before ROS_PACKAGE_PATH, AMENT_PREFIX_PATH and the folders above the file. "
       "allow_outside_package: whether meshes may lie outside their package. load_meshes: False leaves out shapes that "
-      "need a mesh file. Raises FileNotFoundError, and UrdfError (a ValueError) for malformed files.");
+      "need a mesh file. bullet: Bullet's rules where they differ: a mass of 1 kg without <inertial>, hulls of a "
+      "mesh's "
+      "objects, no mimics, a root 'world' as a link of its own. scale: multiplies lengths, not masses. "
+      "Raises FileNotFoundError, and UrdfError (a ValueError) for malformed files.");
   m.def("set_asset_root", &set_asset_root, "root"_a, "Where the robots that ship with the library lie.");
   m.def("asset_path", &asset_path, "relative"_a,
         "The path of an asset, for example 'panda/panda.urdf'. Raises FileNotFoundError, which lists the robots there "
@@ -242,6 +284,7 @@ void bind_model(nb::module_& m) {
   bind_model_builder(m);
   bind_loading(m);
   bind_mjcf(m);
+  bind_sdf(m);
   bind_saving(m);
 }
 

@@ -1,4 +1,6 @@
 // Loading models, and what bodies and joints there are.
+#include <filesystem>
+
 #include "bindings/pybullet/arguments.h"
 #include "bindings/pybullet/clients.h"
 #include "manyhands/model/load_report.h"
@@ -56,29 +58,45 @@ PyObject* load_urdf(Client& client, const Arguments& a) {
   }
 }
 
-constexpr Function kLoadUrdf{
+/// In the legacy form the eighth number is a quaternion's, and not the client.
+constexpr FreeFunction kLoadUrdf{
     "loadURDF",
     "fileName | basePosition=[0, 0, 0], baseOrientation=[0, 0, 0, 1], useMaximalCoordinates=-1, useFixedBase=0, "
     "flags=0, globalScaling=-1",
     "Loads a robot or thing, whose base link comes to stand at basePosition [m], baseOrientation (xyzw), and returns "
     "its body id. Prints what is wrong and raises error if it cannot.",
-    load_urdf};
+    [](const Arguments& a) -> PyObject* {
+      const ClientLock client(is_legacy(a) ? 0 : a.integer(7, 0));
+      return load_urdf(*client, a);
+    }};
 
-PyObject* load_mjcf(Client& client, const Arguments& a) {
-  constexpr const char* kError = "Cannot load MJCF file.";
-  const std::string name = a.text(0), path = find_file(name);
-  if (path.empty())
-    fail_to_load("loadMJCF: there is no file '" + name + "' here or in the additional search path", kError);
+using LoadAll = std::vector<int> (Client::*)(const std::filesystem::path&, const bullet::LoadOptions&);
+
+PyObject* load_all(Client& client, LoadAll load, const std::string& name, int flags, const char* error) {
+  const std::string path = find_file(name);
+  if (path.empty()) fail_to_load("there is no file '" + name + "' here or in the additional search path", error);
   try {
-    const std::vector<int> ids = client.load_mjcf(path, {.flags = a.integer(1, 0)});
+    const std::vector<int> ids = (client.*load)(path, {.flags = flags});
     print_notes(client);
     return tuple_of(ids, [](int id) { return of(id); });
   } catch (const Error&) {
     throw;
-  } catch (const std::exception& error) {
-    fail_to_load(error.what(), kError);
+  } catch (const std::exception& reason) {
+    fail_to_load(reason.what(), error);
   }
 }
+
+PyObject* load_mjcf(Client& client, const Arguments& a) {
+  return load_all(client, &Client::load_mjcf, a.text(0), a.integer(1, 0), "Cannot load MJCF file.");
+}
+
+PyObject* load_sdf(Client& client, const Arguments& a) {
+  if (a.number(2, 1) != 1) throw Error("loadSDF: a globalScaling other than 1 is not supported");
+  return load_all(client, &Client::load_sdf, a.text(0), 0, "Cannot load SDF file.");
+}
+
+constexpr Function kLoadSdf{"loadSDF", "sdfFileName | useMaximalCoordinates=0, globalScaling=1",
+                            "Loads all models of an SDF file and returns a tuple of their ids.", load_sdf};
 
 constexpr Function kLoadMjcf{"loadMJCF", "mjcfFileName | flags=0, useMultiBody=-1",
                              "Loads all bodies of an MJCF file and returns a tuple of their ids.", load_mjcf};
@@ -151,6 +169,7 @@ constexpr Function kJointInfo{
 void add_bodies(Methods& methods) {
   add_to<kLoadUrdf>(methods);
   add_to<kLoadMjcf>(methods);
+  add_to<kLoadSdf>(methods);
   add_to<kRemoveBody>(methods);
   add_to<kNumBodies>(methods);
   add_to<kBodyId>(methods);

@@ -174,7 +174,8 @@ void bind_editing(nb::class_<World>& world) {
           nb::sig("def add(self, model: Model | ModelBuilder | str | os.PathLike, "
                   "position: numpy.typing.ArrayLike = (0, 0, 0), quaternion: numpy.typing.ArrayLike = (0, 0, 0, 1), "
                   "name: str = '', *, allow_outside_package: bool = False) -> None"),
-          "Adds a model, or a URDF or MJCF file, whose world frame comes to lie at position (3) [m] and quaternion "
+          "Adds a model, or a URDF, MJCF or SDF file, whose world frame comes to lie at position (3) [m] and "
+          "quaternion "
           "xyzw "
           "(4). With a name, its parts are called 'name/part'. What is there keeps its motion. "
           "allow_outside_package: whether the files that a file names may lie outside its package. Raises ValueError "

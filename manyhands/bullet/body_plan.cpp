@@ -47,7 +47,7 @@ class Assembler {
     // PyBullet takes no inertia for an infinite one; a lever of a metre comes near enough.
     if (!plan_.fixed && !turns) inertial.inertia = {inertial.mass, inertial.mass, inertial.mass, 0, 0, 0};
     if (plan_.fixed) inertial = {};
-    const LinkId base = builder_.add_link(plan_.base.name, inertial);
+    const LinkId base = builder_.add_link(model_name(plan_.base), inertial);
     if (plan_.fixed && plan_.has_ground()) {
       builder_.place_root(base, X_WB_);
       return;
@@ -65,7 +65,7 @@ class Assembler {
 
   void add_link(int i) {
     const LinkPlan& link = plan_.link(i);
-    const LinkId child = builder_.add_link(link.name, inertial_of(link));
+    const LinkId child = builder_.add_link(model_name(link), inertial_of(link));
     Joint joint{.name = link.joint_name, .type = link.joint, .parent = id(link.parent), .child = child};
     joint.X_PF = link.X_PJ;
     joint.axis = link.axis;
@@ -128,17 +128,18 @@ LinkPlan link_plan(const Model& model, LinkId id, const std::vector<int>& number
   LinkPlan link;
   link.name = part.name;
   link.mass = part.inertial.mass;
-  link.X_LI.p = part.inertial.com;
+  link.X_LI = {part.inertial_axes, part.inertial.com};
   link.file_inertia = part.inertial.inertia;
   link.has_file_inertia = true;
   for (const GeomId geom_id : model.geoms_of(id)) {
     ShapePlan shape{.geom = model.geoms()[geom_id.index()]};
-    if (shape.geom.shape.mesh.is_valid()) shape.file = model.meshes()[shape.geom.shape.mesh.index()].source;
-    shape.is_urdf_cylinder = shape.geom.shape.type == ShapeType::kCylinder;
-    if (shape.geom.role == GeomRole::kCollision) {
-      link.surface = shape.geom.surface;
-      if (shape.geom.shape.type == ShapeType::kMesh) shape.geom.shape.type = ShapeType::kConvex;
+    if (shape.geom.shape.mesh.is_valid()) {
+      const Mesh& mesh = model.meshes()[shape.geom.shape.mesh.index()];
+      shape.file = mesh.source.substr(0, mesh.source.find('#'));
+      shape.scale = mesh.scale;
     }
+    shape.is_urdf_cylinder = shape.geom.shape.type == ShapeType::kCylinder;
+    if (shape.geom.role == GeomRole::kCollision) link.surface = shape.geom.surface;
     (shape.geom.role == GeomRole::kCollision ? link.collisions : link.visuals).push_back(std::move(shape));
   }
   if (!part.joint.is_valid()) return link;
@@ -160,6 +161,8 @@ LinkPlan link_plan(const Model& model, LinkId id, const std::vector<int>& number
 }  // namespace
 
 bool BodyPlan::has_ground() const { return std::ranges::any_of(base.collisions, &ShapePlan::is_ground); }
+
+std::string model_name(const LinkPlan& link) { return link.name == "world" ? "world_" : link.name; }
 
 Model model_of(const BodyPlan& plan, const Transform<double>& X_WB) { return Assembler(plan, X_WB).assemble(); }
 
@@ -195,34 +198,6 @@ std::vector<BodyPlan> plans_of(const Model& model) {
     body.links.push_back(link_plan(model, id, numbers));
   }
   return plans;
-}
-
-void scale(BodyPlan& plan, double factor) {
-  if (factor == 1) return;
-  const auto scale_shape = [&](ShapePlan& shape) {
-    shape.geom.X_LG.p = factor * shape.geom.X_LG.p;
-    shape.geom.shape.size = factor * shape.geom.shape.size;
-    shape.scale = factor * shape.scale;
-  };
-  for (int i = -1; i < plan.num_links(); ++i) {
-    LinkPlan& link = plan.link(i);
-    link.X_PJ.p = factor * link.X_PJ.p;
-    link.X_LI.p = factor * link.X_LI.p;
-    if (link.joint == JointType::kPrismatic) {
-      link.lower *= factor;
-      link.upper *= factor;
-    }
-    std::ranges::for_each(link.collisions, scale_shape);
-    std::ranges::for_each(link.visuals, scale_shape);
-  }
-  for (Mesh& mesh : plan.meshes) {
-    for (Vec3<float>& p : mesh.vertices) p = static_cast<float>(factor) * p;
-  }
-  for (HeightField& field : plan.height_fields) {
-    field.dx *= factor;
-    field.dy *= factor;
-    for (double& z : field.height) z *= factor;
-  }
 }
 
 void merge_fixed_links(BodyPlan& plan) {

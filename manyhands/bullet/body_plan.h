@@ -71,11 +71,11 @@ struct BodyPlan {
 /// order. The base of a fixed body is on a mocap joint, or welded to the world where it has_ground.
 [[nodiscard]] Model model_of(const BodyPlan& plan, const Transform<double>& X_WB);
 
+/// What a model calls the link: its name, which "world" may not be.
+[[nodiscard]] std::string model_name(const LinkPlan& link);
+
 /// The bodies of a model that a loader made: one for each part that stands on the world of its own.
 [[nodiscard]] std::vector<BodyPlan> plans_of(const Model& model);
-
-/// Multiplies lengths: of origins, shapes, meshes and prismatic limits. Masses and a file's inertias stay.
-void scale(BodyPlan& plan, double factor);
 
 /// Lumps links on fixed joints into their parents.
 void merge_fixed_links(BodyPlan& plan);

@@ -14,6 +14,7 @@
 #include "manyhands/bullet/records.h"
 #include "manyhands/bullet/screen.h"
 #include "manyhands/bullet/user_data.h"
+#include "manyhands/model/io/loaded_model.h"
 #include "manyhands/physics/world/world.h"
 #include "manyhands/render/frame.h"
 
@@ -55,6 +56,7 @@ class Client {
   // ---- bodies (client_bodies.cpp) ------------------------------------------------------------------------------
   int load_urdf(const std::filesystem::path& path, const Transform<double>& X_WB, const LoadOptions& options);
   std::vector<int> load_mjcf(const std::filesystem::path& path, const LoadOptions& options);
+  std::vector<int> load_sdf(const std::filesystem::path& path, const LoadOptions& options);
   int add(BodyPlan plan, const Transform<double>& X_WB);
   void remove(int body);
   [[nodiscard]] std::span<const int> body_ids() const { return order_; }
@@ -147,6 +149,7 @@ class Client {
   [[nodiscard]] JointId joint_id(Body& body, int joint);
   [[nodiscard]] int fresh_id() const;
   void take_notes(const LoadReport& report);
+  std::vector<int> add_all(const LoadedModel& loaded, const LoadOptions& options);
   [[nodiscard]] Transform<double> inertial_pose(Body& body, int link);
   [[nodiscard]] Motion<double> inertial_velocity(Body& body, int link);
   void set_motor(Body& body, int joint, const MotorSetting& setting);

@@ -4,7 +4,9 @@
 
 #include "manyhands/bullet/client_body.h"
 #include "manyhands/bullet/inertia.h"
+#include "manyhands/math/quaternion.h"
 #include "manyhands/model/io/mjcf/mjcf.h"
+#include "manyhands/model/io/sdf/sdf.h"
 #include "manyhands/model/io/urdf/urdf.h"
 
 namespace manyhands::bullet {
@@ -23,7 +25,6 @@ void apply_flags(BodyPlan& plan, const LoadOptions& options) {
       if ((options.flags & kImplicitCylinder) != 0) shape.is_urdf_cylinder = false;
     }
   }
-  scale(plan, options.scale);
   set_inertias(plan, (options.flags & kInertiaFromFile) != 0, true);
   plan.self_collision = (options.flags & kSelfCollision) != 0;
   plan.excludes_ancestors = (options.flags & kExcludeAllParents) != 0;
@@ -42,30 +43,53 @@ void show_collisions(BodyPlan& plan) {
 
 }  // namespace
 
+namespace {
+
+/// Where a base stands in the world of its own file, or begins there.
+Transform<double> place_of(const Model& model, const BodyPlan& plan) {
+  if (model.find_link(plan.base.name).value() <= 0) return Transform<double>::identity();
+  const Link& link = model.link(model.link_id(plan.base.name));
+  if (!link.joint.is_valid()) return link.X_BL;
+  const Joint& joint = model.joint(link.joint);
+  const std::vector<double>& q = joint.initial;
+  if (q.size() != 7) return joint.X_PF;
+  return joint.X_PF * Transform<double>{to_matrix(Quat<double>{q[3], q[4], q[5], q[6]}), {q[0], q[1], q[2]}};
+}
+
+}  // namespace
+
 int Client::load_urdf(const std::filesystem::path& path, const Transform<double>& X_WB, const LoadOptions& options) {
-  LoadedModel loaded = manyhands::load_urdf(path, {.fixed_base = true, .allow_outside_package = true});
+  const LoadedModel loaded = manyhands::load_urdf(
+      path, {.fixed_base = true, .allow_outside_package = true, .bullet = true, .scale = options.scale});
   take_notes(loaded.report);
-  std::vector<BodyPlan> plans = plans_of(loaded.model);
-  if (plans.empty()) throw Error("Cannot load URDF file.");
-  BodyPlan& plan = plans.front();
-  plan.fixed = options.fixed_base || plan.base.mass == 0;
-  plan.base.X_PJ = Transform<double>::identity();
+  BodyPlan plan = plans_of(loaded.model).at(0);
+  plan.fixed = options.fixed_base || !(plan.base.mass > 0);
   show_collisions(plan);
   apply_flags(plan, options);
   return add(std::move(plan), X_WB);
 }
 
-std::vector<int> Client::load_mjcf(const std::filesystem::path& path, const LoadOptions& options) {
-  LoadedModel loaded = manyhands::load_mjcf(path, {.allow_outside_package = true});
+std::vector<int> Client::add_all(const LoadedModel& loaded, const LoadOptions& options) {
   take_notes(loaded.report);
   std::vector<int> ids;
   for (BodyPlan& plan : plans_of(loaded.model)) {
-    const Link* const base = &loaded.model.link(loaded.model.link_id(plan.base.name));
-    Transform<double> X_WB = base->X_BL;
-    if (base->joint.is_valid()) X_WB = loaded.model.joint(base->joint).X_PF;
+    const Transform<double> X_WB = place_of(loaded.model, plan);
     show_collisions(plan);
     apply_flags(plan, options);
     ids.push_back(add(std::move(plan), X_WB));
+  }
+  return ids;
+}
+
+std::vector<int> Client::load_mjcf(const std::filesystem::path& path, const LoadOptions& options) {
+  return add_all(manyhands::load_mjcf(path, {.allow_outside_package = true, .bullet = true}), options);
+}
+
+std::vector<int> Client::load_sdf(const std::filesystem::path& path, const LoadOptions& options) {
+  std::vector<int> ids;
+  for (const LoadedModel& loaded : manyhands::load_sdf(path, {.allow_outside_package = true, .bullet = true})) {
+    const std::vector<int> more = add_all(loaded, options);
+    ids.insert(ids.end(), more.begin(), more.end());
   }
   return ids;
 }
@@ -199,7 +223,7 @@ std::array<int, 2> Client::joint_indices(int id, int joint) const {
 void Client::locate(Body& body) {
   const Model& parts = world_.parts();
   body.edition = world_.edition();
-  body.first_link = parts.link_id(body_label(body.id) + "/" + body.plan.base.name);
+  body.first_link = parts.link_id(body_label(body.id) + "/" + model_name(body.plan.base));
   if (body.plan.num_links() > 0) body.first_joint = parts.link(LinkId(body.first_link.value() + 1)).joint;
   own_links(body);
 }

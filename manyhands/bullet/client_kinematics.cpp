@@ -263,7 +263,7 @@ std::vector<double> Client::inverse_kinematics(int id, const IkRequest& request)
   Transform<double> goal{Mat3<double>::identity(), request.position};
   if (request.orientation) goal.R = to_matrix(normalized(*request.orientation));
   if (!in_base) goal = inverse(inertial_pose(body, -1)) * goal;
-  const LinkId link = m.model.link_id(body.plan.link(request.link).name);
+  const LinkId link = m.model.link_id(model_name(body.plan.link(request.link)));
   const LinkPlan& plan = body.plan.link(request.link);
   if (request.orientation) return Search<6>(m, link, plan, request, goal).run(std::move(q));
   return Search<3>(m, link, plan, request, goal).run(std::move(q));
@@ -276,7 +276,7 @@ std::vector<double> Client::jacobian(int id, int link, const Vec3<double>& point
   require_length("calculateJacobian: objPositions", q, m.iq.size());
   const Numbers all = configuration(m, q);
   forward_kinematics(m.tree, all.data(), m.ws);
-  const Link& part = m.model.link(m.model.link_id(body.plan.link(link).name));
+  const Link& part = m.model.link(m.model.link_id(model_name(body.plan.link(link))));
   const Vec3<double> in_body = part.X_BL * (body.plan.link(link).X_LI.R * point);
   const bool free = !body.plan.fixed;
   const std::vector<int> dofs = columns(m, free);

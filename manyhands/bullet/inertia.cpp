@@ -17,49 +17,52 @@ Vec3<double> box_inertia(double mass, const Vec3<double>& half) {
   return (mass / 3) * Vec3<double>{s.y + s.z, s.x + s.z, s.x + s.y};
 }
 
-/// Along the shape's own axes, as PyBullet's AABB of it.
+/// How far PyBullet's AABB of a shape reaches beyond it: three margins of hulls, four of those in OBJ files, whose
+/// objects are shapes within a shape, and one of others that do not lie along the inertial frame.
+double reach_beyond(const ShapePlan& shape, bool lies_alone) {
+  const bool is_hull = shape.is_urdf_cylinder || shape.geom.shape.mesh.is_valid();
+  if (is_hull) return (shape.file.ends_with(".obj") ? 4 : 3) * kMargin;
+  return lies_alone ? 0 : kMargin;
+}
+
+/// Along the shape's own axes.
 Bounds own_bounds(const BodyPlan& plan, const ShapePlan& shape) {
   const Vec3<double>& s = shape.geom.shape.size;
-  Vec3<double> half;
   switch (shape.geom.shape.type) {
     case ShapeType::kSphere:
-      half = {s.x, s.x, s.x};
-      break;
+      return {{-s.x, -s.x, -s.x}, {s.x, s.x, s.x}};
     case ShapeType::kCapsule:
-      half = {s.x, s.x, s.y + s.x};
-      break;
+      return {{-s.x, -s.x, -s.y - s.x}, {s.x, s.x, s.y + s.x}};
     case ShapeType::kCylinder:
-      half = {s.x, s.x, s.y};
-      break;
+      return {{-s.x, -s.x, -s.y}, {s.x, s.x, s.y}};
     case ShapeType::kBox:
-      half = s;
-      break;
+      return {-s, s};
     default: {
       Bounds b;
       for (const Vec3<float>& p : plan.meshes[shape.geom.shape.mesh.index()].vertices) {
-        b.widen(Vec3<double>{p.x, p.y, p.z}, {3 * kMargin, 3 * kMargin, 3 * kMargin});
+        b.widen(Vec3<double>{p.x, p.y, p.z}, {0, 0, 0});
       }
       return b;
     }
   }
-  if (shape.is_urdf_cylinder) half = half + Vec3<double>{3 * kMargin, 3 * kMargin, 3 * kMargin};
-  return {-half, half};
 }
 
 /// Of all shapes along the axes of the inertial frame.
-Bounds all_bounds(const BodyPlan& plan, const LinkPlan& link) {
+Bounds all_bounds(const BodyPlan& plan, const LinkPlan& link, bool lies_alone) {
   Bounds all;
   for (const ShapePlan& shape : link.collisions) {
+    const double more = reach_beyond(shape, lies_alone);
     const Bounds own = own_bounds(plan, shape);
-    all.widen(inverse(link.X_LI) * shape.geom.X_LG, own.centre(), own.half());
+    all.widen(inverse(link.X_LI) * shape.geom.X_LG, own.centre(), own.half() + Vec3<double>{more, more, more});
   }
   return all;
 }
 
+/// Whether PyBullet needs no compound around the shape: not where anything is turned, even if both alike.
 bool is_centred(const LinkPlan& link, const ShapePlan& shape) {
-  const Transform<double> X = inverse(link.X_LI) * shape.geom.X_LG;
-  const double off = std::abs(X.p.x) + std::abs(X.p.y) + std::abs(X.p.z);
-  return off < 1e-12 && X.R.x.x > 1 - 1e-12 && X.R.y.y > 1 - 1e-12;
+  const Vec3<double> off = shape.geom.X_LG.p - link.X_LI.p;
+  const auto unturned = [](const Mat3<double>& R) { return R.x.x == 1 && R.y.y == 1 && R.z.z == 1; };
+  return off.x == 0 && off.y == 0 && off.z == 0 && unturned(shape.geom.X_LG.R) && unturned(link.X_LI.R);
 }
 
 }  // namespace
@@ -72,7 +75,8 @@ Vec3<double> inertia_of_shapes(const BodyPlan& plan, const LinkPlan& link, doubl
   if (std::ranges::any_of(link.collisions, &ShapePlan::is_ground)) return Vec3<double>::zero();
   const ShapePlan& first = link.collisions.front();
   const Vec3<double>& s = first.geom.shape.size;
-  if (link.collisions.size() == 1 && is_centred(link, first)) {
+  const bool lies_alone = link.collisions.size() == 1 && is_centred(link, first);
+  if (lies_alone) {
     if (first.geom.shape.type == ShapeType::kSphere) {
       const double I = 0.4 * mass * s.x * s.x;
       return {I, I, I};
@@ -82,20 +86,22 @@ Vec3<double> inertia_of_shapes(const BodyPlan& plan, const LinkPlan& link, doubl
       return {across, across, 0.5 * mass * s.x * s.x};
     }
   }
-  return box_inertia(mass, all_bounds(plan, link).half());
+  return box_inertia(mass, all_bounds(plan, link, lies_alone).half());
 }
 
 void set_inertias(BodyPlan& plan, bool use_file, bool from_file) {
   for (int i = -1; i < plan.num_links(); ++i) {
     LinkPlan& link = plan.link(i);
     if (use_file && link.has_file_inertia) {
-      const SymMat3<double>& I = link.file_inertia;
-      if (I.xy == 0 && I.xz == 0 && I.yz == 0) {
+      const Mat3<double>& R = link.X_LI.R;
+      const Mat3<double> back{{R.x.x, R.y.x, R.z.x}, {R.x.y, R.y.y, R.z.y}, {R.x.z, R.y.z, R.z.z}};
+      const SymMat3<double> I = rotated(back, link.file_inertia);
+      if (std::abs(I.xy) + std::abs(I.xz) + std::abs(I.yz) < 1e-12 * (I.xx + I.yy + I.zz)) {
         link.inertia = {I.xx, I.yy, I.zz};
         continue;
       }
       const PrincipalAxes axes = principal_axes(I);
-      link.X_LI.R = axes.R;
+      link.X_LI.R = R * axes.R;
       link.inertia = axes.moments;
     } else {
       link.inertia = inertia_of_shapes(plan, link, link.mass, from_file);

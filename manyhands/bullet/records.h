@@ -28,7 +28,7 @@ struct Settings {
   int joint_feedback_mode = 0;
 };
 
-/// loadURDF's and loadMJCF's; flags as in PyBullet.
+/// Of loaders; flags as in PyBullet, scale of URDF alone.
 struct LoadOptions {
   bool fixed_base = false;
   bool maximal_coordinates = false;

@@ -43,6 +43,7 @@ struct Inertial {
 struct Link {
   std::string name{};
   Inertial inertial{};
+  Mat3<double> inertial_axes = Mat3<double>::identity();  ///< those of the file's <inertial>, in the link frame
   double gravity_compensation = 0;  ///< share of its weight that is carried for it: 1, and it floats
   LinkId parent{};                  ///< invalid for a root
   JointId joint{};                  ///< the joint to the parent; invalid for a root
@@ -96,6 +97,7 @@ struct Joint {
 /// A triangle mesh, shared by the geoms that show or use it.
 struct Mesh {
   std::string source{};                         ///< the file it came from, or a description
+  Vec3<double> scale{1, 1, 1};                  ///< by which the file's numbers were multiplied
   std::vector<Vec3<float>> vertices{};          ///< [m], the file's scale applied
   std::vector<std::array<int, 3>> triangles{};  ///< counter-clockwise seen from outside
 };

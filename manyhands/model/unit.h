@@ -19,4 +19,13 @@ inline constexpr double kUnitSlack = 4e-15;
   return abs(length2 - 1) <= kUnitSlack ? q : normalized(q);
 }
 
+/// A rotation that takes z to the unit vector n; none if it is z.
+[[nodiscard]] inline Mat3<double> rotation_to_normal(const Vec3<double>& n) {
+  if (n.x == 0 && n.y == 0 && n.z > 0) return Mat3<double>::identity();
+  const Vec3<double> side = abs(n.x) < 0.5 ? Vec3<double>{1, 0, 0} : Vec3<double>{0, 1, 0};
+  Vec3<double> y = cross(n, side);
+  y = (1 / norm(y)) * y;
+  return {cross(y, n), y, n};
+}
+
 }  // namespace manyhands

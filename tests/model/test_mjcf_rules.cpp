@@ -380,5 +380,46 @@ TEST(MjcfRules, FreeBodiesStartWhereTheFilePutsThem) {
   EXPECT_EQ(model.neutral_configuration(), (std::vector<double>{0, 0, 0, 0, 0, 0, 1}));
 }
 
+TEST(MjcfRules, BulletReadsGlobalCoordinates) {
+  // The same arm twice: b1 at x = 1, b2 at x = 2, turned by a quarter about z.
+  const auto arm = [](const std::string& compiler, const std::string& b2) {
+    return "<mujoco>" + compiler + "<worldbody><body name='b1' pos='1 0 0'>" + b2 + "</body></worldbody></mujoco>";
+  };
+  const std::string local =
+      arm("",
+          "<joint name='j1' pos='0 0 0'/><geom size='0.1'/><body name='b2' pos='1 0 0' quat='1 0 0 1'>"
+          "<joint name='j2' axis='1 0 0' pos='0 0.5 0'/><geom type='box' size='.1 .2 .3' pos='0 0 1'/></body>");
+  const std::string global =
+      arm("<compiler coordinate='global'/>",
+          "<joint name='j1' pos='1 0 0'/><geom size='0.1' pos='1 0 0'/><body name='b2' pos='2 0 0' quat='1 0 0 1'>"
+          "<joint name='j2' axis='0 1 0' pos='1.5 0 0'/>"
+          "<geom type='box' size='.1 .2 .3' pos='2 0 1' quat='1 0 0 1'/></body>");
+  EXPECT_THROW((void)load_mjcf_string(global), MjcfError);
+  const Model a = load_mjcf_string(local, "a", ".", {.bullet = true}).model;
+  const Model b = load_mjcf_string(global, "b", ".", {.bullet = true}).model;
+  ASSERT_EQ(a.nv(), 2);
+  ASSERT_EQ(b.nv(), 2);
+  for (std::size_t i = 0; i < a.joints().size(); ++i) {
+    EXPECT_LT(norm(a.joints()[i].X_PF.p - b.joints()[i].X_PF.p), 1e-12);
+    EXPECT_LT(norm(a.joints()[i].axis - b.joints()[i].axis), 1e-12);
+  }
+  for (std::size_t i = 0; i < a.geoms().size(); ++i) {
+    EXPECT_LT(norm(a.geoms()[i].X_LG.p - b.geoms()[i].X_LG.p), 1e-12);
+    EXPECT_LT(norm(a.geoms()[i].X_LG.R.x - b.geoms()[i].X_LG.R.x), 1e-12);
+  }
+}
+
+TEST(MjcfRules, BulletKnowsFixedJointsAndNothingThatActs) {
+  const std::string text =
+      "<mujoco><compiler settotalmass='7'/><worldbody><body><joint type='fixed'/><geom size='.1' density='5' "
+      "material='none'/>"
+      "<body><joint name='j'/><geom size='.1'/></body></body></worldbody><actuator><motor "
+      "joint='gone'/></actuator></mujoco>";
+  EXPECT_THROW((void)load_mjcf_string(text), MjcfError);
+  const LoadedModel loaded = load_mjcf_string(text, "a", ".", {.bullet = true});
+  EXPECT_EQ(loaded.model.nv(), 1);
+  EXPECT_NEAR(loaded.model.links()[1].inertial.mass, 1000 * 4.0 / 3 * 3.14159265358979 * 1e-3, 1e-9);
+}
+
 }  // namespace
 }  // namespace manyhands::testing

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "manyhands/model/io/mesh/mesh_file.h"
+#include "manyhands/model/io/sdf/sdf.h"
 #include "tests/model/mutator.h"
 #include "tests/model/urdf_testing.h"
 
@@ -29,6 +30,21 @@ constexpr std::string_view kUrdf = R"(<?xml version="1.0"?>
     <limit lower="0" upper="1" effort="1" velocity="1"/><mimic joint="shoulder" multiplier="2" offset="0"/></joint>
   <transmission name="t"/><gazebo/>
 </robot>)";
+
+constexpr std::string_view kSdf = R"(<sdf version="1.7"><world name="w"><gravity>0 0 -9.8</gravity>
+<physics type="ode"><max_step_size>0.001</max_step_size></physics><frame name="f"><pose>1 2 3 0 0 0</pose></frame>
+<include><uri>model://none</uri><pose relative_to="f">0 0 1 0 0 0</pose></include>
+<model name="seed" placement_frame="base"><pose>0 0 1 0 0.1 0</pose><self_collide>1</self_collide>
+<link name="base"><inertial><pose>0 0 0.1 0 0 0</pose><mass>2</mass><inertia><ixx>0.1</ixx><iyy>0.2</iyy><izz>0.25</izz><ixy>0</ixy></inertia></inertial>
+<collision name="c"><geometry><box><size>1 2 3</size></box></geometry><surface><friction><ode><mu>0.5</mu></ode></friction><contact><collide_bitmask>0x02</collide_bitmask></contact></surface></collision>
+<visual name="v"><geometry><mesh><uri>m.obj</uri><scale>1 1 1</scale></mesh></geometry><material><diffuse>1 0 0 1</diffuse></material></visual></link>
+<link name="arm"><pose relative_to="shoulder">0 0 0 0 0 0</pose><gravity>0</gravity><collision name="e"><geometry><ellipsoid><radii>1 2 3</radii></ellipsoid></geometry></collision></link>
+<link name="hand"><pose degrees="true">0 0 2 90 0 0</pose><contact><lateral_friction>1</lateral_friction></contact></link>
+<joint name="shoulder" type="revolute"><pose relative_to="base">0 0 1 0 0 0</pose><parent>base</parent><child>arm</child><axis><xyz expressed_in="__model__">0 1 0</xyz><limit><lower>-1</lower><upper>1e16</upper><effort>-1</effort></limit><dynamics><damping>1</damping><spring_stiffness>2</spring_stiffness></dynamics></axis></joint>
+<joint name="wrist" type="universal"><parent>arm</parent><child>hand</child><axis><xyz>1 0 0</xyz></axis><axis2><xyz>0 1 0</xyz></axis2></joint>
+<joint name="loop" type="ball"><parent>base</parent><child>hand</child></joint>
+<model name="inner"><link name="tip"/></model><joint name="stuck" type="fixed"><parent>hand</parent><child>inner::tip</child></joint>
+</model><model name="other"><static>true</static><link name="l"><collision name="p"><geometry><plane><normal>0 0 1</normal></plane></geometry></collision></link></model></world></sdf>)";
 
 constexpr std::string_view kDae = R"(<COLLADA version="1.4.1"><asset><unit meter="0.01"/><up_axis>Y_UP</up_axis></asset>
 <library_geometries><geometry id="g"><mesh><source id="p"><float_array id="pa" count="12">0 0 0 1 0 0 0 1 0 0 0 1</float_array>
@@ -79,7 +95,8 @@ TEST(UrdfFuzz, RobotsLoadOrGiveTheOneError) {
   for (unsigned seed = 0; seed < rounds(6000); ++seed) {
     const std::string text = Mutator(seed).mutated(kUrdf);
     try {
-      expect_whole(load_urdf_string(text, "fuzz.urdf", ".", {.fixed_base = seed % 2 == 0}).model);
+      expect_whole(
+          load_urdf_string(text, "fuzz.urdf", ".", {.fixed_base = seed % 2 == 0, .bullet = seed % 3 == 0}).model);
       ++loaded;
     } catch (const UrdfError& error) {
       ASSERT_TRUE(std::string(error.what()).starts_with("fuzz.urdf:"));
@@ -89,6 +106,16 @@ TEST(UrdfFuzz, RobotsLoadOrGiveTheOneError) {
   // The mutations must neither break everything nor nothing.
   EXPECT_GT(loaded, refused / 20);
   EXPECT_GT(refused, loaded / 20);
+}
+
+TEST(UrdfFuzz, SdfWorldsLoadOrGiveTheOneError) {
+  const auto load = [](const std::string& text) {
+    std::vector<LoadedModel> loaded = load_sdf_string(text, "fuzz.sdf", ".");
+    for (const LoadedModel& part : loaded) expect_whole(part.model);
+    expect_whole(joined(std::move(loaded)).model);
+  };
+  load(std::string(kSdf));
+  expect_read_or_refused<SdfError>(kSdf, rounds(6000), load);
 }
 
 TEST(UrdfFuzz, MeshesLoadOrGiveTheOneError) {

@@ -302,5 +302,57 @@ TEST(UrdfRules, ReportFollowsTheFile) {
   EXPECT_TRUE(std::ranges::is_sorted(report.notes, {}, &LoadNote::line));
 }
 
+TEST(UrdfRules, BulletsRulesAreAskedFor) {
+  const std::string text = robot(link("world", "") + link("a", "<contact><inertia_scaling value=\"3\"/></contact>") +
+                                 link("b") + joint("j", "floating", "world", "a") +
+                                 joint("k", "revolute", "a", "b", std::string(kHinge) + "<mimic joint=\"k\"/>"));
+  const LoadedModel loaded = load(text, {.fixed_base = false, .bullet = true});
+  EXPECT_EQ(loaded.model.links()[1].name, "world_");  // without mass: it stands
+  EXPECT_EQ(loaded.model.links()[2].inertial.mass, 1);
+  EXPECT_EQ(loaded.model.links()[2].inertial.inertia.xx, 3);
+  EXPECT_EQ(loaded.model.joints()[0].type, JointType::kFixed);
+  EXPECT_FALSE(loaded.model.joints()[1].mimic);
+  EXPECT_EQ(loaded.model.nv(), 1);
+}
+
+TEST(UrdfRules, BulletsCollisionMeshesAreHullsOfObjects) {
+  const ScratchFolder folder;
+  folder.write("two.obj",
+               "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\ng b\nv 5 0 0\nf 2 3 5\nf 1 2 5\n");
+  const auto mesh = [](const std::string& attributes) {
+    return "<collision " + attributes + "><geometry><mesh filename=\"package://x/two.obj\"/></geometry></collision>";
+  };
+  const auto file = folder.write(
+      "urdf/r.urdf",
+      robot(link("a", std::string(kInertial) + mesh("group=\"2\" mask=\"-1\"") + mesh("concave=\"yes\""))));
+  folder.write("x/two.obj", "f");  // as a package it is found, and broken
+  EXPECT_EQ(load_urdf(file, {.package_paths = {folder.path()}, .bullet = true}).model.geoms().size(), 0u);
+  std::filesystem::rename(folder.path() / "two.obj", folder.path() / "x/two.obj");
+  const LoadedModel loaded = load_urdf(file, {.allow_outside_package = true, .bullet = true});
+  ASSERT_EQ(loaded.model.geoms().size(), 3u) << loaded.report.to_string();
+  EXPECT_EQ(loaded.model.geoms()[0].shape.type, ShapeType::kConvex);
+  EXPECT_EQ(loaded.model.geoms()[0].filter.group, 2u);
+  EXPECT_EQ(loaded.model.geoms()[0].filter.mask, 0xffffffffu);
+  EXPECT_EQ(loaded.model.meshes()[0].vertices.size(), 4u);
+  EXPECT_EQ(loaded.model.meshes()[1].triangles.size(), 2u);
+  EXPECT_TRUE(loaded.model.meshes()[1].source.ends_with("two.obj#b"));
+  EXPECT_EQ(loaded.model.geoms()[2].shape.type, ShapeType::kMesh);
+}
+
+TEST(UrdfRules, ScaleMultipliesLengthsOnly) {
+  const std::string limits =
+      "<origin xyz=\"1 0 0\"/><axis xyz=\"0 0 1\"/><limit lower=\"-1\" upper=\"2\" effort=\"3\" velocity=\"4\"/>";
+  const std::string box = "<collision><origin xyz=\"0 0 1\"/><geometry><box size=\"1 1 1\"/></geometry></collision>";
+  const std::string text =
+      robot(link("a") + link("b", std::string(kInertial) + box) + joint("j", "prismatic", "a", "b", limits));
+  const Model model = load(text, {.scale = 2}).model;
+  EXPECT_EQ(model.joints()[0].X_PF.p.x, 2);
+  EXPECT_EQ(model.joints()[0].limits.upper, 4);
+  EXPECT_EQ(model.geoms()[0].X_LG.p.z, 2);
+  EXPECT_EQ(model.geoms()[0].shape.size.x, 1);
+  EXPECT_EQ(model.links()[2].inertial.mass, 1);
+  EXPECT_PRED2(contains, error_of(text, {.scale = 0}), "scale is not above 0");
+}
+
 }  // namespace
 }  // namespace manyhands::testing

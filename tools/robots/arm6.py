@@ -46,6 +46,7 @@ FINGER: list[Shape] = [
 ]
 FINGER_INERTIA = _block(0.06, 0.022, 0.02, 0.06)
 
+GRIP = {"lateral_friction": 1.0}
 LINKS: list[Link] = [
     Link(
         "arm6_link0",
@@ -119,8 +120,8 @@ LINKS: list[Link] = [
         [Cylinder("z", 0.0, 0.020, 0.040), Box((-0.036, -0.078, 0.016), (0.036, 0.078, 0.0795))],
         "hand",
     ),
-    Link("arm6_leftfinger", 0.06, (0.0, 0.011, 0.026), FINGER_INERTIA, FINGER, "finger", grip=True),
-    Link("arm6_rightfinger", 0.06, (0.0, -0.011, 0.026), FINGER_INERTIA, FINGER, "finger", turned=True, grip=True),
+    Link("arm6_leftfinger", 0.06, (0.0, 0.011, 0.026), FINGER_INERTIA, FINGER, "finger", contact=GRIP),
+    Link("arm6_rightfinger", 0.06, (0.0, -0.011, 0.026), FINGER_INERTIA, FINGER, "finger", turned=True, contact=GRIP),
     Link("arm6_grasptarget"),
 ]
 

@@ -47,7 +47,40 @@ class Hull:
         return convex_hull(np.array(self.points))
 
 
-Shape = Cylinder | Box | Hull
+@dataclass(frozen=True)
+class Capsule(Cylinder):
+    """A cylinder with a half ball beyond each end."""
+
+
+@dataclass(frozen=True)
+class Sphere:
+    radius: float
+    centre: Vec3 = ZERO
+
+
+@dataclass(frozen=True)
+class Plane:
+    """The half space below z = 0."""
+
+
+@dataclass(frozen=True)
+class MeshFile:
+    """A mesh that other files share, by its path from the model's folder."""
+
+    path: str
+    scale: Vec3 = (1.0, 1.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A shape moved, and turned about its own origin."""
+
+    shape: Cylinder | Box | Hull | Sphere | Plane | MeshFile
+    xyz: Vec3 = ZERO
+    rpy: Vec3 = ZERO
+
+
+Shape = Cylinder | Box | Hull | Sphere | Plane | MeshFile | Placed
 
 
 @dataclass(frozen=True)
@@ -59,7 +92,8 @@ class Link:
     shapes: list[Shape] = field(default_factory=list)
     visual: str = ""  # key in Robot.shells
     turned: bool = False  # visual and collision turned by pi about z
-    grip: bool = False  # high-friction contact
+    looks: list[tuple[Shape, str]] = field(default_factory=list)  # what is seen beside the shells, and its material
+    contact: Mapping[str, float] = field(default_factory=dict)  # of PyBullet's <contact>
 
 
 @dataclass(frozen=True)
@@ -73,6 +107,9 @@ class Joint:
     axis: Vec3 = ZERO
     limits: tuple[float, float, float, float] | None = None  # lower, upper, effort, velocity
     mimic: str = ""
+    damping: float = 0.0  # N m s/rad or N s/m
+    friction: float = 0.0  # N m or N
+    drive: tuple[float, float] | None = None  # effort, velocity of a joint without limits
 
 
 @dataclass(frozen=True)
@@ -84,7 +121,9 @@ class Robot:
     materials: Mapping[str, Rgba]
     links: list[Link]
     joints: list[Joint]
-    shells: Mapping[str, Callable[[], Parts]]  # by the names that links call their visuals by
+    shells: Mapping[str, Callable[[], Parts]] = field(default_factory=dict)  # by the names that links call theirs by
+    textures: Mapping[str, str] = field(default_factory=dict)  # material -> image, by its path from the model's folder
+    meshes: str = ""  # where visual/ and collision/ lie, from the model's folder: empty or ends in a slash
 
     @property
     def hulls(self) -> list[Hull]:

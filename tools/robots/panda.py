@@ -46,6 +46,7 @@ PALM: list[Shape] = [
     Box((-0.032, -0.104, 0.010), (0.032, 0.100, 0.066)),
 ]
 
+GRIP = {"lateral_friction": 1.0}
 LINKS: list[Link] = [
     Link(
         "panda_link0",
@@ -117,7 +118,7 @@ LINKS: list[Link] = [
     ),
     Link("panda_link8"),
     Link("panda_hand", 0.81, (0.0, 0.0, 0.04), (0.003719, 0.001016, 0.003388), PALM, "hand"),
-    Link("panda_leftfinger", 0.10, (0.0, 0.01, 0.02), (4.168e-5, 3.874e-5, 1.694e-5), FINGER, "finger", grip=True),
+    Link("panda_leftfinger", 0.10, (0.0, 0.01, 0.02), (4.168e-5, 3.874e-5, 1.694e-5), FINGER, "finger", contact=GRIP),
     Link(
         "panda_rightfinger",
         0.10,
@@ -126,7 +127,7 @@ LINKS: list[Link] = [
         FINGER,
         "finger",
         turned=True,
-        grip=True,
+        contact=GRIP,
     ),
     Link("panda_grasptarget"),
 ]

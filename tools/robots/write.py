@@ -7,12 +7,13 @@ from pathlib import Path
 
 from robots import urdf
 from robots.description import Robot
+from robots.mesh import Mesh
 
 ASSETS = Path(__file__).resolve().parents[2] / "assets"
 
 
-def write(robot: Robot, out: Path) -> dict[str, int]:
-    """Write every file under `out`; returns the number of triangles of each mesh file."""
+def robot_files(robot: Robot) -> tuple[str, dict[str, Mesh]]:
+    """The text of the URDF, and its meshes by their paths from the folder that `robot.meshes` names."""
     meshes = {}
     parts: dict[str, list[str]] = {}
     for link, make in robot.shells.items():
@@ -20,11 +21,17 @@ def write(robot: Robot, out: Path) -> dict[str, int]:
         parts[link] = list(made)
         meshes |= {f"visual/{link}_{material}.obj": mesh for material, mesh in made.items()}
     meshes |= {f"collision/{hull.name}.obj": hull.mesh() for hull in robot.hulls}
+    return urdf.urdf_text(robot, parts), meshes
+
+
+def write(robot: Robot, out: Path) -> dict[str, int]:
+    """Write every file under `out`; returns the number of triangles of each mesh file."""
+    text, meshes = robot_files(robot)
     out.mkdir(parents=True, exist_ok=True)
     for name, mesh in meshes.items():
         (out / name).parent.mkdir(exist_ok=True)
         (out / name).write_text(mesh.to_obj(robot.script), newline="\n")
-    (out / f"{robot.name}.urdf").write_text(urdf.urdf_text(robot, parts), newline="\n")
+    (out / f"{robot.name}.urdf").write_text(text, newline="\n")
     return {name: len(mesh.faces) for name, mesh in meshes.items()}
 
 

@@ -117,8 +117,12 @@ fs::path resolved(const fs::path& path) {
 
 }  // namespace
 
-PackagePaths::PackagePaths(const fs::path& folder, std::vector<fs::path> package_paths, bool allow_outside)
-    : folder_(resolved(fs::absolute(folder))), package_paths_(std::move(package_paths)), allow_outside_(allow_outside) {
+PackagePaths::PackagePaths(const fs::path& folder, std::vector<fs::path> package_paths, bool allow_outside,
+                           bool look_above)
+    : folder_(resolved(fs::absolute(folder))),
+      package_paths_(std::move(package_paths)),
+      allow_outside_(allow_outside),
+      look_above_(look_above) {
   own_roots_.push_back(root_around(folder_));
   for (const fs::path& path : package_paths_) own_roots_.push_back(resolved(path));
 }
@@ -136,8 +140,10 @@ fs::path PackagePaths::find_package(const std::string& package) const {
   for (const fs::path& place : package_paths_) {
     if (const auto found = package_at(place, package, true)) return *found;
   }
-  for (const fs::path& place : paths_of_variable("ROS_PACKAGE_PATH")) {
-    if (const auto found = package_at(place, package, true)) return *found;
+  for (const char* const variable : {"GZ_SIM_RESOURCE_PATH", "GAZEBO_MODEL_PATH", "ROS_PACKAGE_PATH"}) {
+    for (const fs::path& place : paths_of_variable(variable)) {
+      if (const auto found = package_at(place, package, true)) return *found;
+    }
   }
   for (const fs::path& prefix : paths_of_variable("AMENT_PREFIX_PATH")) {
     if (is_folder(prefix / "share" / package)) return prefix / "share" / package;
@@ -146,7 +152,8 @@ fs::path PackagePaths::find_package(const std::string& package) const {
     if (const auto found = package_at(above, package, false)) return *found;
   }
   throw std::runtime_error("no package " + in_quotes(package) +
-                           " in package_paths, ROS_PACKAGE_PATH, AMENT_PREFIX_PATH or the folders above the file");
+                           " in package_paths, ROS_PACKAGE_PATH, AMENT_PREFIX_PATH, GZ_SIM_RESOURCE_PATH, "
+                           "GAZEBO_MODEL_PATH or the folders above the file");
 }
 
 fs::path PackagePaths::checked(const fs::path& path, const std::vector<fs::path>& roots) const {
@@ -162,6 +169,23 @@ fs::path PackagePaths::checked(const fs::path& path, const std::vector<fs::path>
 }
 
 fs::path PackagePaths::resolve(std::string_view name) const {
+  if (!look_above_) return resolve_as_said(name);
+  try {
+    return resolve_as_said(name);
+  } catch (const PathEscape&) {
+    throw;
+  } catch (const std::runtime_error&) {
+    const std::size_t scheme = name.find("://");
+    const fs::path rest = fs::path(name.substr(scheme == name.npos ? 0 : scheme + 3)).relative_path();
+    for (fs::path above = folder_; above.has_relative_path(); above = above.parent_path()) {
+      std::error_code error;
+      if (fs::is_regular_file(above / rest, error)) return checked(above / rest, own_roots_);
+    }
+    throw;
+  }
+}
+
+fs::path PackagePaths::resolve_as_said(std::string_view name) const {
   for (const std::string_view scheme : {"package://", "model://"}) {
     if (!name.starts_with(scheme)) continue;
     const std::string_view rest = name.substr(scheme.size());

@@ -74,8 +74,9 @@ class World {
   World(World&& other) noexcept;
   World& operator=(World other) noexcept;
   ~World();
-  /// Loads a URDF file, base fixed, or an MJCF file, told by its root element, and keeps its report. Without time_step:
-  /// the file's, or 0.002 s. `allow_outside_package` is the loaders'. Throws what the loaders throw.
+  /// Loads a URDF file, base fixed, an MJCF file or an SDF file, told by its root element, and keeps its report. Of an
+  /// SDF file with several models, parts are called "MODEL/part". Without time_step: the file's, or 0.002 s.
+  /// `allow_outside_package` is the loaders'. Throws what the loaders throw.
   [[nodiscard]] static World from_file(const std::filesystem::path& path, std::optional<double> time_step = {},
                                        Integrator integrator = Integrator::kSemiImplicit,
                                        bool allow_outside_package = false);
@@ -228,7 +229,7 @@ class World {
   /// Adds a model at X_WM. With a name, its parts are called "name/part". Throws ModelError if a name is taken.
   void add(const Model& model, const Transform<double>& X_WM = Transform<double>::identity(),
            const std::string& name = {});
-  /// The same from a URDF or MJCF file.
+  /// The same from a URDF, MJCF or SDF file.
   void add_file(const std::filesystem::path& path, const Transform<double>& X_WM = Transform<double>::identity(),
                 const std::string& name = {}, bool allow_outside_package = false);
   /// Adds one body. Throws ModelError or std::invalid_argument on a taken name, a mass or size that is not above 0.

@@ -5,8 +5,9 @@
 
 #include "manyhands/base/float_environment.h"
 #include "manyhands/math/quaternion.h"
-#include "manyhands/model/convex_polyhedron.h"
+#include "manyhands/model/hull_mesh.h"
 #include "manyhands/model/io/mjcf/mjcf.h"
+#include "manyhands/model/io/sdf/sdf.h"
 #include "manyhands/model/io/urdf/urdf.h"
 #include "manyhands/model/solids.h"
 #include "manyhands/physics/world/world_impl.h"
@@ -22,24 +23,13 @@ LoadedModel load_any(const std::filesystem::path& path, bool allow_outside_packa
   std::string head(1 << 16, '\0');
   file.read(head.data(), static_cast<std::streamsize>(head.size()));
   head.resize(static_cast<std::size_t>(file.gcount()));
-  const std::size_t mjcf = head.find("<mujoco"), robot = head.find("<robot");
+  const std::size_t mjcf = head.find("<mujoco"), robot = head.find("<robot"), sdf = head.find("<sdf");
+  if (path.extension() == ".sdf" || sdf < std::min(mjcf, robot)) {
+    return joined(load_sdf(path, {.allow_outside_package = allow_outside_package}));
+  }
   const bool is_urdf = path.extension() == ".urdf" || robot < mjcf;
   if (is_urdf) return load_urdf(path, {.allow_outside_package = allow_outside_package});
   return load_mjcf(path, {.allow_outside_package = allow_outside_package});
-}
-
-/// The convex hull as a closed mesh.
-Mesh hull_of(const Mesh& mesh) {
-  const ConvexPolyhedron hull = convex_polyhedron(mesh.vertices);
-  Mesh result;
-  for (const Vec3<double>& p : hull.vertices) {
-    result.vertices.push_back({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
-  }
-  for (std::size_t i = 0; i < hull.faces.size(); ++i) {
-    const std::span<const int> face = hull.faces[i];
-    for (std::size_t k = 2; k < face.size(); ++k) result.triangles.push_back({face[0], face[k - 1], face[k]});
-  }
-  return result;
 }
 
 /// Mass and inertia of a solid of that shape, about the geom's origin.

@@ -28,7 +28,7 @@ examples:
 
 The page has all controls. Ctrl-C ends it.
 """
-_SCENES = (".urdf", ".xml", ".mjcf")
+_SCENES = (".urdf", ".xml", ".mjcf", ".sdf")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -79,7 +79,7 @@ def _robot(target: str) -> Path | None:
         return asset_path(f"{target}/{target}.urdf")
     except (FileNotFoundError, RuntimeError):  # no such robot; no robots at all
         if Path(target).is_file():
-            raise ValueError(f"{target} is no URDF or MJCF: expected a file {', '.join(_SCENES)}") from None
+            raise ValueError(f"{target} is no URDF, MJCF or SDF: expected a file {', '.join(_SCENES)}") from None
         return None
 
 

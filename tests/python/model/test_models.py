@@ -209,3 +209,44 @@ def test_robots_that_ship_load_without_a_warning(robot: str) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         mh.World.from_file(mh.asset_path(robot))
+
+
+SDF = """<sdf version="1.7"><world name="w"><gravity>0 0 -1.6</gravity><model name="box"><pose>0 0 1 0 0 0</pose>
+<link name="l"><collision name="c"><geometry><box><size>1 1 1</size></box></geometry></collision></link></model>
+<model name="floor"><static>1</static><link name="l"><collision name="c"><geometry><plane/></geometry></collision>
+</link></model></world></sdf>"""
+
+
+def test_sdf_worlds_load_model_by_model_and_as_one(tmp_path: Path) -> None:
+    path = tmp_path / "w.sdf"
+    path.write_text(SDF)
+    (box, report), (floor, _) = mh.load_sdf(path)
+    assert (box.name, box.nq, floor.nq) == ("box", 7, 0)
+    assert "no <inertial>" in str(report)
+    world = mh.World.from_file(path)
+    assert world.gravity[2] == -1.6
+    assert set(world.names) == {"box", "floor"}
+    world.step(2000)
+    assert world.body_pose("box/l")[0][2] == pytest.approx(0.5, abs=1e-3)
+    world.add(path, name="again")
+    assert world.body_pose("again/box/l")[0][2] == 1
+
+
+def test_sdf_that_cannot_be_loaded(tmp_path: Path) -> None:
+    path = tmp_path / "w.sdf"
+    path.write_text("<sdf/>")
+    with pytest.raises(mh.SdfError, match=r"w.sdf:1: sdf: there is no model in it"):
+        mh.load_sdf(path)
+    with pytest.raises(FileNotFoundError):
+        mh.load_sdf(tmp_path / "none.sdf")
+
+
+def test_bullets_rules_and_scale(tmp_path: Path) -> None:
+    path = tmp_path / "r.urdf"
+    path.write_text('<robot name="r"><link name="a"/><link name="b"/><joint name="j" type="fixed">'
+                    '<origin xyz="1 0 0"/><parent link="a"/><child link="b"/></joint></robot>')  # fmt: skip
+    model, _ = mh.load_urdf(path, bullet=True, scale=2.0)
+    assert model.links[1].mass == 1
+    assert mh.World(model).body_pose("b")[0][0] == 2
+    with pytest.raises(mh.UrdfError, match="scale is not above 0"):
+        mh.load_urdf(path, scale=float("nan"))

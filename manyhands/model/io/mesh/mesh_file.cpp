@@ -29,15 +29,27 @@ std::string read_bytes(const fs::path& path) {
   return bytes;
 }
 
-Mesh read(const fs::path& path) {
+std::string extension_of(const fs::path& path) {
   std::string extension = path.extension().string();
   std::ranges::transform(extension, extension.begin(),
                          [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+Mesh read(const fs::path& path) {
+  const std::string extension = extension_of(path);
   if (extension == ".stl") return io::read_stl(read_bytes(path));
   if (extension == ".obj") return io::read_obj(read_bytes(path));
   if (extension == ".dae") return io::read_dae(read_bytes(path));
   if (extension == ".msh") return io::read_msh(read_bytes(path));
   throw MeshError("the format " + io::in_quotes(extension) + " is not known; expected .stl, .obj, .dae or .msh");
+}
+
+std::vector<Mesh> read_objects(const fs::path& path) {
+  if (extension_of(path) == ".obj") return io::read_obj_objects(read_bytes(path));
+  std::vector<Mesh> objects;
+  objects.push_back(read(path));
+  return objects;
 }
 
 void apply_scale(Mesh& mesh, const Vec3<double>& scale) {
@@ -52,16 +64,37 @@ void apply_scale(Mesh& mesh, const Vec3<double>& scale) {
   }
 }
 
+/// Whether triangles are left once those with a repeated vertex are gone.
+bool finish(Mesh& mesh, const Vec3<double>& scale) {
+  std::erase_if(mesh.triangles, [](const auto& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
+  apply_scale(mesh, scale);
+  return !mesh.triangles.empty();
+}
+
 }  // namespace
 
 Mesh load_mesh(const fs::path& path, const Vec3<double>& scale) {
   try {
     Mesh mesh = read(path);
     mesh.source = path.string();
-    std::erase_if(mesh.triangles, [](const auto& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
-    if (mesh.triangles.empty()) throw MeshError("the file holds no triangles");
-    apply_scale(mesh, scale);
+    mesh.scale = scale;
+    if (!finish(mesh, scale)) throw MeshError("the file holds no triangles");
     return mesh;
+  } catch (const MeshError& error) {
+    throw MeshError(path.string() + ": " + error.what());
+  }
+}
+
+std::vector<Mesh> load_mesh_objects(const fs::path& path, const Vec3<double>& scale) {
+  try {
+    std::vector<Mesh> objects = read_objects(path);
+    std::erase_if(objects, [&](Mesh& object) { return !finish(object, scale); });
+    if (objects.empty()) throw MeshError("the file holds no triangles");
+    for (Mesh& object : objects) {
+      object.source.insert(0, path.string() + (object.source.empty() ? "" : "#"));
+      object.scale = scale;
+    }
+    return objects;
   } catch (const MeshError& error) {
     throw MeshError(path.string() + ": " + error.what());
   }

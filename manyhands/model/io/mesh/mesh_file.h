@@ -21,11 +21,17 @@ class MeshError : public std::runtime_error {
 /// turns the triangles round, so that they still face outwards. Files of more than 128 MiB are refused.
 [[nodiscard]] Mesh load_mesh(const std::filesystem::path& path, const Vec3<double>& scale = {1, 1, 1});
 
+/// The same by the objects of the file, each with the vertices that it uses: an OBJ file's begin at 'o' and 'g'. Of
+/// other formats all is one object.
+[[nodiscard]] std::vector<Mesh> load_mesh_objects(const std::filesystem::path& path,
+                                                  const Vec3<double>& scale = {1, 1, 1});
+
 namespace io {
 
 /// The readers behind `load_mesh`: the triangles in `bytes`, unscaled. They throw MeshError, whatever the bytes are.
 [[nodiscard]] Mesh read_stl(std::string_view bytes);
 [[nodiscard]] Mesh read_obj(std::string_view bytes);
+[[nodiscard]] std::vector<Mesh> read_obj_objects(std::string_view bytes);
 [[nodiscard]] Mesh read_dae(std::string_view bytes);
 [[nodiscard]] Mesh read_msh(std::string_view bytes);
 

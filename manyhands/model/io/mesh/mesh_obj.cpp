@@ -1,4 +1,6 @@
-// Wavefront OBJ: the vertices and faces; normals, texture coordinates, groups and materials do not matter here.
+// Wavefront OBJ: the vertices, faces and objects; normals, texture coordinates and materials do not matter here.
+#include <map>
+
 #include "manyhands/model/io/mesh/mesh_file.h"
 #include "manyhands/model/io/text_numbers.h"
 
@@ -32,9 +34,13 @@ int read_corner(std::string_view word, std::size_t num_vertices, int line) {
   return static_cast<int>(index);
 }
 
-}  // namespace
+struct Object {
+  std::string name;
+  std::size_t first;  ///< of its triangles
+};
 
-Mesh read_obj(std::string_view bytes) {
+/// All triangles; where objects begin goes to `objects`.
+Mesh read_all(std::string_view bytes, std::vector<Object>& objects) {
   Mesh mesh;
   int line = 0;
   while (!bytes.empty()) {
@@ -53,9 +59,47 @@ Mesh read_obj(std::string_view bytes) {
       for (std::size_t k = 2; k < corners.size(); ++k) {
         mesh.triangles.push_back({corners[0], corners[k - 1], corners[k]});
       }
+    } else if (words[0] == "o" || words[0] == "g") {
+      objects.push_back({words.size() > 1 ? std::string(words[1]) : "", mesh.triangles.size()});
     }
   }
   return mesh;
+}
+
+/// Triangles [first, end) with the vertices that they use, in the order of their use.
+Mesh part_of(const Mesh& mesh, std::size_t first, std::size_t end) {
+  Mesh part;
+  std::map<int, int> places;
+  for (std::size_t i = first; i < end; ++i) {
+    std::array<int, 3> triangle = mesh.triangles[i];
+    for (int& vertex : triangle) {
+      const auto [place, is_new] = places.emplace(vertex, static_cast<int>(part.vertices.size()));
+      if (is_new) part.vertices.push_back(mesh.vertices[static_cast<std::size_t>(vertex)]);
+      vertex = place->second;
+    }
+    part.triangles.push_back(triangle);
+  }
+  return part;
+}
+
+}  // namespace
+
+Mesh read_obj(std::string_view bytes) {
+  std::vector<Object> objects;
+  return read_all(bytes, objects);
+}
+
+std::vector<Mesh> read_obj_objects(std::string_view bytes) {
+  std::vector<Object> objects{{"", 0}};  // what stands before the first name
+  const Mesh all = read_all(bytes, objects);
+  std::vector<Mesh> parts;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const std::size_t end = i + 1 < objects.size() ? objects[i + 1].first : all.triangles.size();
+    if (objects[i].first == end) continue;
+    parts.push_back(part_of(all, objects[i].first, end));
+    parts.back().source = objects[i].name;
+  }
+  return parts;
 }
 
 }  // namespace manyhands::io

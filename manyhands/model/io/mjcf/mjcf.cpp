@@ -87,6 +87,14 @@ void note_unused_sections(const MjcfElement& root) {
   }
 }
 
+void note_what_bullet_leaves_out(const MjcfElement& root) {
+  for (const MjcfElement& section : root.children()) {
+    const std::set<std::string_view> kLeftOut{"contact", "tendon", "equality", "actuator", "keyframe"};
+    if (!kLeftOut.contains(section.tag())) continue;
+    section.note(LoadAction::kIgnored, "the section <" + std::string(section.tag()) + "> is not used, as in Bullet");
+  }
+}
+
 Model read_scene(MjcfSource& source, const MjcfOptions& options) {
   const MjcfElement root(source, *source.models().front().root, source.models().front().root->xml.root(), "mujoco");
   if (root.tag() != "mujoco") {
@@ -96,10 +104,14 @@ Model read_scene(MjcfSource& source, const MjcfOptions& options) {
   reserve_names(root, scene);
   read_world(scene);
   read_contacts(scene);
-  read_tendons(scene);
-  read_equalities(scene);
-  read_actuators(scene);
-  read_keyframes(scene);
+  if (source.is_bullet()) {
+    note_what_bullet_leaves_out(root);
+  } else {
+    read_tendons(scene);
+    read_equalities(scene);
+    read_actuators(scene);
+    read_keyframes(scene);
+  }
   apply_flags(scene);
   note_unused_sections(root);
   const MjcfFlags& flags = scene.settings.flags;
@@ -202,7 +214,7 @@ std::vector<MjcfElement> MjcfScene::elements(const MjcfElement& section) const {
 
 LoadedModel load_mjcf_string(std::string_view text, const std::string& file, const fs::path& folder,
                              const MjcfOptions& options) {
-  io::MjcfSource source(text, file, folder, options.allow_outside_package);
+  io::MjcfSource source(text, file, folder, options.allow_outside_package, options.bullet);
   try {
     Model model = io::read_scene(source, options);
     return {std::move(model), source.take_report()};

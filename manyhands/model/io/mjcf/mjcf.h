@@ -15,6 +15,8 @@ struct MjcfOptions {
   bool allow_outside_package = false;
   /// False leaves out all geoms that need a mesh file; masses that would follow from them are then 0.
   bool load_meshes = true;
+  /// Bullet's rules where they differ: README.md of this layer lists them.
+  bool bullet = false;
 };
 
 /// Thrown when a file is not a scene that can be loaded: "file:line: what was wrong; expected ...".

@@ -49,6 +49,7 @@ class MjcfAssets {
   [[nodiscard]] MeshId mesh_id(const std::string& name, const MjcfElement& user, ModelBuilder& builder);
   [[nodiscard]] std::optional<HeightFieldId> height_field(const std::string& name, const MjcfElement& user,
                                                           ModelBuilder& builder);
+  [[nodiscard]] bool has_material(const std::string& name) const { return materials_.contains(name); }
   [[nodiscard]] const MjcfMaterial& material(const std::string& name, const MjcfElement& user) const;
 
  private:
@@ -88,9 +89,6 @@ class MjcfAssets {
 /// The material's texture as a geom of this shape shows it.
 [[nodiscard]] std::optional<GeomTexture> texture_on(ShapeType shape, const MjcfMaterial& material,
                                                     const MjcfElement& geom);
-
-/// The surface of the convex hull of a mesh's vertices. Throws ModelError if they have no extent.
-[[nodiscard]] Mesh hull_of(const Mesh& mesh);
 
 /// A shape fitted to a mesh, as the file's frame has it, and its pose there.
 struct MjcfFit {

@@ -198,7 +198,20 @@ void add_pairs(MjcfScene& scene) {
 
 }  // namespace
 
+namespace {
+
+/// Bullet has filters, and no pairs.
+void set_bullets_rules(MjcfScene& scene) {
+  scene.builder.set_contact_rules(
+      {.friction = CombineRule::kProduct, .restitution = CombineRule::kProduct, .self_collision = false});
+  set_filters(scene);
+  set_roles(scene);
+}
+
+}  // namespace
+
 void read_contacts(MjcfScene& scene) {
+  if (scene.root.source().is_bullet()) return set_bullets_rules(scene);
   for (const MjcfElement& section : scene.sections("contact")) {
     section.named("contact").expect({}, {"pair", "exclude"});
     for (const MjcfElement& element : scene.elements(section)) {

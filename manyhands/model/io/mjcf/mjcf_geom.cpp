@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "manyhands/model/hull_mesh.h"
+#include "manyhands/model/io/ellipsoid_points.h"
 #include "manyhands/model/io/mjcf/mjcf_scene.h"
 #include "manyhands/model/io/text_numbers.h"
 #include "manyhands/model/principal_axes.h"
@@ -10,43 +12,9 @@ namespace manyhands::io {
 
 namespace {
 
-/// Points all over the unit sphere: an icosahedron, its triangles cut into four twice.
-std::vector<Vec3<double>> points_on_sphere() {
-  constexpr double kGolden = 1.618033988749895;
-  std::vector<Vec3<double>> points;
-  for (const double a : {-1.0, 1.0}) {
-    for (const double b : {-kGolden, kGolden}) {
-      points.push_back({0, a, b});
-      points.push_back({a, b, 0});
-      points.push_back({b, 0, a});
-    }
-  }
-  for (int cut = 0; cut < 2; ++cut) {
-    double shortest = norm(points[0] - points[1]);
-    for (std::size_t i = 1; i < points.size(); ++i) shortest = std::min(shortest, norm(points[0] - points[i]));
-    const std::size_t count = points.size();
-    for (std::size_t i = 0; i < count; ++i) {
-      for (std::size_t k = 0; k < i; ++k) {
-        // Neighbours: the next points on the sphere are 1.7 times as far.
-        if (norm(points[i] - points[k]) < 1.35 * shortest) points.push_back(0.5 * (points[i] + points[k]));
-      }
-    }
-    for (Vec3<double>& p : points) p = (1 / norm(p)) * p;
-  }
-  return points;
-}
-
 MeshId ellipsoid_hull(MjcfScene& scene, const Vec3<double>& s) {
   const auto [entry, is_new] = scene.ellipsoids.try_emplace({s.x, s.y, s.z});
-  if (is_new) {
-    static const std::vector<Vec3<double>> kPoints = points_on_sphere();
-    Mesh mesh{.source = "ellipsoid " + format_number(s.x) + " " + format_number(s.y) + " " + format_number(s.z)};
-    for (const Vec3<double>& p : kPoints) {
-      mesh.vertices.push_back(
-          {static_cast<float>(s.x * p.x), static_cast<float>(s.y * p.y), static_cast<float>(s.z * p.z)});
-    }
-    entry->second = scene.builder.add_mesh(hull_of(mesh));
-  }
+  if (is_new) entry->second = scene.builder.add_mesh(hull_of(points_on_ellipsoid(s)));
   return entry->second;
 }
 
@@ -218,13 +186,14 @@ MjcfGeomMass add_geom(MjcfScene& scene, int body_index, const MjcfPlaced& placed
     geom.surface = surface_of(entry.friction, entry.condim);
     geom.margin = e.positive_or("margin", 0);
     geom.rgba = {0.5f, 0.5f, 0.5f, 1};
-    if (e.has("material")) {
+    if (e.has("material") && !(e.source().is_bullet() && !scene.assets.has_material(e.text("material")))) {
       const MjcfMaterial& material = scene.assets.material(e.text("material"), e);
       geom.rgba = material.rgba;
       geom.texture = texture_on(geom.shape.type, material, e);
     }
     geom.rgba = read_rgba(e, geom.rgba);
-    const double density = e.positive_or("density", 1000);
+    constexpr double kUsual = 1000;  // [kg/m^3]
+    const double density = e.source().is_bullet() ? kUsual : e.positive_or("density", kUsual);
     double factor = density;
     if (e.has("mass")) factor = part.volume.mass > 0 ? e.positive_or("mass", 0) / part.volume.mass : 0;
     mass.inertial = manyhands::placed(geom.X_LG, scaled(part.volume, factor));

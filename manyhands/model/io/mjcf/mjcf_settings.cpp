@@ -17,7 +17,8 @@ void read_compiler(const MjcfElement& e, MjcfSettings& settings) {
             "inertiafromgeom", "inertiagrouprange", "balanceinertia", "boundmass", "boundinertia", "settotalmass",
             "usethread", "fusestatic", "discardvisual", "alignfree", "fitaabb"});
   settings.degrees = e.word_or("angle", {"degree", "radian"}, settings.degrees ? "degree" : "radian") == "degree";
-  if (e.word_or("coordinate", {"local", "global"}, "local") == "global") {
+  settings.is_global = e.word_or("coordinate", {"local", "global"}, "local") == "global";
+  if (settings.is_global && !e.source().is_bullet()) {
     e.fail("coordinate=\"global\" is not read, nor by MuJoCo since 2.3.4; expected local coordinates");
   }
   settings.euler_sequence = e.text_or("eulerseq", settings.euler_sequence);
@@ -43,6 +44,7 @@ void read_compiler(const MjcfElement& e, MjcfSettings& settings) {
   settings.bound_mass = e.positive_or("boundmass", settings.bound_mass);
   settings.bound_inertia = e.positive_or("boundinertia", settings.bound_inertia);
   settings.total_mass = e.number_or("settotalmass", settings.total_mass);
+  if (e.source().is_bullet()) settings.total_mass = -1;
   if (e.boolean_or("fusestatic", false)) {
     e.note(LoadAction::kIgnored, "fusestatic: bodies without joints keep their names; the motion is the same");
   }

@@ -36,6 +36,7 @@ struct MjcfSettings {
   Vec3<double> gravity{0, 0, -9.81};
   Medium medium{};
   bool fit_to_box = false;  ///< shapes fitted to meshes are as large as their box; else they have their inertia
+  bool is_global = false;   ///< poses are in the world's frame, where all joints are at 0
   bool align_free = false;  ///< the frames of free bodies become their principal axes
   MjcfFlags flags;
 

@@ -46,7 +46,9 @@ std::vector<pugi::xml_node> find_all(const MjcfFile& file, std::string_view tag)
 
 }  // namespace
 
-MjcfSource::MjcfSource(std::string_view text, const std::string& file, const fs::path& folder, bool allow_outside) {
+MjcfSource::MjcfSource(std::string_view text, const std::string& file, const fs::path& folder, bool allow_outside,
+                       bool bullet)
+    : is_bullet_(bullet) {
   add_model(text, file, PackagePaths(folder, {}, allow_outside), 0);
 }
 

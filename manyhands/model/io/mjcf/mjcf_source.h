@@ -36,7 +36,8 @@ struct MjcfModel {
 class MjcfSource {
  public:
   /// Parses the text and all that it includes and attaches. Throws MjcfError.
-  MjcfSource(std::string_view text, const std::string& file, const std::filesystem::path& folder, bool allow_outside);
+  MjcfSource(std::string_view text, const std::string& file, const std::filesystem::path& folder, bool allow_outside,
+             bool bullet);
 
   /// The main one, then those attached, in the order of the <attach> elements, inner ones behind those around them.
   [[nodiscard]] const std::deque<MjcfModel>& models() const { return models_; }
@@ -44,6 +45,9 @@ class MjcfSource {
   [[nodiscard]] const MjcfFile& included(const pugi::xml_node& include) const;
   /// What an <attach> element stands for.
   [[nodiscard]] const MjcfModel& attached(const pugi::xml_node& attach) const;
+
+  /// Whether Bullet's rules count.
+  [[nodiscard]] bool is_bullet() const { return is_bullet_; }
 
   void set_main_class(std::size_t model, const std::string& name) { models_[model].main_class = name; }
 
@@ -65,6 +69,7 @@ class MjcfSource {
     int further = 0;
   };
 
+  bool is_bullet_;
   std::deque<MjcfModel> models_;
   std::deque<MjcfFile> files_;
   std::map<std::size_t, const MjcfFile*> includes_;   ///< by the hash of the element

@@ -63,7 +63,7 @@ class WorldReader {
       } else if (tag == "replicate") {
         replicate(element.named("replicate in " + around.what()), X_BF, contents);
       } else if (tag == "joint" || tag == "freejoint") {
-        contents.joints.push_back({element, X_BF});
+        if (!is_bullets_fixed(element)) contents.joints.push_back({element, X_BF});
       } else if (tag == "geom") {
         contents.geoms.push_back({element, X_BF});
       } else if (tag == "site") {
@@ -77,6 +77,13 @@ class WorldReader {
             .note_serious(LoadAction::kIgnored, "the bodies that it makes are left out");
       }
     }
+  }
+
+  /// Bullet has a joint type that leaves a body where it is.
+  static bool is_bullets_fixed(const MjcfElement& joint) {
+    if (!joint.source().is_bullet() || !joint.has_own("type") || joint.text("type") != "fixed") return false;
+    joint.note(LoadAction::kRepaired, "a fixed joint: the body is a part of that around it");
+    return true;
   }
 
   /// Copies of what is in the element, numbers behind their names. Copy i is turned by i times the Euler angles; the
@@ -107,11 +114,12 @@ class WorldReader {
     const MjcfElement element = placed.element.named("body '" + name + "'");
     element.expect({"name", "childclass", "pos", "quat", "axisangle", "euler", "xyaxes", "zaxis", "mocap", "gravcomp"},
                    kContents);
-    Contents contents;
-    collect(element, Transform<double>::identity(), contents);
-
     const MjcfBody around = scene_.bodies[static_cast<std::size_t>(parent)];
-    const Transform<double> X_PB = placed_in(placed.X_BF, read_pose(element, scene_.settings_of(element)));
+    const MjcfSettings& settings = scene_.settings_of(element);
+    const Transform<double> X_FB = read_pose(element, settings);  // of the body around it or, global, the world
+    const Transform<double> X_PB = placed_in(placed.X_BF, X_FB);
+    Contents contents;
+    collect(element, settings.is_global ? inverse(X_FB) : Transform<double>::identity(), contents);
     MjcfBody body{.name = name, .link = {}, .X_WB = around.X_WB * X_PB, .parent = parent, .source = element};
     body.has_joints = !contents.joints.empty();
     body.has_chain = contents.joints.size() > 1;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "manyhands/model/hull_mesh.h"
 #include "manyhands/model/io/mjcf/mjcf_assets.h"
 #include "manyhands/model/io/mjcf/mjcf_writer.h"
 

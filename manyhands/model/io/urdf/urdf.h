@@ -26,6 +26,10 @@ struct UrdfOptions {
   bool load_meshes = true;
   /// Whether the robot's links touch each other, joint neighbours excepted; PyBullet's default is no.
   bool self_collision = false;
+  /// Bullet's rules where they differ: README.md of this layer lists them.
+  bool bullet = false;
+  /// By which lengths are multiplied: of origins, shapes and the ranges of prismatic joints. Masses stay as they are.
+  double scale = 1;
 };
 
 /// Thrown when a file is not a robot that can be loaded: "file:line: what was wrong; expected ...".

@@ -18,6 +18,7 @@ struct UrdfSource {
   std::string file;
   const XmlFile& xml;
   LoadReport& report;
+  bool bullet = false;  ///< whether Bullet's rules count
 };
 
 /// Which numbers a value may take.
@@ -36,6 +37,7 @@ class UrdfElement {
   [[nodiscard]] std::string_view tag() const { return node_.name(); }
   [[nodiscard]] int line() const { return source_->xml.line(node_); }
   [[nodiscard]] const std::string& what() const { return what_; }
+  [[nodiscard]] bool is_bullet() const { return source_->bullet; }
   /// The same element under another name for messages.
   [[nodiscard]] UrdfElement named(std::string what) const { return {*source_, node_, std::move(what)}; }
 

@@ -1,28 +1,20 @@
 // The shapes, colours and places of <visual> and <collision>.
-#include <algorithm>
+#include <cstdint>
 
 #include "manyhands/model/io/text_numbers.h"
 #include "manyhands/model/io/urdf/urdf_parts.h"
+#include "manyhands/model/unit.h"
 
 namespace manyhands::io {
 
 namespace {
-
-/// The smallest rotation that takes z to the unit vector n.
-Mat3<double> rotation_to_normal(const Vec3<double>& n) {
-  const Vec3<double> side = std::abs(n.x) < 0.5 ? Vec3<double>{1, 0, 0} : Vec3<double>{0, 1, 0};
-  Vec3<double> y = cross(n, side);
-  y = (1 / norm(y)) * y;
-  return {cross(y, n), y, n};
-}
 
 void read_plane(const UrdfElement& element, Geom& geom) {
   element.expect({"normal"});
   const Vec3<double> normal = element.vec3_or("normal", {0, 0, 1});
   const double length = norm(normal);
   if (length < 1e-9) element.fail("the normal of <plane> is 0; expected a direction such as \"0 0 1\"");
-  if (normal.x != 0 || normal.y != 0 || normal.z < 0)
-    geom.X_LG.R = geom.X_LG.R * rotation_to_normal((1 / length) * normal);
+  geom.X_LG.R = geom.X_LG.R * rotation_to_normal((1 / length) * normal);
 }
 
 /// PyBullet reads a single number as the scale of all axes, and files rely on it.
@@ -90,6 +82,7 @@ bool is_solid(const UrdfGeom& geom) {
 
 /// The visual's own material, or the one that it names.
 void wear_material(const UrdfElement& visual, const Materials& materials, UrdfGeom& result) {
+  if (visual.is_bullet()) result.geom.rgba = {1, 1, 1, 1};
   const UrdfElement element = visual.child("material");
   if (!element) return;
   element.expect({"name"}, {"color", "texture"});
@@ -104,15 +97,29 @@ void wear_material(const UrdfElement& visual, const Materials& materials, UrdfGe
   result.texture_file = material->texture_file;
 }
 
+/// Bullet's attributes of <collision>.
+void read_bullets(const UrdfElement& collision, UrdfGeom& result) {
+  result.is_concave = collision.text_or_empty("concave") == "yes" || collision.text_or_empty("concave") == "1";
+  const auto bits = [&](const char* attribute, std::uint32_t otherwise) {
+    const std::optional<double> value = collision.optional_number(attribute);
+    return value ? static_cast<std::uint32_t>(static_cast<std::int64_t>(*value)) : otherwise;
+  };
+  result.geom.filter = {bits("group", result.geom.filter.group), bits("mask", result.geom.filter.mask)};
+}
+
 }  // namespace
 
 std::optional<UrdfGeom> read_geom(const UrdfElement& element, GeomRole role, const Materials& materials) {
-  element.expect({"name"}, {"origin", "geometry", role == GeomRole::kVisual ? "material" : "geometry"});
+  const bool has_bullets = element.is_bullet() && role == GeomRole::kCollision;
+  element.expect(
+      {"name", has_bullets ? "concave" : "name", has_bullets ? "group" : "name", has_bullets ? "mask" : "name"},
+      {"origin", "geometry", role == GeomRole::kVisual ? "material" : "geometry"});
   const UrdfElement geometry = element.required_child("geometry", "<geometry> with a shape in it");
   UrdfGeom result{.source = element, .geom = {}, .mesh_file = {}};
   result.geom.name = element.text_or_empty("name");
   result.geom.role = role;
   result.geom.X_LG = element.origin();
+  if (has_bullets) read_bullets(element, result);
   const std::vector<UrdfElement> shapes = geometry.children();
   if (shapes.empty()) geometry.fail("<geometry> is empty; expected a shape such as <box size=\"0.1 0.2 0.3\"/>");
   for (std::size_t i = 1; i < shapes.size(); ++i) {

@@ -130,6 +130,10 @@ std::optional<Mimic> read_mimic(const UrdfElement& joint, JointType type) {
   const UrdfElement mimic = joint.child("mimic");
   if (!mimic) return std::nullopt;
   mimic.expect({"joint", "multiplier", "offset"});
+  if (joint.is_bullet()) {
+    mimic.note(LoadAction::kIgnored, "Bullet does not know mimics; the joint moves freely");
+    return std::nullopt;
+  }
   Mimic result{mimic.text("joint"), mimic.optional_number("multiplier").value_or(1.0),
                mimic.optional_number("offset").value_or(0.0)};
   if (velocity_size(type) == 1) return result;
@@ -152,6 +156,10 @@ UrdfJoint read_joint(const UrdfElement& element) {
   Joint& joint = result.joint;
   joint.name = element.text("name");
   joint.type = read_type(element);
+  if (joint.type == JointType::kFloating && element.is_bullet()) {
+    element.note(LoadAction::kRepaired, "a floating joint is a fixed one in Bullet");
+    joint.type = JointType::kFixed;
+  }
   joint.X_PF = element.origin();
   if (has_axis(joint.type)) joint.axis = read_axis(element);
   joint.limits = read_limits(element, joint.type);

@@ -26,6 +26,7 @@ struct UrdfGeom {
   Geom geom;           ///< its link and mesh still unset
   std::string mesh_file;
   Vec3<double> mesh_scale{1, 1, 1};
+  bool is_concave = false;  ///< by Bullet's attribute: its triangles touch, not its hulls
   std::string texture_file{};
 };
 
@@ -33,6 +34,7 @@ struct UrdfLink {
   UrdfElement source;
   std::string name;
   Inertial inertial;
+  Mat3<double> inertial_axes = Mat3<double>::identity();  ///< of its <inertial>
   std::vector<UrdfGeom> geoms;
 };
 

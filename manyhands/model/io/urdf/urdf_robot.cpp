@@ -126,9 +126,26 @@ Materials read_materials(const UrdfElement& robot) {
   return materials;
 }
 
+namespace {
+
+/// Bullet's <inertia_scaling>.
+void scale_inertia(const UrdfElement& link, Inertial& inertial) {
+  const UrdfElement contact = link.child("contact");
+  const UrdfElement scaling = contact ? contact.child("inertia_scaling") : contact;
+  if (!scaling) return;
+  const double factor = scaling.number("value");
+  if (!(factor > 0)) scaling.fail("<inertia_scaling> is not above 0");
+  const SymMat3<double>& I = inertial.inertia;
+  inertial.inertia = {factor * I.xx, factor * I.yy, factor * I.zz, factor * I.xy, factor * I.xz, factor * I.yz};
+}
+
+}  // namespace
+
 UrdfLink read_link(const UrdfElement& link, const Materials& materials) {
   link.expect({"name"}, {"inertial", "visual", "collision", "contact"});
   UrdfLink result{.source = link, .name = link.text("name"), .inertial = read_inertial(link), .geoms = {}};
+  if (const UrdfElement inertial = link.child("inertial")) result.inertial_axes = inertial.origin().R;
+  if (link.is_bullet()) scale_inertia(link, result.inertial);
   const SurfaceMaterial surface = read_contact(link);
   const auto read_all = [&](const char* tag, GeomRole role) {
     for (const UrdfElement& element : link.children(tag)) {
@@ -168,6 +185,10 @@ SymMat3<double> read_inertia(const UrdfElement& inertial) {
 
 Inertial read_inertial(const UrdfElement& link) {
   const UrdfElement inertial = link.child("inertial");
+  if (!inertial && link.is_bullet() && link.text("name") != "world") {
+    link.note(LoadAction::kDefaulted, "no <inertial>; a mass of 1 kg and moments of inertia of 1 kg m^2 taken");
+    return {.mass = 1, .inertia = {1, 1, 1, 0, 0, 0}};
+  }
   if (!inertial) {
     link.note(LoadAction::kDefaulted, "no <inertial>; mass 0 taken");
     return {};
@@ -192,8 +213,8 @@ SurfaceMaterial read_contact(const UrdfElement& link) {
   SurfaceMaterial surface;
   const UrdfElement contact = link.child("contact");
   if (!contact) return surface;
-  contact.expect({},
-                 {"lateral_friction", "spinning_friction", "rolling_friction", "restitution", "stiffness", "damping"});
+  contact.expect({}, {"lateral_friction", "spinning_friction", "rolling_friction", "restitution", "stiffness",
+                      "damping", link.is_bullet() ? "inertia_scaling" : "damping"});
   const auto read = [&](const char* tag) -> std::optional<double> {
     const UrdfElement element = contact.child(tag);
     if (!element) return std::nullopt;
