@@ -264,6 +264,27 @@ void ModelEdit::forget(LinkId id) {
   }
 }
 
+void ModelEdit::add_equality(const EqualityConstraint& equality) {
+  model_.equalities_.insert(model_.equalities_.begin() + model_.described_equalities_, equality);
+  ++model_.described_equalities_;
+}
+
+void ModelEdit::remove_equality(std::size_t index) {
+  model_.equalities_.erase(model_.equalities_.begin() + static_cast<std::ptrdiff_t>(index));
+  if (static_cast<int>(index) < model_.described_equalities_) --model_.described_equalities_;
+}
+
+void ModelEdit::set_inertial(LinkId id, const Inertial& inertial) {
+  model_.links_[id.index()].inertial = inertial;
+  const BodyId body = model_.links_[id.index()].body;
+  RigidInertia<double> sum = RigidInertia<double>::zero();
+  for (const LinkId link : model_.body_links_[body.index()]) {
+    const Link& part = model_.links_[link.index()];
+    sum = sum + transformed(part.X_BL, part.inertial.about_origin());
+  }
+  model_.bodies_[body.index()].inertia = sum;
+}
+
 void ModelEdit::set_excluded(LinkId a, LinkId b, bool excluded) {
   const auto same = [&](const ContactExclusion& e) { return (e.a == a && e.b == b) || (e.a == b && e.b == a); };
   if (!excluded) {

@@ -20,6 +20,12 @@ class ModelEdit {
   /// are free. The parts stay where they are until the model is built anew without them.
   void forget(LinkId link);
 
+  /// Equality constraints between parts that are there; what is compiled of them is to be made anew.
+  void add_equality(const EqualityConstraint& equality);
+  void set_equality(std::size_t index, const EqualityConstraint& equality) { model_.equalities_[index] = equality; }
+  void remove_equality(std::size_t index);
+  /// Gives a link other mass properties, and the body that carries it.
+  void set_inertial(LinkId link, const Inertial& inertial);
   /// Whether two links may touch, as far as exclusions go.
   void set_excluded(LinkId a, LinkId b, bool excluded);
   void set_contact_rules(const ContactRules& rules) { model_.contact_rules_ = rules; }

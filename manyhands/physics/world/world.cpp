@@ -26,7 +26,9 @@ World::World(std::shared_ptr<const Model> model, double time_step, Integrator in
 World::World(const World& other)
     : time_step_(other.time_step_),
       integrator_(other.integrator_),
+      since_(other.since_),
       steps_(other.steps_),
+      edition_(other.edition_),
       report_(other.report_),
       solver_(std::make_unique<SolverSettings>(*other.solver_)),
       core_(std::make_unique<WorldCore>(*other.core_)),
@@ -38,7 +40,9 @@ World::~World() = default;
 World& World::operator=(World other) noexcept {
   time_step_ = other.time_step_;
   integrator_ = other.integrator_;
+  since_ = other.since_;
   steps_ = other.steps_;
+  edition_ = other.edition_ + 1;
   report_ = std::move(other.report_);
   solver_ = std::move(other.solver_);
   core_ = std::move(other.core_);
@@ -67,6 +71,14 @@ std::span<const double> World::ctrl() const {
 }
 int World::solver_iterations() const { return loose().has_stepped ? core_->step.contact.iterations : 0; }
 const SolverSettings& World::solver() const { return *solver_; }
+
+void World::set_time_step(double time_step) {
+  internal::require_time_step(time_step);
+  since_ = time();
+  steps_ = 0;
+  time_step_ = time_step;
+  loose().owner.reset();
+}
 
 void World::step(int n) {
   if (n < 0) throw std::invalid_argument("the number of steps is " + std::to_string(n) + "; expected 0 or more");
@@ -314,6 +326,7 @@ void World::forget() {
   state.calm()[0] = 0;
   std::ranges::fill(state.equality_impulses(), 0.0);
   std::ranges::fill(state.contact_cache(), 0.0);
+  since_ = 0;
   steps_ = 0;
   now.moved();
   now.forget_step();

@@ -8,7 +8,7 @@
 #include <span>
 #include <string_view>
 
-#include "manyhands/model/description.h"
+#include "manyhands/model/couplings.h"
 #include "manyhands/model/load_report.h"
 #include "manyhands/physics/dynamics/measures.h"
 #include "manyhands/physics/world/contact_report.h"
@@ -34,6 +34,11 @@ struct MotorCommands {
   std::span<const double> kp;        ///< share of the position error that one step removes
   std::span<const double> kd;        ///< share of the velocity error that one step removes
   std::span<const double> max_force;  ///< [N m or N]; 0 switches the motor off
+};
+
+/// The motor of one joint with one degree of freedom: as MotorCommands, which has the units.
+struct JointMotor {
+  double target_q = 0, target_v = 0, kp = 0, kd = 1, max_force = 0;
 };
 
 /// A step led to numbers that are not finite; the world is as it was before that step.
@@ -86,7 +91,9 @@ class World {
   [[nodiscard]] const LoadReport& report() const { return report_; }  ///< of `from_file` and files added since
   [[nodiscard]] double time_step() const { return time_step_; }
   [[nodiscard]] Integrator integrator() const { return integrator_; }
-  [[nodiscard]] double time() const { return static_cast<double>(steps_) * time_step_; }  ///< [s]
+  [[nodiscard]] double time() const { return since_ + static_cast<double>(steps_) * time_step_; }  ///< [s]
+  /// The length of the steps to come. Throws std::invalid_argument unless it is above 0.
+  void set_time_step(double time_step);
 
   // ---- state (world.cpp) ---------------------------------------------------------------------------------------
   [[nodiscard]] std::span<const double> q() const;     ///< (nq)
@@ -141,6 +148,47 @@ class World {
   /// next step only. Forces add up.
   void apply_force(std::string_view name, const Vec3<double>& force, const Vec3<double>& torque = Vec3<double>::zero(),
                    const std::optional<Vec3<double>>& point = {});
+
+  // ---- the same by ids (world_ids.cpp), for programs that ask often ----------------------------------------------
+  /// The parts that ids count: the model, with what was removed still in it. Parts that come or go leave the others
+  /// their ids, until `edition` grows.
+  [[nodiscard]] const Model& parts() const;
+  [[nodiscard]] std::int64_t edition() const { return edition_; }
+  [[nodiscard]] Transform<double> link_pose(LinkId link) const;     ///< X_WL
+  [[nodiscard]] Motion<double> link_velocity(LinkId link) const;    ///< of its origin, world axes
+  void set_link_pose(LinkId link, const Transform<double>& X_WL);   ///< as set_body_pose, and of mocap bodies
+  void set_link_velocity(LinkId link, const Motion<double>& V_WL);  ///< as set_body_velocity
+  void apply_link_force(LinkId link, const Vec3<double>& force, const Vec3<double>& torque,
+                        const Vec3<double>& point);                    ///< as apply_force
+  [[nodiscard]] std::span<const double> joint_q(JointId joint) const;  ///< its part of q
+  [[nodiscard]] std::span<const double> joint_v(JointId joint) const;  ///< its part of v
+  /// Puts a joint where it is told to be. Throws std::invalid_argument on wrong lengths and numbers that are not
+  /// finite.
+  void set_joint(JointId joint, std::span<const double> q, std::span<const double> v);
+  /// Its part of tau, which acts in every step until it is set again.
+  void set_joint_tau(JointId joint, std::span<const double> tau);
+  /// Of each dof of the joint. Throws std::invalid_argument on numbers that are not finite, or negative where they may
+  /// not be.
+  void set_joint_motor(JointId joint, const JointMotor& motor);
+  /// What motor and limits did to the joint's dofs in the last step, their mean force over it [N m or N]; 0 before one.
+  [[nodiscard]] std::vector<double> joint_forces(JointId joint) const;
+  void set_joint_damping(JointId joint, double damping);
+  /// Throws std::invalid_argument unless lower <= upper, and for a joint that was made without limits.
+  void set_joint_limits(JointId joint, double lower, double upper);
+  /// Gives a link that moves other mass properties. Throws std::invalid_argument unless the mass is above 0.
+  void set_link_inertial(LinkId link, const Inertial& inertial);
+  /// Between the surfaces of two links, as `distance`.
+  [[nodiscard]] std::optional<LinkDistance> link_distance(LinkId link_a, LinkId link_b) const;
+  /// Whether geoms of two links may touch, as `set_collision`.
+  void set_link_collision(LinkId link_a, LinkId link_b, bool enabled);
+  /// Adds an equality constraint between links or joints of `parts`. Throws ModelError where ModelBuilder does.
+  void add_equality(const EqualityConstraint& equality);
+  /// Gives a constraint of that name and type other frames, ratio, offset or largest force. Throws std::out_of_range.
+  void set_equality(const EqualityConstraint& equality);
+  /// The same for the steps to come alone: the model does not change.
+  void aim_equality(const EqualityConstraint& equality);
+  void remove_equality(std::string_view name);
+  void set_link_surface(LinkId link, const SurfaceMaterial& surface);  ///< of its colliding geoms; friction_y not read
 
   // ---- what the last step found (world_contacts.cpp); empty or 0 before a step, after `restore` and other parts ----
   [[nodiscard]] std::vector<Contact> contacts() const;
@@ -230,10 +278,14 @@ class World {
   void require_apart(WorldCore& core) const;
   void require_within_limits(const WorldCore& core, const char* when) const;
   [[nodiscard]] const Body& free_body(const WorldCore& core, const Link& link, const char* what) const;
+  [[nodiscard]] static const Link& required_link(const WorldCore& core, LinkId link);
+  [[nodiscard]] static const Body& required_body(const WorldCore& core, JointId joint);
 
   double time_step_;
   Integrator integrator_;
-  std::int64_t steps_ = 0;
+  double since_ = 0;        // time before the last change of the time step
+  std::int64_t steps_ = 0;  // since then
+  mutable std::int64_t edition_ = 0;
   LoadReport report_;
   std::unique_ptr<SolverSettings> solver_;
   mutable std::unique_ptr<WorldCore> core_;

@@ -34,31 +34,15 @@ const Body& World::free_body(const WorldCore& core, const Link& link, const char
 }
 
 void World::set_body_pose(std::string_view name, const Transform<double>& X_WL) {
-  const FloatEnvironment floats;
-  require_pose("link '" + std::string(name) + "'", X_WL);
   const LinkId id = loose().model->link_id(name);
-  if (id.value() != 0 && loose().model->link(id).joint.value() < 0) {
-    loose().place_root(id, X_WL);
-    return;
-  }
-  WorldCore& now = loose();
-  const Link& link = now.model->link(id);
-  const Body& body = free_body(now, link, "pose");
-  const Transform<double> X_FB = inverse(body.X_PF) * (X_WL * inverse(link.X_BL));
-  const Quat<double> r = normalized(to_quat(X_FB.R));
-  const std::array<double, 7> q{X_FB.p.x, X_FB.p.y, X_FB.p.z, r.x, r.y, r.z, r.w};
-  std::copy(q.begin(), q.end(), now.state.q() + body.iq);
-  now.moved();
+  const Link& link = loose().model->link(id);
+  if (loose().model->body(link.body).type == JointType::kMocap) (void)free_body(loose(), link, "pose");
+  set_link_pose(id, X_WL);
 }
 
 void World::set_mocap(std::string_view name, const Transform<double>& X_WL) {
-  const FloatEnvironment floats;
-  require_pose("link '" + std::string(name) + "'", X_WL);
-  WorldCore& now = loose();
-  const Quat<double> r = normalized(to_quat(X_WL.R));
-  const std::array<double, kPoseNumbers> pose{X_WL.p.x, X_WL.p.y, X_WL.p.z, r.x, r.y, r.z, r.w};
-  std::ranges::copy(pose, now.state.mocap() + kPoseNumbers * now.model->mocap_index(name));
-  now.moved();
+  (void)loose().model->mocap_index(name);
+  set_link_pose(loose().model->link_id(name), X_WL);
 }
 
 std::span<const double> World::mocap() const {
@@ -67,33 +51,16 @@ std::span<const double> World::mocap() const {
 }
 
 void World::set_body_velocity(std::string_view name, const Motion<double>& V_WL) {
-  const FloatEnvironment floats;
-  require_vector("the angular velocity of link '" + std::string(name) + "'", V_WL.w);
-  require_vector("the velocity of link '" + std::string(name) + "'", V_WL.v);
-  WorldCore& now = loose();
-  const Link& link = now.model->link(now.model->link_id(name));
-  const Body& body = free_body(now, link, "velocity");
-  const Vec3<double> p_LB = -(now.placed().R_WB[link.body.index()] * link.X_BL.p);
-  const Vec3<double> w = transpose_times(body.X_PF.R, V_WL.w);
-  const Vec3<double> v = transpose_times(body.X_PF.R, V_WL.v + cross(V_WL.w, p_LB));
-  const std::array<double, 6> numbers{w.x, w.y, w.z, v.x, v.y, v.z};
-  std::copy(numbers.begin(), numbers.end(), now.state.v() + body.iv);
-  now.moved();
+  set_link_velocity(loose().model->link_id(name), V_WL);
 }
 
 void World::apply_force(std::string_view name, const Vec3<double>& force, const Vec3<double>& torque,
                         const std::optional<Vec3<double>>& point) {
-  const FloatEnvironment floats;
-  require_vector("the force on '" + std::string(name) + "'", force);
-  require_vector("the torque on '" + std::string(name) + "'", torque);
-  if (point) require_vector("the point of the force on '" + std::string(name) + "'", *point);
-  WorldCore& now = loose();
+  const WorldCore& now = loose();
   const LinkId id = now.model->link_id(name);
   const Link& link = now.model->link(id);
-  const Vec3<double> p = point ? *point : frame_pose(link.body, link.X_BL, now.placed()) * link.inertial.com;
-  Force<double>& sum = now.extras.external[id.index()];
-  sum = sum + Force<double>{torque + cross(p, force), force};
-  now.extras.pushed[0] = 1;
+  apply_link_force(id, force, torque,
+                   point ? *point : frame_pose(link.body, link.X_BL, now.placed()) * link.inertial.com);
 }
 
 }  // namespace manyhands

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <tuple>
 
-#include "manyhands/model/model_edit.h"
-
 namespace manyhands {
 
 namespace {
@@ -212,6 +210,27 @@ void WorldCore::set_excluded(LinkId a, LinkId b, bool excluded) {
   ModelEdit(own_model()).set_excluded(a, b, excluded);
   edit_colliders([&](Colliders<double>& colliders) { colliders.set_excluded(a, b, excluded); });
   forget_topology();
+}
+
+void WorldCore::set_inertial(LinkId link, const Inertial& inertial) {
+  ModelEdit(own_model()).set_inertial(link, inertial);
+  const WorldView<double> numbers = view(0);
+  set_link_mass(*model, link, inertial.mass, numbers.extras.link_mass, numbers.params);
+}
+
+void WorldCore::set_equality(std::size_t index, const EqualityConstraint& equality) {
+  ModelEdit(own_model()).set_equality(index, equality);
+  system.tree.set_equalities(*model);
+}
+
+void WorldCore::aim_equality(std::size_t index, const EqualityConstraint& equality) {
+  TreeEquality<double>& row = system.tree.equalities[index];
+  row.ratio = equality.ratio;
+  row.offset = equality.offset;
+  row.max_force = equality.max_force;
+  if (!equality.link_a.is_valid() || !equality.link_b.is_valid()) return;
+  row.X_BA = model->link(equality.link_a).X_BL * equality.X_LA;
+  row.X_BB = model->link(equality.link_b).X_BL * equality.X_LB;
 }
 
 template <class Change>

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "manyhands/model/compose.h"
+#include "manyhands/model/model_edit.h"
 #include "manyhands/physics/collision/queries/queries.h"
 #include "manyhands/physics/dynamics/energy.h"
 #include "manyhands/physics/step/runge_kutta.h"
@@ -50,6 +51,15 @@ struct WorldCore : WorldBlock<double> {
   void remove(LinkId link);
   [[nodiscard]] bool is_gone(LinkId link) const { return link.index() < gone_.size() && gone_[link.index()] != 0; }
   [[nodiscard]] const std::vector<std::uint8_t>& gone() const { return gone_; }  ///< (some links) 1 where removed
+  /// Gives a link other mass properties, in the model too.
+  void set_inertial(LinkId link, const Inertial& inertial);
+  /// Adds an equality constraint, or takes one away, in the model alone: the core is to be made anew.
+  void add_equality(const EqualityConstraint& equality) { ModelEdit(own_model()).add_equality(equality); }
+  void remove_equality(std::size_t index) { ModelEdit(own_model()).remove_equality(index); }
+  /// Gives the constraint of that index other numbers; what it joins stays.
+  void set_equality(std::size_t index, const EqualityConstraint& equality);
+  /// The same for steps alone.
+  void aim_equality(std::size_t index, const EqualityConstraint& equality);
   /// Puts a link that is welded to the world elsewhere, once the core is rebuilt (`World::rebuild`).
   void place_root(LinkId link, const Transform<double>& X_WL) {
     new_places[link] = X_WL;

@@ -112,6 +112,7 @@ void World::rebuild() const {
   auto next = std::make_unique<WorldCore>(builder.build());
   carry(old, map, *next);
   core_ = std::move(next);
+  ++edition_;
 }
 
 void World::add(const Model& model, const Transform<double>& X_WM, const std::string& name) {

@@ -30,7 +30,7 @@ std::optional<LinkDistance> World::distance(std::string_view link_a, std::string
     throw std::invalid_argument("the distance of link '" + std::string(link_a) +
                                 "' from itself was asked for; name two links");
   }
-  std::optional<LinkDistance> found = link_distance(*now.model, placed_geoms(now), a, b);
+  std::optional<LinkDistance> found = manyhands::link_distance(*now.model, placed_geoms(now), a, b);
   if (found) show(now, *found);
   return found;
 }

@@ -1,0 +1,329 @@
+// Client: kinematics and dynamics of one body, at positions that are given.
+#include <algorithm>
+#include <cmath>
+
+#include "manyhands/bullet/client_body.h"
+#include "manyhands/math/quaternion.h"
+#include "manyhands/physics/dynamics/crba.h"
+#include "manyhands/physics/dynamics/kinematics.h"
+#include "manyhands/physics/dynamics/ltdl.h"
+#include "manyhands/physics/dynamics/rnea.h"
+
+namespace manyhands::bullet {
+
+Mechanism& Client::mechanism_of(Body& body) {
+  if (body.mechanism) return *body.mechanism;
+  body.mechanism = std::make_unique<Mechanism>(model_of(body.plan, inverse(body.plan.base.X_LI)));
+  Mechanism& m = *body.mechanism;
+  for (const LinkPlan& link : body.plan.links) {
+    if (velocity_size(link.joint) == 0) continue;
+    const Joint& joint = m.model.joint(m.model.joint_id(link.joint_name));
+    m.iq.push_back(joint.iq);
+    m.iv.push_back(joint.iv);
+  }
+  return m;
+}
+
+namespace {
+
+using Numbers = std::vector<double>;
+
+/// PyBullet's positions of the joints that move, in the model's order, behind a base at the origin or as `q` has it.
+Numbers configuration(const Mechanism& m, std::span<const double> q) {
+  Numbers all = m.model.neutral_configuration();
+  const std::size_t base = q.size() - m.iq.size();
+  if (base > 0) std::copy_n(q.begin(), base, all.begin());
+  for (std::size_t i = 0; i < m.iq.size(); ++i) all[static_cast<std::size_t>(m.iq[i])] = q[base + i];
+  return all;
+}
+
+/// The same of velocities; the base's are angular first in both.
+Numbers velocity(const Mechanism& m, std::span<const double> v) {
+  Numbers all(static_cast<std::size_t>(m.model.nv()), 0.0);
+  const std::size_t base = v.size() - m.iv.size();
+  if (base > 0) std::copy_n(v.begin(), base, all.begin());
+  for (std::size_t i = 0; i < m.iv.size(); ++i) all[static_cast<std::size_t>(m.iv[i])] = v[base + i];
+  return all;
+}
+
+/// Columns of PyBullet's matrices: the base's six, if it is free, then the joints'.
+std::vector<int> columns(const Mechanism& m, bool free) {
+  std::vector<int> all;
+  for (int k = 0; free && k < 6; ++k) all.push_back(k);
+  all.insert(all.end(), m.iv.begin(), m.iv.end());
+  return all;
+}
+
+void require_length(const char* what, std::span<const double> numbers, std::size_t n) {
+  if (numbers.size() == n) return;
+  throw Error(std::string(what) + " has " + std::to_string(numbers.size()) + " numbers; expected " + std::to_string(n) +
+              ", one for each joint that moves");
+}
+
+/// Solves A x = b in place for a symmetric positive definite A (n, n) by Cholesky's method.
+void solve(std::size_t n, double* A, double* b) {
+  for (std::size_t j = 0; j < n; ++j) {
+    double d = A[j * n + j];
+    for (std::size_t k = 0; k < j; ++k) d -= A[j * n + k] * A[j * n + k];
+    A[j * n + j] = std::sqrt(std::max(d, 1e-300));
+    for (std::size_t i = j + 1; i < n; ++i) {
+      double x = A[i * n + j];
+      for (std::size_t k = 0; k < j; ++k) x -= A[i * n + k] * A[j * n + k];
+      A[i * n + j] = x / A[j * n + j];
+    }
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t k = 0; k < i; ++k) b[i] -= A[i * n + k] * b[k];
+    b[i] /= A[i * n + i];
+  }
+  for (std::size_t i = n; i-- > 0;) {
+    for (std::size_t k = i + 1; k < n; ++k) b[i] -= A[k * n + i] * b[k];
+    b[i] /= A[i * n + i];
+  }
+}
+
+/// What is left to go to the target: position, then rotation as axis times angle.
+struct Remainder {
+  std::array<double, 6> e{};
+  std::size_t rows = 3;
+  double distance = 0;
+};
+
+/// PyBullet's damped least squares, one problem's numbers.
+class Search {
+ public:
+  Search(Mechanism& m, LinkId link, const LinkPlan& plan, const IkRequest& request, const Transform<double>& goal)
+      : m_(m), link_(m.model.link(link)), plan_(plan), request_(request), goal_(goal), n_(m.iq.size()) {
+    rows_ = request.orientation ? 6 : 3;
+    J_.resize(rows_ * n_);
+    scaled_.resize(rows_ * n_);
+    step_.resize(n_);
+    softness_.resize(n_, 1 / kDamping);
+    for (std::size_t i = 0; i < n_ && request.damping.size() >= n_; ++i) {
+      softness_[i] = 1 / std::max(request.damping[i], kLeastDamping);
+    }
+    for (BodyId b = link_.body; b.value() > 0; b = m_.model.body(b).parent) path_.push_back(b.index());
+    std::ranges::reverse(path_);
+    column_.assign(static_cast<std::size_t>(m.model.nv()), -1);
+    for (std::size_t i = 0; i < n_; ++i) column_[static_cast<std::size_t>(m.iv[i])] = static_cast<int>(i);
+  }
+
+  Numbers run(Numbers q) {
+    Numbers all = configuration(m_, q);
+    for (int k = 0; k < request_.max_iterations; ++k) {
+      for (const std::size_t b : path_) place(m_.tree, b, all.data(), m_.ws);
+      const bool is_last = set_error() <= request_.threshold;  // as in PyBullet, one step more
+      set_jacobian();
+      if (uses_null_space()) {
+        step_in_null_space(q);
+      } else {
+        step_damped();
+      }
+      double most = 0;
+      for (const double x : step_) most = std::max(most, std::abs(x));
+      const double share = most > kLargestStep ? kLargestStep / most : 1;
+      for (std::size_t i = 0; i < n_; ++i) {
+        q[i] += share * step_[i];
+        all[static_cast<std::size_t>(m_.iq[i])] = q[i];
+      }
+      if (is_last) break;
+    }
+    return q;
+  }
+
+ private:
+  static constexpr double kLargestStep = 0.7853981633974483;  // of a joint in one iteration [rad]
+  static constexpr double kDamping = 0.5, kLeastDamping = 1e-9;
+
+  /// Returns how far the position is off [m].
+  double set_error() {
+    const Transform<double> X = frame_pose(link_.body, link_.X_BL, m_.ws);
+    const Vec3<double> p = goal_.p - X.p;
+    e_ = {p.x, p.y, p.z, 0, 0, 0};
+    if (rows_ == 6) {
+      const Vec3<double> r = rotation_vector(goal_.R * transposed(X.R * plan_.X_LI.R));
+      e_[3] = r.x;
+      e_[4] = r.y;
+      e_[5] = r.z;
+    }
+    return norm(p);
+  }
+
+  static Mat3<double> transposed(const Mat3<double>& R) {
+    return {{R.x.x, R.y.x, R.z.x}, {R.x.y, R.y.y, R.z.y}, {R.x.z, R.y.z, R.z.z}};
+  }
+
+  static Vec3<double> rotation_vector(const Mat3<double>& R) {
+    Quat<double> r = normalized(to_quat(R));
+    if (r.w < 0) r = {-r.x, -r.y, -r.z, -r.w};
+    const double s = std::sqrt(r.x * r.x + r.y * r.y + r.z * r.z);
+    const double factor = s < 1e-12 ? 2 : 2 * std::atan2(s, r.w) / s;
+    return {factor * r.x, factor * r.y, factor * r.z};
+  }
+
+  void set_jacobian() {
+    std::ranges::fill(J_, 0.0);
+    visit_jacobian(m_.tree, link_.body, link_.X_BL.p, m_.ws, [&](int dof, const Motion<double>& S) {
+      const int i = column_[static_cast<std::size_t>(dof)];
+      if (i < 0) return;
+      double* const column = &J_[static_cast<std::size_t>(i)];
+      const std::array<double, 6> numbers{S.v.x, S.v.y, S.v.z, S.w.x, S.w.y, S.w.z};
+      for (std::size_t r = 0; r < rows_; ++r) column[r * n_] = numbers[r];
+    });
+  }
+
+  /// dq = (J^T J + D)^-1 J^T e = D^-1 J^T (J D^-1 J^T + 1)^-1 e, with D the damping of each joint.
+  void step_damped() {
+    std::array<double, 36> A{};
+    for (std::size_t r = 0; r < rows_; ++r) {
+      for (std::size_t i = 0; i < n_; ++i) scaled_[r * n_ + i] = J_[r * n_ + i] * softness_[i];
+      for (std::size_t s = 0; s <= r; ++s) {
+        double a = r == s ? 1 : 0;
+        for (std::size_t i = 0; i < n_; ++i) a += scaled_[r * n_ + i] * J_[s * n_ + i];
+        A[r * rows_ + s] = a;
+      }
+    }
+    std::array<double, 6> y = e_;
+    solve(rows_, A.data(), y.data());
+    for (std::size_t i = 0; i < n_; ++i) {
+      step_[i] = 0;
+      for (std::size_t r = 0; r < rows_; ++r) step_[i] += scaled_[r * n_ + i] * y[r];
+    }
+  }
+
+  [[nodiscard]] bool uses_null_space() const {
+    return request_.lower.size() == n_ && request_.upper.size() == n_ && request_.range.size() == n_ &&
+           request_.rest.size() == n_;
+  }
+
+  /// (J J^T + c I)^-1 x
+  [[nodiscard]] std::array<double, 6> solved(std::array<double, 6> x, double c) {
+    A_.assign(rows_ * rows_, 0.0);
+    for (std::size_t r = 0; r < rows_; ++r) {
+      for (std::size_t s = 0; s <= r; ++s) {
+        double a = r == s ? c : 0;
+        for (std::size_t i = 0; i < n_; ++i) a += J_[r * n_ + i] * J_[s * n_ + i];
+        A_[r * rows_ + s] = a;
+      }
+    }
+    solve(rows_, A_.data(), x.data());
+    return x;
+  }
+
+  /// dq = J^+ e + (1 - J^+ J) v with J^+ = J^T (J J^T + 0.36)^-1, and v towards the rest pose and into the limits.
+  void step_in_null_space(const Numbers& q) {
+    constexpr double kNullDamping = 0.36, kRestGain = 0.001, kLimitGain = 10;
+    const std::array<double, 6> y = solved(e_, kNullDamping);
+    Numbers v(n_);
+    for (std::size_t i = 0; i < n_; ++i) {
+      v[i] = kRestGain * (request_.rest[i] - q[i]);
+      if (q[i] > request_.upper[i]) v[i] += kLimitGain * (request_.upper[i] - q[i]) / request_.range[i];
+      if (q[i] < request_.lower[i]) v[i] += kLimitGain * (request_.lower[i] - q[i]) / request_.range[i];
+    }
+    std::array<double, 6> Jv{};
+    for (std::size_t r = 0; r < rows_; ++r) {
+      for (std::size_t i = 0; i < n_; ++i) Jv[r] += J_[r * n_ + i] * v[i];
+    }
+    const std::array<double, 6> z = solved(Jv, kNullDamping);
+    for (std::size_t i = 0; i < n_; ++i) {
+      step_[i] = v[i];
+      for (std::size_t r = 0; r < rows_; ++r) step_[i] += J_[r * n_ + i] * (y[r] - z[r]);
+    }
+  }
+
+  Mechanism& m_;
+  const Link& link_;
+  const LinkPlan& plan_;
+  const IkRequest& request_;
+  const Transform<double>& goal_;
+  std::size_t n_, rows_;
+  std::array<double, 6> e_{};
+  Numbers J_, A_, scaled_, step_, softness_;
+  std::vector<std::size_t> path_;  // bodies from the base to the link
+  std::vector<int> column_;        // (nv) of J, or -1
+};
+
+}  // namespace
+
+std::vector<double> Client::inverse_kinematics(int id, const IkRequest& request) {
+  constexpr const char* kError = "Error in calculateInverseKinematics";
+  Body& body = at(id, kError);
+  if (!body.has_joint(request.link)) throw Error(kError);
+  Mechanism& m = mechanism_of(body);
+  const std::size_t n = m.iq.size();
+  if (static_cast<int>(n) != body.num_dofs)
+    throw Error("calculateInverseKinematics knows no spherical or planar joints");
+  const bool in_base = !request.start.empty();
+  Numbers q = request.start;
+  if (in_base) {
+    require_length("currentPositions", q, n);
+  } else {
+    for (int i = 0; i < body.plan.num_links(); ++i) {
+      if (body.dof[static_cast<std::size_t>(i)] >= 0) q.push_back(world_.joint_q(joint_id(body, i))[0]);
+    }
+  }
+  Transform<double> goal{Mat3<double>::identity(), request.position};
+  if (request.orientation) goal.R = to_matrix(normalized(*request.orientation));
+  if (!in_base) goal = inverse(inertial_pose(body, -1)) * goal;
+  const LinkId link = m.model.link_id(body.plan.link(request.link).name);
+  return Search(m, link, body.plan.link(request.link), request, goal).run(std::move(q));
+}
+
+std::vector<double> Client::jacobian(int id, int link, const Vec3<double>& point, std::span<const double> q) {
+  Body& body = at(id, "Error in calculateJacobian: there is no such body.");
+  if (!body.has_link(link)) throw Error("Error in calculateJacobian: link index out-of-range.");
+  Mechanism& m = mechanism_of(body);
+  require_length("calculateJacobian: objPositions", q, m.iq.size());
+  const Numbers all = configuration(m, q);
+  forward_kinematics(m.tree, all.data(), m.ws);
+  const Link& part = m.model.link(m.model.link_id(body.plan.link(link).name));
+  const Vec3<double> in_body = part.X_BL * (body.plan.link(link).X_LI.R * point);
+  const bool free = !body.plan.fixed;
+  const std::vector<int> dofs = columns(m, free);
+  Numbers J(6 * dofs.size(), 0.0);
+  visit_jacobian(m.tree, part.body, in_body, m.ws, [&](int dof, const Motion<double>& S) {
+    const auto found = std::ranges::find(dofs, dof);
+    if (found == dofs.end()) return;
+    const std::array<double, 6> numbers{S.v.x, S.v.y, S.v.z, S.w.x, S.w.y, S.w.z};
+    for (std::size_t r = 0; r < 6; ++r)
+      J[r * dofs.size() + static_cast<std::size_t>(found - dofs.begin())] = numbers[r];
+  });
+  return J;
+}
+
+std::vector<double> Client::mass_matrix(int id, std::span<const double> q) {
+  Body& body = at(id, "Error in calculateMassMatrix: there is no such body.");
+  Mechanism& m = mechanism_of(body);
+  require_length("calculateMassMatrix: objPositions", q, m.iq.size());
+  const Numbers all = configuration(m, q);
+  crba(m.tree, m.params, all.data(), m.ws);
+  const std::vector<int> dofs = columns(m, !body.plan.fixed);
+  Numbers M;
+  for (const int i : dofs) {
+    for (const int k : dofs) {
+      const auto row = static_cast<std::size_t>(std::max(i, k)), column = static_cast<std::size_t>(std::min(i, k));
+      M.push_back(m.tree.root_dof[row] <= static_cast<int>(column) ? tree_row(m.tree, m.ws.M.data(), row)[column]
+                                                                   : 0.0);
+    }
+  }
+  return M;
+}
+
+std::vector<double> Client::inverse_dynamics(int id, std::span<const double> q, std::span<const double> v,
+                                             std::span<const double> a) {
+  constexpr const char* kError = "Error in calculateInverseDynamics, please check arguments.";
+  Body& body = at(id, kError);
+  Mechanism& m = mechanism_of(body);
+  const std::size_t n = m.iq.size(), free = body.plan.fixed ? 0 : 1;
+  if (q.size() != n + 7 * free || v.size() != n + 6 * free || a.size() != n + 6 * free) throw Error(kError);
+  m.params.gravity[0] = world_.gravity();
+  const Numbers qs = configuration(m, q), vs = velocity(m, v), as = velocity(m, a);
+  Numbers tau(static_cast<std::size_t>(m.model.nv()));
+  rnea(m.tree, m.params, qs.data(), vs.data(), as.data(), tau.data(), m.ws);
+  Numbers result;
+  for (std::size_t k = 0; k < 6 * free; ++k) result.push_back(tau[(k + 3) % 6]);
+  for (const int i : m.iv) result.push_back(tau[static_cast<std::size_t>(i)]);
+  return result;
+}
+
+}  // namespace manyhands::bullet
