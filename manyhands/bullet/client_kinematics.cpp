@@ -60,43 +60,39 @@ void require_length(const char* what, std::span<const double> numbers, std::size
               ", one for each joint that moves");
 }
 
-/// Solves A x = b in place for a symmetric positive definite A (n, n) by Cholesky's method.
-void solve(std::size_t n, double* A, double* b) {
+/// Solves A x = b in place for a symmetric positive definite A, given by its lower triangle, as L D L^T.
+template <std::size_t n>
+void solve(std::array<double, n * n>& A, std::array<double, n>& b) {
+  std::array<double, n> D{}, inverse{};
   for (std::size_t j = 0; j < n; ++j) {
+    std::array<double, n> scaled{};  // L D of row j
     double d = A[j * n + j];
-    for (std::size_t k = 0; k < j; ++k) d -= A[j * n + k] * A[j * n + k];
-    A[j * n + j] = std::sqrt(std::max(d, 1e-300));
-    for (std::size_t i = j + 1; i < n; ++i) {
-      double x = A[i * n + j];
-      for (std::size_t k = 0; k < j; ++k) x -= A[i * n + k] * A[j * n + k];
-      A[i * n + j] = x / A[j * n + j];
+    for (std::size_t k = 0; k < j; ++k) {
+      scaled[k] = A[j * n + k] * D[k];
+      d -= A[j * n + k] * scaled[k];
     }
-  }
-  for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t k = 0; k < i; ++k) b[i] -= A[i * n + k] * b[k];
-    b[i] /= A[i * n + i];
+    D[j] = std::max(d, 1e-300);
+    inverse[j] = 1 / D[j];
+    for (std::size_t i = j + 1; i < n; ++i) {
+      for (std::size_t k = 0; k < j; ++k) A[i * n + j] -= A[i * n + k] * scaled[k];
+      A[i * n + j] *= inverse[j];
+    }
+    for (std::size_t k = 0; k < j; ++k) b[j] -= A[j * n + k] * b[k];
   }
   for (std::size_t i = n; i-- > 0;) {
+    b[i] *= inverse[i];
     for (std::size_t k = i + 1; k < n; ++k) b[i] -= A[k * n + i] * b[k];
-    b[i] /= A[i * n + i];
   }
 }
 
-/// What is left to go to the target: position, then rotation as axis times angle.
-struct Remainder {
-  std::array<double, 6> e{};
-  std::size_t rows = 3;
-  double distance = 0;
-};
-
 /// PyBullet's damped least squares, one problem's numbers.
+template <std::size_t kRows>
 class Search {
  public:
   Search(Mechanism& m, LinkId link, const LinkPlan& plan, const IkRequest& request, const Transform<double>& goal)
       : m_(m), link_(m.model.link(link)), plan_(plan), request_(request), goal_(goal), n_(m.iq.size()) {
-    rows_ = request.orientation ? 6 : 3;
-    J_.resize(rows_ * n_);
-    scaled_.resize(rows_ * n_);
+    J_.resize(kRows * n_);
+    scaled_.resize(kRows * n_);
     step_.resize(n_);
     softness_.resize(n_, 1 / kDamping);
     for (std::size_t i = 0; i < n_ && request.damping.size() >= n_; ++i) {
@@ -139,8 +135,10 @@ class Search {
   double set_error() {
     const Transform<double> X = frame_pose(link_.body, link_.X_BL, m_.ws);
     const Vec3<double> p = goal_.p - X.p;
-    e_ = {p.x, p.y, p.z, 0, 0, 0};
-    if (rows_ == 6) {
+    e_[0] = p.x;
+    e_[1] = p.y;
+    e_[2] = p.z;
+    if constexpr (kRows == 6) {
       const Vec3<double> r = rotation_vector(goal_.R * transposed(X.R * plan_.X_LI.R));
       e_[3] = r.x;
       e_[4] = r.y;
@@ -168,26 +166,26 @@ class Search {
       if (i < 0) return;
       double* const column = &J_[static_cast<std::size_t>(i)];
       const std::array<double, 6> numbers{S.v.x, S.v.y, S.v.z, S.w.x, S.w.y, S.w.z};
-      for (std::size_t r = 0; r < rows_; ++r) column[r * n_] = numbers[r];
+      for (std::size_t r = 0; r < kRows; ++r) column[r * n_] = numbers[r];
     });
   }
 
   /// dq = (J^T J + D)^-1 J^T e = D^-1 J^T (J D^-1 J^T + 1)^-1 e, with D the damping of each joint.
   void step_damped() {
-    std::array<double, 36> A{};
-    for (std::size_t r = 0; r < rows_; ++r) {
+    std::array<double, kRows * kRows> A{};
+    for (std::size_t r = 0; r < kRows; ++r) {
       for (std::size_t i = 0; i < n_; ++i) scaled_[r * n_ + i] = J_[r * n_ + i] * softness_[i];
       for (std::size_t s = 0; s <= r; ++s) {
         double a = r == s ? 1 : 0;
         for (std::size_t i = 0; i < n_; ++i) a += scaled_[r * n_ + i] * J_[s * n_ + i];
-        A[r * rows_ + s] = a;
+        A[r * kRows + s] = a;
       }
     }
-    std::array<double, 6> y = e_;
-    solve(rows_, A.data(), y.data());
+    std::array<double, kRows> y = e_;
+    solve<kRows>(A, y);
     for (std::size_t i = 0; i < n_; ++i) {
       step_[i] = 0;
-      for (std::size_t r = 0; r < rows_; ++r) step_[i] += scaled_[r * n_ + i] * y[r];
+      for (std::size_t r = 0; r < kRows; ++r) step_[i] += scaled_[r * n_ + i] * y[r];
     }
   }
 
@@ -197,37 +195,37 @@ class Search {
   }
 
   /// (J J^T + c I)^-1 x
-  [[nodiscard]] std::array<double, 6> solved(std::array<double, 6> x, double c) {
-    A_.assign(rows_ * rows_, 0.0);
-    for (std::size_t r = 0; r < rows_; ++r) {
+  [[nodiscard]] std::array<double, kRows> solved(std::array<double, kRows> x, double c) const {
+    std::array<double, kRows * kRows> A{};
+    for (std::size_t r = 0; r < kRows; ++r) {
       for (std::size_t s = 0; s <= r; ++s) {
         double a = r == s ? c : 0;
         for (std::size_t i = 0; i < n_; ++i) a += J_[r * n_ + i] * J_[s * n_ + i];
-        A_[r * rows_ + s] = a;
+        A[r * kRows + s] = a;
       }
     }
-    solve(rows_, A_.data(), x.data());
+    solve<kRows>(A, x);
     return x;
   }
 
   /// dq = J^+ e + (1 - J^+ J) v with J^+ = J^T (J J^T + 0.36)^-1, and v towards the rest pose and into the limits.
   void step_in_null_space(const Numbers& q) {
     constexpr double kNullDamping = 0.36, kRestGain = 0.001, kLimitGain = 10;
-    const std::array<double, 6> y = solved(e_, kNullDamping);
+    const std::array<double, kRows> y = solved(e_, kNullDamping);
     Numbers v(n_);
     for (std::size_t i = 0; i < n_; ++i) {
       v[i] = kRestGain * (request_.rest[i] - q[i]);
       if (q[i] > request_.upper[i]) v[i] += kLimitGain * (request_.upper[i] - q[i]) / request_.range[i];
       if (q[i] < request_.lower[i]) v[i] += kLimitGain * (request_.lower[i] - q[i]) / request_.range[i];
     }
-    std::array<double, 6> Jv{};
-    for (std::size_t r = 0; r < rows_; ++r) {
+    std::array<double, kRows> Jv{};
+    for (std::size_t r = 0; r < kRows; ++r) {
       for (std::size_t i = 0; i < n_; ++i) Jv[r] += J_[r * n_ + i] * v[i];
     }
-    const std::array<double, 6> z = solved(Jv, kNullDamping);
+    const std::array<double, kRows> z = solved(Jv, kNullDamping);
     for (std::size_t i = 0; i < n_; ++i) {
       step_[i] = v[i];
-      for (std::size_t r = 0; r < rows_; ++r) step_[i] += J_[r * n_ + i] * (y[r] - z[r]);
+      for (std::size_t r = 0; r < kRows; ++r) step_[i] += J_[r * n_ + i] * (y[r] - z[r]);
     }
   }
 
@@ -236,9 +234,9 @@ class Search {
   const LinkPlan& plan_;
   const IkRequest& request_;
   const Transform<double>& goal_;
-  std::size_t n_, rows_;
-  std::array<double, 6> e_{};
-  Numbers J_, A_, scaled_, step_, softness_;
+  std::size_t n_;
+  std::array<double, kRows> e_{};
+  Numbers J_, scaled_, step_, softness_;
   std::vector<std::size_t> path_;  // bodies from the base to the link
   std::vector<int> column_;        // (nv) of J, or -1
 };
@@ -266,7 +264,9 @@ std::vector<double> Client::inverse_kinematics(int id, const IkRequest& request)
   if (request.orientation) goal.R = to_matrix(normalized(*request.orientation));
   if (!in_base) goal = inverse(inertial_pose(body, -1)) * goal;
   const LinkId link = m.model.link_id(body.plan.link(request.link).name);
-  return Search(m, link, body.plan.link(request.link), request, goal).run(std::move(q));
+  const LinkPlan& plan = body.plan.link(request.link);
+  if (request.orientation) return Search<6>(m, link, plan, request, goal).run(std::move(q));
+  return Search<3>(m, link, plan, request, goal).run(std::move(q));
 }
 
 std::vector<double> Client::jacobian(int id, int link, const Vec3<double>& point, std::span<const double> q) {

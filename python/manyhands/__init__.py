@@ -45,6 +45,7 @@ from manyhands._core import (
     set_asset_root,
 )
 from manyhands._core.render import Camera, Look, Mark, Picture, Renderer, Texture
+from manyhands.compat import install_as
 from manyhands.kinematics import IkResult, inverse_kinematics
 from manyhands.textures import load_texture
 from manyhands.viewer import view
@@ -113,6 +114,7 @@ __all__ = [
     "collision",
     "dynamics",
     "envs",
+    "install_as",
     "inverse_kinematics",
     "load_mjcf",
     "load_mjcf_string",

@@ -1,10 +1,12 @@
 """What several tests share: they import modules of `shared/`, and look at one policy that was learned."""
 
+import os
 import sys
 from pathlib import Path
 
 import pytest
 
+os.environ["BROWSER"] = "true"  # human mode opens none in tests
 sys.path.insert(0, str(Path(__file__).parent / "shared"))
 
 

@@ -14,7 +14,8 @@ from manyhands.arguments import whole_number
 from manyhands.envs.spaces import CameraOptions, EnvOptions
 
 RENDER_MODES = ("rgb_array", "depth_array")
-FINE = Look(antialiasing=2, shadow_rays=6, sun_size=0.05)
+FINE: dict[str, Any] = {"antialiasing": 2, "shadow_rays": 6, "sun_size": 0.05}
+"""The look of pictures for people, as arguments of `Look`."""
 _FEW = 64  # worlds that fit in a tiled picture
 _ROWS = ("observation", "achieved_goal", "desired_goal")
 _PLACES: dict[str, CameraOptions] = {
@@ -116,7 +117,7 @@ class EnvCameras:
             return None
         camera = orbit_camera(width or self._size[0], height or self._size[1], *self._orbit)
         is_depth = self._mode == "depth_array"
-        picture = self._load().take(camera, worlds=list(worlds), look=FINE, colour=not is_depth, depth=is_depth)
+        picture = self._load().take(camera, worlds=list(worlds), look=Look(**FINE), colour=not is_depth, depth=is_depth)
         return picture.depth if is_depth else picture.colour
 
     def keep_final(self, worlds: list[int]) -> None:

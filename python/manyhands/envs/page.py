@@ -5,13 +5,17 @@ from typing import TYPE_CHECKING, Any
 from numpy.typing import ArrayLike
 
 from manyhands.viewer import view
+from manyhands.viewer.notebook import has_screen, is_notebook, show_in_cell
 
 if TYPE_CHECKING:
     from manyhands.viewer import Viewer
 
 
 class Page:
-    """A page in the browser, made when it is first needed. Copies begin without one."""
+    """A page in the browser, made when it is first needed. Copies begin without one.
+
+    A notebook shows it below the cell; where there is a screen, the browser opens (the variable BROWSER says which).
+    """
 
     def __init__(self) -> None:
         self._viewer: Viewer | None = None
@@ -21,7 +25,10 @@ class Page:
         """After each step of what is shown: waits for real time, and while the page is paused. Raises
         ModuleNotFoundError without the extra `viewer`."""
         if self._viewer is None or self._viewer.is_closed:
-            self._viewer = view(shown)
+            in_notebook = is_notebook()
+            self._viewer = view(shown, open_browser=has_screen() and not in_notebook)
+            if in_notebook:
+                show_in_cell(self._viewer)
             if self._camera is not None:
                 self._viewer.look(*self._camera)
         if not real_time:

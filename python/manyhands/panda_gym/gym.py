@@ -1,55 +1,29 @@
-"""As much of the old gym as panda-gym 2 needs: `import manyhands.panda_gym.gym as gym`, then `gym.make(...)`."""
+"""The old gym with panda-gym 2 in it: `import manyhands.panda_gym.gym as gym`, then `gym.make("PandaReach-v2")`."""
 
 from typing import Any
 
 import gymnasium
-from gymnasium import spaces
-from gymnasium.error import NameNotFound, ResetNeeded
 
+from manyhands import gym
+from manyhands.gym import Env, GoalEnv, Wrapper, envs, error, register, spaces, spec, utils, wrappers
 from manyhands.panda_gym import registration
-from manyhands.panda_gym.envs.core import RobotTaskEnv
 
-__all__ = ["TimeLimit", "make", "spaces"]
+__all__ = [
+    "Env", "GoalEnv", "TimeLimit", "Wrapper", "envs", "error", "make", "register", "spaces", "spec", "utils",
+    "wrappers",
+]  # fmt: skip
 
 
-class TimeLimit:
-    """An environment of panda-gym 2 whose episodes end after so many steps; what else is asked of it, it answers.
+class TimeLimit(wrappers.TimeLimit):
+    """An environment of panda-gym 2 whose episodes end after so many steps.
 
-    `done` stays True until the next reset. A saved state holds the steps of its episode, so that looking ahead takes
-    none from it; the old gym's limit counted those too.
+    A saved state holds the steps of its episode, so that looking ahead takes none from it; the old gym's limit counted
+    those too.
     """
 
-    def __init__(self, env: RobotTaskEnv, max_episode_steps: int) -> None:
-        self.env = env
-        self._max_episode_steps = max_episode_steps
-        self._elapsed_steps: int | None = None
+    def __init__(self, env: Any, max_episode_steps: int | None = None) -> None:
+        super().__init__(env, max_episode_steps)
         self._saved_steps: dict[int, int | None] = {}
-
-    @property
-    def unwrapped(self) -> RobotTaskEnv:
-        """The environment itself."""
-        return self.env
-
-    def __getattr__(self, name: str) -> Any:
-        if name == "env":  # while it is being copied
-            raise AttributeError(name)
-        return getattr(self.env, name)
-
-    def reset(self, **kwargs: Any) -> Any:
-        """Starts an episode and gives its first observation."""
-        self._elapsed_steps = 0
-        return self.env.reset(**kwargs)
-
-    def step(self, action: Any) -> tuple[Any, float, bool, dict[str, Any]]:
-        """(observation, reward, done, info). Raises gymnasium.error.ResetNeeded before the first reset."""
-        if self._elapsed_steps is None:
-            raise ResetNeeded("call reset before step")
-        observation, reward, done, info = self.env.step(action)
-        self._elapsed_steps += 1
-        if self._elapsed_steps >= self._max_episode_steps:
-            info["TimeLimit.truncated"] = not done
-            done = True
-        return observation, reward, done, info
 
     def save_state(self) -> int:
         """Keeps the present state, until `remove_state` of the number that this returns."""
@@ -67,17 +41,6 @@ class TimeLimit:
         self.env.remove_state(state_id)
         self._saved_steps.pop(state_id, None)
 
-    def render(self, mode: str = "human", **kwargs: Any) -> Any:
-        """As `RobotTaskEnv.render`."""
-        return self.env.render(mode, **kwargs)
-
-    def close(self) -> None:
-        """Ends the simulation; may be called again."""
-        self.env.close()
-
-    def __repr__(self) -> str:
-        return f"<TimeLimit {self._max_episode_steps} of {self.env!r}>"
-
 
 def make(id: str, **kwargs: Any) -> Any:
     """An environment of panda-gym 2 ("PandaReach-v2"; render=True keeps real time); other ids go to gymnasium.make.
@@ -86,8 +49,14 @@ def make(id: str, **kwargs: Any) -> Any:
     """
     if not id.endswith("-v2"):
         return gymnasium.make(id, **kwargs)
-    variant = registration.VARIANTS.get(id.removesuffix("-v2"))
-    if variant is None:
-        raise NameNotFound(f"there is no environment {id!r}; there are {', '.join(registration.VARIANTS)}, each -v2")
-    env = registration.make_env(**{**variant, "render": False, **kwargs})
-    return TimeLimit(env, registration.max_episode_steps(variant["task"]))
+    if id not in envs.registry:
+        raise error.NameNotFound(
+            f"there is no environment {id!r}; there are {', '.join(registration.VARIANTS)}, each -v2"
+        )
+    return gym.make(id, **kwargs)
+
+
+def make_version_2(**kwargs: Any) -> TimeLimit:
+    """What ids in -v2 stand for in the old gym. The arguments are those of the task's environment, and `task`."""
+    env = registration.make_env(**{"render": False, **kwargs})
+    return TimeLimit(env, registration.max_episode_steps(kwargs["task"]))

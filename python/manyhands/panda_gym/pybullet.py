@@ -1,17 +1,19 @@
 """The class PyBullet of panda-gym, over a `manyhands.World`."""
 
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from manyhands import rotations
 from manyhands._core import UrdfError, World
+from manyhands._core.render import Camera
 from manyhands.envs.cameras import orbit_camera
-from manyhands.panda_gym import bodies, rendering
+from manyhands.panda_gym import bodies, load_flags, rendering
 from manyhands.panda_gym.assets import get_data_path
 from manyhands.panda_gym.bodies import Look, Pose, ShapeName
 from manyhands.panda_gym.simulation import Simulation, error
@@ -45,7 +47,7 @@ class PyBullet:
         timestep: float = 0.002,
     ) -> None:
         """`render`, or a bool in the first place, is the interface of panda-gym 2: robots and tasks in it belong to
-        environments in the manner of the old gym. background_color (3): 0 to 255."""
+        environments in the manner of the old gym. background_color (3): 0 to 255, drawn if it is given."""
         if isinstance(render_mode, bool):
             render, render_mode = render_mode, "rgb_array"
         self.is_version_2 = render is not None
@@ -54,6 +56,8 @@ class PyBullet:
         self.connection_mode = _DIRECT if (self.render_mode, renderer) == ("rgb_array", "Tiny") else _GUI
         color = np.asarray(_BACKGROUND if background_color is None else background_color, np.float32)
         self.background_color = color / np.float32(255)
+        self.background = None if background_color is None else self.background_color
+        """(3) 0 to 1, behind the scene; None: a sky."""
         self.n_substeps = n_substeps
         self.timestep = timestep
         self.real_time = True
@@ -106,30 +110,46 @@ class PyBullet:
 
     # ---- rendering -----------------------------------------------------------------------------------------------
 
+    @overload
     def render(
         self,
-        width: int | str = 720,
+        width: int = 720,
         height: int = 480,
         target_position: ArrayLike | None = None,
         distance: float = 1.4,
         yaw: float = 45,
         pitch: float = -30,
         roll: float = 0,
+        *,
         mode: str | None = None,
-    ) -> NDArray[np.uint8] | None:
+    ) -> NDArray[np.uint8] | None: ...
+
+    @overload
+    def render(
+        self,
+        mode: str,
+        width: int = 720,
+        height: int = 480,
+        target_position: ArrayLike | None = None,
+        distance: float = 1.4,
+        yaw: float = 45,
+        pitch: float = -30,
+        roll: float = 0,
+    ) -> NDArray[np.uint8] | None: ...
+
+    def render(self, *args: Any, mode: str | None = None, **kwargs: Any) -> NDArray[np.uint8] | None:
         """In human mode, a page in the browser, in real time; in rgb_array mode, a picture (height, width, 3), angles
         in degrees.
 
         mode: that of the constructor, or "human" in the manner of panda-gym 2, where it comes first.
         """
-        simulation = self.physics_client
-        if isinstance(width, str):
-            mode, width = width, 720
+        if args and isinstance(args[0], str) and mode is None:
+            mode, args = args[0], args[1:]
         mode = mode or ("human" if self.is_version_2 else self.render_mode)
         rendering.require_mode(mode, "Tiny")
+        simulation, camera = self.physics_client, _camera(*args, **kwargs)
         if mode == "rgb_array":
-            camera = orbit_camera(width, height, target_position, distance, yaw, pitch, roll)
-            return rendering.picture(simulation.world, simulation.bodies.values(), camera)
+            return rendering.picture(simulation.world, simulation.bodies.values(), camera, self.background)
         self._display.show(self, simulation.world.time, self.real_time)
         return None
 
@@ -228,20 +248,21 @@ class PyBullet:
         basePosition: ArrayLike = (0.0, 0.0, 0.0),
         baseOrientation: ArrayLike = (0.0, 0.0, 0.0, 1.0),
         useFixedBase: bool = False,
+        flags: int = 0,
         globalScaling: float = 1.0,
-        **ignored: Any,
+        useMaximalCoordinates: bool = False,
     ) -> None:
         """Loads a robot, its root link's frame at a position (3) and quaternion (4).
 
-        fileName: in the working folder, or one that ships with the package, as "franka_panda/panda.urdf".
-        useMaximalCoordinates, flags and physicsClientId are passed over. Raises `error` if the file is not there or
-        malformed, ValueError on a globalScaling other than 1.
+        fileName: in the working folder, or one that ships with the package, as "franka_panda/panda.urdf". flags: those
+        of PyBullet; one that changes nothing here says so in a warning. Raises `error` if the file is not there or
+        malformed, and on what cannot be honoured: other flags, a globalScaling other than 1.
         """
-        unknown = ignored.keys() - {"useMaximalCoordinates", "flags", "physicsClientId"}
-        if unknown:
-            raise TypeError(f"loadURDF knows no argument {', '.join(sorted(unknown))}")
-        if globalScaling != 1:
-            raise ValueError(f"globalScaling is {globalScaling}; robots keep their size here")
+        load_flags.require_honoured(int(flags))
+        if globalScaling not in (1, -1):  # -1 is PyBullet's own default
+            raise error(f"globalScaling is {globalScaling}, but robots keep their size here: scale the file itself")
+        if useMaximalCoordinates and useMaximalCoordinates != -1:
+            warnings.warn("useMaximalCoordinates has no effect here: joints are never given up", UserWarning, 2)
         pose = Pose(np.array(basePosition, np.float64), rotations.as_quaternion(baseOrientation))
         try:
             path = bodies.find_urdf(fileName)
@@ -363,6 +384,18 @@ class PyBullet:
         simulation = self.physics_client
         if simulation.touches(body, link):
             simulation.world.set_spinning_friction(simulation.link_name(body, link), spinning_friction)
+
+
+def _camera(
+    width: int = 720,
+    height: int = 480,
+    target_position: ArrayLike | None = None,
+    distance: float = 1.4,
+    yaw: float = 45,
+    pitch: float = -30,
+    roll: float = 0,
+) -> Camera:
+    return orbit_camera(width, height, target_position, distance, yaw, pitch, roll)
 
 
 def _look(rgba: ArrayLike | None, specular: ArrayLike | None, texture: str | None = None) -> Look:

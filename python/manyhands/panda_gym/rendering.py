@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import World
-from manyhands._core.render import Camera, Mark
+from manyhands._core.render import Camera, Look, Mark
 from manyhands.envs.cameras import FINE
 from manyhands.envs.page import Page
 from manyhands.panda_gym.assets import get_data_path
 from manyhands.panda_gym.bodies import Body
+from manyhands.panda_gym.highlights import add_highlights
 from manyhands.textures import load_texture
 
 MODES = ("human", "rgb_array")
@@ -74,8 +75,13 @@ class Display:
             self._start = now, simulated
 
 
-def picture(world: World, bodies: Iterable[Body], camera: Camera) -> NDArray[np.uint8]:
-    """What the camera sees of the world, (height, width, 3), and over it the ghosts, which are not in it."""
+def picture(
+    world: World, bodies: Iterable[Body], camera: Camera, background: ArrayLike | None = None
+) -> NDArray[np.uint8]:
+    """What the camera sees of the world, (height, width, 3), and over it the ghosts, which are not in it.
+
+    background (3): a colour, 0 to 1, in place of the sky.
+    """
     shapes = [body for body in bodies if body.shape is not None]
     dice = [body.links[0] for body in shapes if body.in_world and _is_die(body)]
     textures = {
@@ -84,8 +90,16 @@ def picture(world: World, bodies: Iterable[Body], camera: Camera) -> NDArray[np.
         if body.in_world and body.look.texture is not None and not _is_die(body)
     }
     marks = [_mark(body) for body in shapes if not body.in_world and body.look.rgba[3] > 0]
-    options: Any = {"look": FINE, "marks": marks, "dice": dice, "textures": textures}
-    return world.render(camera, **options, depth=False, segmentation=False).colour
+    behind: Any = {} if background is None else dict.fromkeys(("horizon", "zenith"), np.asarray(background).tolist())
+    look = Look(**FINE, **behind)
+    specular = {body.links[0]: body.look.specular for body in shapes if body.in_world and any(body.look.specular)}
+    options: Any = {"look": look, "marks": marks, "dice": dice, "textures": textures}
+    options |= {"depth": False, "segmentation": bool(specular), "normals": bool(specular)}
+    taken = world.render(camera, **options)
+    if not specular:
+        return taken.colour
+    colours = {i: specular[link.name] for i, link in enumerate(world.model.links) if link.name in specular}
+    return add_highlights(taken, camera, look, colours)
 
 
 _texture = lru_cache(16)(load_texture)

@@ -154,7 +154,7 @@ class DropInSource(EnvSource, BodiesOfWorld):
         self._task, self._shown = inner.task, SimulationSource(inner.sim, title)
         assert self._shown.world is not None and self._shown.joints is not None
         self.take(self._shown.world, self._shown.joints)
-        self.dt, self.pushes = self._shown.dt, self._shown.pushes
+        self.dt, self.pushes, self.background = self._shown.dt, self._shown.pushes, self._shown.background
 
     def markers(self) -> list[Marker]:
         return self._shown.markers()

@@ -61,6 +61,8 @@ class Source(ABC):
     """Where forces and contacts are; None of environments in single precision, which are only watched."""
     joints: JointDrive | None = None
     """What moves the world's joints by hand; None without a world."""
+    background: Array | None = None
+    """A colour (3), 0 to 1, behind the scene; None: the page's own sky."""
     moves: bool = True
     """Whether the page moves it where no loop of the program's does."""
     rest: float = 0.0
@@ -207,7 +209,7 @@ class SimulationSource(BodiesOfWorld):
         super().__init__()
         self._sim, self._simulation = sim, sim.physics_client
         self.take(sim.world, JointDrive(sim.world, self._simulation.drive))
-        self.title, self.dt = title, sim.dt
+        self.title, self.dt, self.background = title, sim.dt, sim.background
         self._simulation.before_each_step = self.apply_pushes
         self._begin = self.save()
 

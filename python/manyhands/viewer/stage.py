@@ -59,7 +59,16 @@ class Stage:
         scene.add_light_directional("/light/rim", color=(214, 230, 255), intensity=0.25, position=(-1.5, 1.6, 1.2))
         height = np.linspace(0, 1, 256)[:, None, None]
         sky = _SKY + (_HAZE - _SKY) * np.clip(height * 1.6, 0, 1)
-        scene.set_background_image(np.broadcast_to(sky, (256, 4, 3)).astype(np.uint8), format="png")
+        self._paint(sky)
+
+    def set_background(self, color: Array) -> None:
+        """A colour (3), 0 to 1, in place of the sky."""
+        self._paint(np.rint(255 * np.clip(color, 0, 1)))
+
+    def _paint(self, rows: Array) -> None:
+        """The background, from the top: colours (256, 1, 3) or (3), 0 to 255."""
+        image = np.broadcast_to(rows, (256, 4, 3)).astype(np.uint8)
+        self._scene.set_background_image(image, format="png")
 
     # ---- bodies ------------------------------------------------------------------------------------------------
 

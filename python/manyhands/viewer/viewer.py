@@ -22,6 +22,7 @@ from manyhands.measures import rotate
 from manyhands.viewer.batches import source_of_worlds
 from manyhands.viewer.environments import EnvSource, source_of_environment
 from manyhands.viewer.gate import Gate, is_loopback, quiet, serve
+from manyhands.viewer.notebook import page_in_cell
 from manyhands.viewer.overlays import Overlays
 from manyhands.viewer.panel import Panel
 from manyhands.viewer.player import Frame, Player
@@ -134,6 +135,10 @@ class Viewer:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows of it: the page."""
+        return page_in_cell(self.url)
 
     # ---- time ----------------------------------------------------------------------------------------------------
 
@@ -253,6 +258,8 @@ class Viewer:
     def _look(self) -> None:
         """Builds the scene and puts the camera before it."""
         self._parts = self.source.parts()
+        if self.source.background is not None:
+            self.stage.set_background(self.source.background)
         self.stage.build(self.source.model, *self.source.poses())
         self.server.initial_camera.fov = np.radians(38.0)
         self.look(*self.stage.camera())

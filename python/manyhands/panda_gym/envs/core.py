@@ -179,6 +179,11 @@ class RobotTaskEnv(gymnasium.Env[dict[str, NDArray[Any]], Any]):
         self.observation_space: spaces.Space[Any] = spaces.Dict(boxes)
         self.sim.place_visualizer(self.render_target_position, render_distance, render_yaw, render_pitch)
 
+    @property
+    def has_old_returns(self) -> bool:
+        """Whether `reset` and `step` return what the old gym's do; `manyhands.gym` asks."""
+        return self.sim.is_version_2
+
     def reset(  # pyright: ignore[reportIncompatibleMethodOverride]  panda-gym takes a seed without its name, too
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> Any:

@@ -1,0 +1,5 @@
+"""What environments there are."""
+
+from manyhands.gym.envs.registration import make, register, registry, spec
+
+__all__ = ["make", "register", "registry", "spec"]
