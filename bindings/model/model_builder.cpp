@@ -19,6 +19,7 @@
 #include "bindings/bindings.h"
 #include "bindings/model/model_values.h"
 #include "bindings/model/python_model.h"
+#include "manyhands/model/convex_parts.h"
 #include "manyhands/model/io/mesh/mesh_file.h"
 
 namespace nb = nanobind;
@@ -205,7 +206,7 @@ void bind_shapes(nb::class_<ModelBuilder>& builder) {
           },
           "path"_a, nb::kw_only(), "scale"_a = Numbers3{1, 1, 1},
           nb::sig("def add_mesh(self, path: str | os.PathLike, *, scale: numpy.typing.ArrayLike = (1, 1, 1)) -> int"),
-          "Reads an STL, OBJ or DAE file and returns the mesh's index, for `add_geom`. Raises RuntimeError if it "
+          "Reads an STL, OBJ, DAE or glTF file and returns the mesh's index, for `add_geom`. Raises RuntimeError if it "
           "cannot.")
       .def(
           "add_mesh_arrays",
@@ -430,6 +431,25 @@ void bind_model_builder(nb::module_& m) {
   bind_shapes(builder);
   bind_couplings(builder);
   bind_whole(builder);
+  m.def(
+      "with_convex_parts",
+      [](const PythonModel& model, const std::map<int, std::vector<std::pair<Rows3<float>, Rows3<int>>>>& parts) {
+        std::map<MeshId, std::vector<Mesh>> meshes;
+        for (const auto& [index, arrays] : parts) {
+          if (index < 0 || index >= static_cast<int>(model.model->meshes().size())) {
+            throw ModelError("there is no mesh " + std::to_string(index));
+          }
+          for (const auto& [vertices, triangles] : arrays) {
+            meshes[MeshId(index)].push_back(mesh_of(vertices, triangles));
+          }
+        }
+        return std::make_unique<PythonModel>(with_convex_parts(*model.model, meshes));
+      },
+      "model"_a, "parts"_a,
+      nb::sig("def with_convex_parts(model: Model, parts: dict[int, list[tuple[numpy.typing.NDArray[numpy.float32], "
+              "numpy.typing.NDArray[numpy.int32]]]]) -> Model"),
+      "The model with the parts of some meshes, by their indices, in the place of these where they collide on a body "
+      "that moves; see `manyhands.decompose_model`.");
 }
 
 }  // namespace manyhands

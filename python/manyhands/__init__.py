@@ -46,6 +46,7 @@ from manyhands._core import (
 )
 from manyhands._core.render import Camera, Look, Mark, Picture, Renderer, Texture
 from manyhands.compat import install_as
+from manyhands.decomposition import decompose, decompose_model
 from manyhands.kinematics import IkResult, inverse_kinematics
 from manyhands.textures import load_texture
 from manyhands.viewer import view
@@ -112,6 +113,8 @@ __all__ = [
     "__version__",
     "asset_path",
     "collision",
+    "decompose",
+    "decompose_model",
     "dynamics",
     "envs",
     "install_as",

@@ -78,6 +78,23 @@ std::string msh() {
   return bytes;
 }
 
+/// One node, moved and scaled: a triangle (0 0 0), (1 0 0), (0 1 0).
+constexpr std::string_view kTriangleGltf = R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],
+"nodes":[{"mesh":0,"translation":[1,2,3],"scale":[2,2,2],"rotation":[0,0,0,1],"children":[1]},{"name":"n","matrix":[1,0,0,0,0,1,0,0,0,0,1,0,5,0,0,1],"mesh":0}],
+"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1,"mode":4}]}],
+"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},{"bufferView":1,"componentType":5123,"count":3,"type":"SCALAR"}],
+"bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":6}],
+"buffers":[{"byteLength":42,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAABAAIA"}]})";
+
+std::string as_glb(std::string_view json) {
+  const auto word = [](std::size_t n) {
+    std::string bytes(4, '\0');
+    for (std::size_t i = 0; i < 4; ++i) bytes[i] = static_cast<char>((n >> (8 * i)) & 0xff);
+    return bytes;
+  };
+  return "glTF" + word(2) + word(json.size() + 20) + word(json.size()) + "JSON" + std::string(json);
+}
+
 void expect_whole(const Model& model) {
   for (const Link& link : model.links()) {
     ASSERT_TRUE(std::isfinite(link.inertial.mass) && link.inertial.mass >= 0);
@@ -116,6 +133,30 @@ TEST(UrdfFuzz, SdfWorldsLoadOrGiveTheOneError) {
   };
   load(std::string(kSdf));
   expect_read_or_refused<SdfError>(kSdf, rounds(6000), load);
+}
+
+TEST(UrdfFuzz, GltfNodesArePlacedWithZUp) {
+  for (const std::string& bytes : {std::string(kTriangleGltf), as_glb(kTriangleGltf)}) {
+    const std::vector<Mesh> parts = io::read_gltf_objects(bytes, {});
+    ASSERT_EQ(parts.size(), 2u);
+    EXPECT_EQ(parts[1].source, "n");
+    const Vec3<float> a = parts[0].vertices[2], b = parts[1].vertices[1];
+    EXPECT_EQ((std::array{a.x, a.y, a.z}), (std::array{1.0f, -3.0f, 4.0f}));   // (1, 2 + 2, 3), y up
+    EXPECT_EQ((std::array{b.x, b.y, b.z}), (std::array{13.0f, -3.0f, 2.0f}));  // 1 + 2 (5 + 1)
+    EXPECT_EQ(parts[0].triangles[0], (std::array{0, 1, 2}));
+    EXPECT_EQ(io::read_gltf(bytes, {}).triangles.size(), 2u);
+  }
+}
+
+TEST(UrdfFuzz, GltfFilesLoadOrGiveTheOneError) {
+  const auto read_whole = [](const std::string& mutant) {
+    const Mesh mesh = io::read_gltf(mutant, [](const std::string&) { return std::string(48, '\1'); });
+    for (const auto& triangle : mesh.triangles) {
+      for (const int i : triangle) ASSERT_TRUE(i >= 0 && i < std::ssize(mesh.vertices));
+    }
+  };
+  expect_read_or_refused<MeshError>(kTriangleGltf, rounds(6000), read_whole);
+  expect_read_or_refused<MeshError>(as_glb(kTriangleGltf), rounds(3000), read_whole);
 }
 
 TEST(UrdfFuzz, MeshesLoadOrGiveTheOneError) {

@@ -36,17 +36,32 @@ std::string extension_of(const fs::path& path) {
   return extension;
 }
 
+/// The files of a glTF lie beside it.
+io::GltfFiles files_beside(const fs::path& path) {
+  return [folder = path.parent_path()](const std::string& name) {
+    if (name.find_first_of("/\\:") != name.npos || name.starts_with('.')) {
+      throw MeshError("the file " + io::in_quotes(name) + " does not lie beside it; expected a plain name");
+    }
+    return read_bytes(folder / name);
+  };
+}
+
+bool is_gltf(const std::string& extension) { return extension == ".gltf" || extension == ".glb"; }
+
 Mesh read(const fs::path& path) {
   const std::string extension = extension_of(path);
   if (extension == ".stl") return io::read_stl(read_bytes(path));
   if (extension == ".obj") return io::read_obj(read_bytes(path));
   if (extension == ".dae") return io::read_dae(read_bytes(path));
   if (extension == ".msh") return io::read_msh(read_bytes(path));
-  throw MeshError("the format " + io::in_quotes(extension) + " is not known; expected .stl, .obj, .dae or .msh");
+  if (is_gltf(extension)) return io::read_gltf(read_bytes(path), files_beside(path));
+  throw MeshError("the format " + io::in_quotes(extension) +
+                  " is not known; expected .stl, .obj, .dae, .gltf, .glb or .msh");
 }
 
 std::vector<Mesh> read_objects(const fs::path& path) {
   if (extension_of(path) == ".obj") return io::read_obj_objects(read_bytes(path));
+  if (is_gltf(extension_of(path))) return io::read_gltf_objects(read_bytes(path), files_beside(path));
   std::vector<Mesh> objects;
   objects.push_back(read(path));
   return objects;
