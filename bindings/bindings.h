@@ -20,6 +20,7 @@ void bind_env_pictures(nanobind::module_& m);  // after bind_envs and bind_rende
 void bind_experts(nanobind::module_& m);       // after bind_envs
 void bind_panda_gym(nanobind::module_& m);     // after bind_world
 void bind_pybullet(nanobind::module_& m);      // after bind_render
+void bind_pybullet_gui(nanobind::module_& m);  // after bind_pybullet
 void bind_learn(nanobind::module_& m);
 void explain_refusals(nanobind::module_& m);  // after all others
 

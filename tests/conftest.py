@@ -1,11 +1,14 @@
 """For all tests in Python."""
 
+import os
 from collections.abc import Generator
 
 import gymnasium
 import pytest
 
 import manyhands  # noqa: F401  (registers its environments)
+
+os.environ["MANYHANDS_PYBULLET_GUI"] = "0"  # a test that wants a page says so
 
 _REGISTRY = dict(gymnasium.registry)
 

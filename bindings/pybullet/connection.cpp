@@ -11,25 +11,14 @@ Shared& shared() {
   return all;
 }
 
-namespace {
+Listeners& listeners() {
+  static Listeners all;
+  return all;
+}
 
 std::shared_ptr<Connection> connection_of(int id) {
   return id >= 0 && id < static_cast<int>(kMostClients) ? shared().connections[static_cast<std::size_t>(id)] : nullptr;
 }
-
-/// Lets other threads of Python run.
-class WithoutInterpreter {
- public:
-  WithoutInterpreter() : state_(PyEval_SaveThread()) {}
-  WithoutInterpreter(const WithoutInterpreter&) = delete;
-  WithoutInterpreter& operator=(const WithoutInterpreter&) = delete;
-  ~WithoutInterpreter() { PyEval_RestoreThread(state_); }
-
- private:
-  PyThreadState* state_;
-};
-
-}  // namespace
 
 ClientLock::ClientLock(int id) : connection_(connection_of(id)) {
   if (!connection_) throw bullet::Error("Not connected to physics server.");
@@ -52,14 +41,38 @@ std::string find_file(const std::string& name) {
 
 namespace {
 
+/// Tells a listener of a client; raises what it raises.
+void tell(PyObject* listener, int client) {
+  if (listener == nullptr) return;
+  PyObject* const answer = PyObject_CallFunction(listener, "i", client);
+  if (answer == nullptr) throw PythonError{};
+  Py_DecRef(answer);
+}
+
+void disconnect(int id) {
+  const std::shared_ptr<Connection> connection = connection_of(id);
+  if (!connection) throw Error("Not connected to physics server.");
+  stop_clock(*connection);
+  if (connection->method == kGui) tell(listeners().closed, id);
+  shared().connections[static_cast<std::size_t>(id)].reset();
+}
+
 int connect_free_slot(int method) {
   auto& slots = shared().connections;
   for (std::size_t i = 0; i < slots.size(); ++i) {
     if (slots[i]) continue;
     slots[i] = std::make_shared<Connection>();
     slots[i]->method = method;
-    if (method == kGui) slots[i]->client.open_screen();
-    return static_cast<int>(i);
+    const int id = static_cast<int>(i);
+    if (method != kGui) return id;
+    slots[i]->client.open_screen();
+    try {
+      tell(listeners().opened, id);
+    } catch (const PythonError&) {
+      slots[i].reset();
+      throw;
+    }
+    return id;
   }
   throw Error("connect: there are " + std::to_string(kMostClients) + " clients already; disconnect some.");
 }
@@ -79,9 +92,7 @@ constexpr FreeFunction kConnect{
 
 constexpr FreeFunction kDisconnect{"disconnect", "", "Ends a client and all that is in its world.",
                                    [](const Arguments& a) -> PyObject* {
-                                     const int id = a.integer(0, 0);
-                                     if (!connection_of(id)) throw Error("Not connected to physics server.");
-                                     shared().connections[static_cast<std::size_t>(id)].reset();
+                                     disconnect(a.integer(0, 0));
                                      return none();
                                    }};
 
@@ -135,12 +146,17 @@ constexpr Function kGravity{"setGravity", "gravX, gravY, gravZ", "Gravity [m/s^2
                               return none();
                             }};
 
-constexpr Function kRealTime{"setRealTimeSimulation", "enableRealTimeSimulation",
-                             "With a GUI, the world steps by itself; without, no effect.",
-                             [](Client& client, const Arguments& a) -> PyObject* {
-                               client.settings().real_time = a.integer(0) != 0;
-                               return none();
-                             }};
+constexpr FreeFunction kRealTime{
+    "setRealTimeSimulation", "enableRealTimeSimulation",
+    "1: with a GUI, the world steps by itself in real time, until 0; without, no effect.",
+    [](const Arguments& a) -> PyObject* {
+      const bool runs = a.integer(0) != 0;
+      const int id = a.integer(1, 0);
+      (*ClientLock(id)).settings().real_time = runs;
+      Connection& connection = *connection_of(id);
+      if (connection.method == kGui) runs ? start_clock(connection) : stop_clock(connection);
+      return none();
+    }};
 
 constexpr Function kSetParameters{
     "setPhysicsEngineParameter",

@@ -82,16 +82,13 @@ constexpr Function kRead{"readUserDebugParameter", "itemUniqueId", "Where a slid
 
 constexpr Function kRemoveItem{"removeUserDebugItem", "itemUniqueId", "Takes what was drawn away.",
                                [](Client& client, const Arguments& a) -> PyObject* {
-                                 if (Screen* const screen = client.screen()) screen->items.erase(a.integer(0));
+                                 if (Screen* const screen = client.screen()) screen->remove(a.integer(0));
                                  return none();
                                }};
 
 template <bool kParameters>
 PyObject* remove_all(Client& client, const Arguments&) {
-  if (Screen* const screen = client.screen()) {
-    std::erase_if(screen->items,
-                  [](const auto& one) { return (one.second.kind == DebugItem::kParameter) == kParameters; });
-  }
+  if (Screen* const screen = client.screen()) screen->remove_all(kParameters);
   return none();
 }
 
@@ -160,6 +157,7 @@ constexpr Function kKeys{"getKeyboardEvents", "", "A dict of the keys' codes and
                            PyObject* const events = PyDict_New();
                            Screen* const screen = client.screen();
                            if (screen == nullptr) return events;
+                           screen->listens_to_keys = true;
                            for (const auto& [key, state] : screen->take_keys()) {
                              PyObject *const k = of(key), *const s = of(state);
                              PyDict_SetItem(events, k, s);
@@ -173,6 +171,7 @@ constexpr Function kMouse{"getMouseEvents", "", "A tuple of the mouse's events s
                           [](Client& client, const Arguments&) -> PyObject* {
                             Screen* const screen = client.screen();
                             if (screen == nullptr) return PyTuple_New(0);
+                            screen->listens_to_mouse = true;
                             return tuple_of(std::exchange(screen->mouse, {}), [](const bullet::MouseEvent& e) {
                               return tuple(of(e.type), of(e.x), of(e.y), of(e.button), of(e.state));
                             });

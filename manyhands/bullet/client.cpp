@@ -31,6 +31,7 @@ void Client::reset() {
   textures_.clear();
   states_.clear();
   user_data_.clear();
+  ++scene_;
 }
 
 void Client::set_time_step(double time_step) {
@@ -59,6 +60,7 @@ void Client::step() {
       if (body.has_clamps) apply_motors(body, h);
     }
     if (!constraints_.empty()) approach_constraints();
+    if (screen_ != nullptr) apply_pulls();
     world_.step();
   }
   clear_torques();

@@ -26,7 +26,8 @@ class Error : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-struct Mechanism;  // client_body.h
+struct Mechanism;    // client_body.h
+struct ScreenFrame;  // screen_frame.h
 
 /// A world whose parts have the numbers, frames, motors and defaults of PyBullet. Links are numbered from 0, the base
 /// is -1; poses are those of centre-of-mass frames unless a name says otherwise. Getters and setters of what is not
@@ -129,6 +130,10 @@ class Client {
   /// `read`: of the files that models name.
   void take_picture(const PictureRequest& request, const PictureResult& result, const ImageReader& read = {});
 
+  // ---- the screen (client_screen.cpp) --------------------------------------------------------------------------
+  /// What the screen shows now, to who has seen the items and colours up to these numbers. Changes no bit of the world.
+  [[nodiscard]] ScreenFrame frame(std::int64_t seen_items, std::int64_t seen_looks, bool with_model);
+
   // ---- saved states (client_states.cpp) ------------------------------------------------------------------------
   int save_state();
   void restore_state(int id);
@@ -167,12 +172,15 @@ class Client {
   void approach_constraints();
   [[nodiscard]] EqualityConstraint equality_of(int id, const UserConstraint& constraint);
   [[nodiscard]] static Mechanism& mechanism_of(Body& body);
+  [[nodiscard]] Guise guise_of(const Model& model);
+  [[nodiscard]] bool has_link(int body, int link) const;
+  void show_items(std::int64_t seen, ScreenFrame& frame);
+  void apply_pulls();
 
   World world_;
-  [[nodiscard]] Guise guise_of(const Model& model);
-
   Settings settings_;
   std::unique_ptr<Screen> screen_;
+  std::int64_t scene_ = 0, looks_ = 0;  // of ScreenFrame
   UserData user_data_;
   int next_log_ = 0;
   std::map<int, std::unique_ptr<Body>> bodies_;

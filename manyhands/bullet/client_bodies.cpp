@@ -103,6 +103,7 @@ int Client::add(BodyPlan plan, const Transform<double>& X_WB) {
   body->id = id;
   body->plan = std::move(plan);
   world_.add(model_of(body->plan, X_WB), Transform<double>::identity(), body_label(id));
+  ++scene_;
   const std::size_t n = body->plan.links.size();
   body->motors.resize(n);
   body->memory.resize(n + 1);
@@ -151,6 +152,7 @@ void Client::remove(int id) {
   });
   if (cuts) write_constraints();
   world_.remove(body_label(id));
+  ++scene_;
   const auto place = std::ranges::find(order_, id);
   *place = order_.back();
   order_.pop_back();
@@ -175,6 +177,7 @@ void Client::replace(Body& body) {
   const Transform<double> X_WB = X_WI * inverse(body.plan.base.X_LI);
   body.mechanism.reset();
   world_.add(model_of(body.plan, X_WB), Transform<double>::identity(), body_label(body.id));
+  ++scene_;
   locate(body);
   for (int i = 0; i < body.plan.num_links(); ++i) {
     world_.set_joint(joint_id(body, i), q[static_cast<std::size_t>(i)], v[static_cast<std::size_t>(i)]);

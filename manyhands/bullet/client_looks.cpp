@@ -11,6 +11,7 @@ void Client::change_visual(int id, int link, const VisualChange& change) {
   Body* const body = find(id);
   if (body == nullptr || !body->has_link(link)) return;
   LinkMemory& memory = body->of(link);
+  ++looks_;
   for (std::size_t k = 0; k < memory.rgba.size(); ++k) {
     if (change.shape >= 0 && static_cast<std::size_t>(change.shape) != k) continue;
     if (change.rgba) memory.rgba[k] = *change.rgba;

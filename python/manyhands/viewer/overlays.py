@@ -29,6 +29,7 @@ class Overlays:
         self._push: Any = None
         self._trails: dict[str, deque[Array]] = {}
         self._lines: dict[str, Any] = {}
+        self._styles: dict[str, tuple[Any, ...]] = {}  # of lines and text: what cannot be changed without drawing anew
         self.shows_points = False
         self.shows_forces = False
         self.force_scale = 0.01
@@ -107,29 +108,52 @@ class Overlays:
         """A line through points (n, 3) [m]."""
         path = np.asarray(points, np.float32).reshape(-1, 3)
         segments = np.stack([path[:-1], path[1:]], 1)
-        old = self._lines.get(name)
-        if old is not None and len(old.points) == len(segments):
+        old = self._same(name, ("line", len(segments), color, width))
+        if old is not None:
             old.points = segments
             return
         self._lines[name] = self._scene.add_line_segments(
             _path(name), segments, color, thickness=width, thickness_units="screen"
         )
 
-    def text(self, name: str, text: str, position: ArrayLike) -> None:
-        """A label at a place (3) [m]."""
+    def text(self, name: str, text: str, position: ArrayLike, size: float = 1.0) -> None:
+        """A label at a place (3) [m]; its size is relative to the usual one."""
         place = np.asarray(position, np.float64)
-        self._lines[name] = self._scene.add_label(_path(name), text, position=place, anchor="bottom-center")
+        old = self._same(name, ("text", text, size))
+        if old is not None:
+            old.position = place
+            return
+        self._lines[name] = self._scene.add_label(
+            _path(name), text, position=place, anchor="bottom-center", font_screen_scale=size
+        )
+
+    def points(self, name: str, points: ArrayLike, colors: NDArray[np.uint8], size: float) -> None:
+        """Points (n, 3) [m] of colours (n, 3), each of a size [m]."""
+        places = np.asarray(points, np.float32).reshape(-1, 3)
+        self._styles.pop(name, None)
+        self._lines[name] = self._scene.add_point_cloud(
+            _path(name), places, colors, point_size=size, point_shape="circle", precision="float32"
+        )
 
     def axes(self, name: str, position: ArrayLike, quaternion: ArrayLike, size: float) -> None:
         """A frame at a pose (3), xyzw (4); its axes have a length [m]."""
         wxyz = np.asarray(quaternion, np.float64)[[3, 0, 1, 2]]
+        self._styles.pop(name, None)
         self._lines[name] = self._scene.add_frame(
             _path(name), axes_length=size, axes_radius=size / 30, position=np.asarray(position, np.float64), wxyz=wxyz
         )
 
     def remove(self, name: str) -> None:
         """Passes over what is not there."""
+        self._styles.pop(name, None)
         _remove(self._lines.pop(name, None))
+
+    def _same(self, name: str, style: tuple[Any, ...]) -> Any:
+        """What is drawn under that name already, if its style is the same; else None, and the style is remembered."""
+        if self._styles.get(name) == style:
+            return self._lines[name]
+        self._styles[name] = style
+        return None
 
 
 def _path(name: str) -> str:

@@ -39,7 +39,9 @@ class Panel:
         self._last_refresh = -math.inf
         self._shown_playing: bool | None = None
         gui = viewer.server.gui
-        self._make_time(gui)
+        self._status = gui.add_markdown("")
+        if not viewer.source.only_watched:
+            self._make_time(gui)
         tabs = gui.add_tab_group()
         source = viewer.source
         self.teleop = TeleopPanel(viewer, tabs) if isinstance(source, EnvSource) else None
@@ -49,12 +51,12 @@ class Panel:
         )
         self.view = ViewPanel(viewer, tabs)
         self.graphs = GraphPanel(viewer, tabs)
-        self.cameras = CameraPanel(viewer, tabs)
+        self.cameras = None if source.only_watched else CameraPanel(viewer, tabs)
         self.recorder = RecordPanel(viewer, tabs)
-        self._make_keys(gui)
+        if not source.only_watched:
+            self._make_keys(gui)
 
     def _make_time(self, gui: viser.GuiApi) -> None:
-        self._status = gui.add_markdown("")
         self._play = gui.add_button("Play", icon=viser.Icon.PLAYER_PLAY, hint="Lets time pass (key P)")
         self._play.on_click(lambda _: self.toggle())
         buttons = gui.add_button_group("Time", ("Step", "Reset"), hint="One step (key N); begin anew (key R)")
@@ -111,20 +113,28 @@ class Panel:
                 part.refresh(frame)
 
     def _show_time(self, frame: Frame) -> None:
-        player = self._player
-        if player.playing != self._shown_playing:
-            self._shown_playing = player.playing
-            self._play.label = "Pause" if player.playing else "Play"
-            self._play.icon = viser.Icon.PLAYER_PAUSE if player.playing else viser.Icon.PLAYER_PLAY
+        player, watched = self._player, self._viewer.source.only_watched
         if player.problem:
             text = f"**Stopped:** {player.problem}"
         else:
-            pace = f"{player.rate:.2g} x real time" if player.playing else "paused"
+            pace = f"{player.rate:.2g} x real time" if player.playing or watched else "paused"
             text = f"**{frame.time:.2f} s** &nbsp; {pace}"
         if self._status.content != text:
             self._status.content = text
-        first, last = player.history.span
-        if self._rewound_from is None or player.playing:
+        if not watched:
+            self._show_play()
+            self._show_rewind()
+
+    def _show_play(self) -> None:
+        playing = self._player.playing
+        if playing != self._shown_playing:
+            self._shown_playing = playing
+            self._play.label = "Pause" if playing else "Play"
+            self._play.icon = viser.Icon.PLAYER_PAUSE if playing else viser.Icon.PLAYER_PLAY
+
+    def _show_rewind(self) -> None:
+        first, last = self._player.history.span
+        if self._rewound_from is None or self._player.playing:
             self._rewound_from = None
             reach = -max(1.0, round(last - first, 1))
             if self._rewind.handle.min != reach:

@@ -17,6 +17,7 @@ from manyhands.viewer.sources import Marker, Neighbours, Source
 
 _DRIVEN_FOR = 1.0  # a loop that called `sync` this recently [s] moves the simulation itself
 _MINUTES = 3.0
+_SHARE = 0.15  # of the interpreter's time, at most, for a page whose program does not wait for it
 
 
 class Frame(NamedTuple):
@@ -195,7 +196,7 @@ class Player:
 
     def _run(self) -> None:
         while not self._closed.is_set():
-            begin = time.perf_counter()
+            begin, worked = time.perf_counter(), time.thread_time()
             if not self.is_driven and self._source_turn.acquire(blocking=False):
                 try:
                     self._work()
@@ -208,6 +209,8 @@ class Player:
                 self._show(frame)
             self._measure_rate()
             left = 1 / self.fps - (time.perf_counter() - begin)
+            if self.source.only_watched:
+                left = max(left, (time.thread_time() - worked) / _SHARE)
             if left > 0:
                 self._closed.wait(left)
 
@@ -269,6 +272,7 @@ class Player:
         if now - self._last_capture < 0.7 / self.fps:
             return
         self._last_capture, source = now, self.source
+        source.refresh()
         contacts = source.world.contacts() if self.wants_contacts and source.world is not None else []
         values = {
             name: np.atleast_1d(np.asarray(measure(), np.float64)) for name, measure in list(self.watched.items())

@@ -65,6 +65,8 @@ class Source(ABC):
     """A colour (3), 0 to 1, behind the scene; None: the page's own sky."""
     moves: bool = True
     """Whether the page moves it where no loop of the program's does."""
+    only_watched: bool = False
+    """Whether its program alone rules over time: the page neither pauses nor rewinds, and knows poses only."""
     rest: float = 0.0
     """How long the outcome of the last step is to be looked at [s] before the page makes another."""
 
@@ -110,6 +112,14 @@ class Source(ABC):
     def neighbours(self) -> Neighbours | None:
         """Worlds that are drawn beside this one; None without any."""
         return None
+
+    @property
+    def can_be_pulled(self) -> bool:
+        """Whether `pushes` move it."""
+        return self.world is not None
+
+    def refresh(self) -> None:  # noqa: B027  most sources are asked directly
+        """Before what is shown is asked for."""
 
     def tick(self) -> None:  # noqa: B027  most sources know their time
         """Somebody else's loop has made a step."""

@@ -23,6 +23,7 @@ _GROUND, _LINES, _SECTIONS = (150, 160, 170), (170, 180, 190), (196, 206, 214)
 _COLLISION = (255, 140, 60)
 _WIDE = 1.0  # a fixed flat box of more than this half extent [m] is ground
 _SMALL = 0.06  # what is not larger [m] receives no shadows: their coarse map would draw bands along its edges
+_STILL = 1e-7  # what has moved by less [m], or of its quaternion, is not told to browsers
 _GLASS = 0.35  # opacity of goals
 
 
@@ -37,6 +38,8 @@ class Stage:
         self._scene, self._on_drag = server.scene, on_drag
         self._bodies: list[viser.FrameHandle] = []
         self._collision: list[viser.MeshHandle] = []
+        self._surfaces: dict[int, viser.MeshHandle] = {}  # by numbers of geoms
+        self._poses = np.zeros((0, 7))
         self._corners: list[tuple[int, Array]] = []
         self._markers: dict[str, viser.MeshHandle] = {}
         self._shows_collision = False
@@ -76,7 +79,7 @@ class Stage:
         """Replaces all bodies by those of a model, at the poses of its links (n, 3), (n, 4)."""
         for handle in self._bodies:
             handle.remove()
-        self._bodies, self._collision, self._corners = [], [], []
+        self._bodies, self._collision, self._corners, self._surfaces = [], [], [], {}
         self.index = {link.name: index for index, link in enumerate(model.links)}
         height, ground = _ground(model, positions)
         self._draw_ground(height)
@@ -92,12 +95,22 @@ class Stage:
                 shown.append(number)
         self.neighbours.build(model, shown)
         self._measure(model, positions, quaternions, ground)
+        self._poses = np.full((len(self._bodies), 7), np.nan)
         self.show(positions, quaternions)
 
     def show(self, positions: Array, quaternions: Array) -> None:
         """Puts the links at poses (n, 3), xyzw (n, 4)."""
-        for body, position, quaternion in zip(self._bodies, positions, quaternions, strict=True):
-            body.position, body.wxyz = position, quaternion[[3, 0, 1, 2]]
+        poses = np.hstack([positions, quaternions])
+        moved = ~(np.abs(poses - self._poses) < _STILL).all(1)
+        self._poses[moved] = poses[moved]
+        for index in np.flatnonzero(moved):
+            body = self._bodies[index]
+            body.position, body.wxyz = positions[index], quaternions[index][[3, 0, 1, 2]]
+
+    def paint(self, rgba: NDArray[np.floating]) -> None:
+        """Gives the geoms other colours (n, 4)."""
+        for number, handle in self._surfaces.items():
+            handle.color, handle.opacity = shapes.color(rgba[number]), _opacity(rgba[number])
 
     def show_markers(self, markers: list[Marker]) -> None:
         """Goals: as glassy shapes."""
@@ -169,14 +182,16 @@ class Stage:
         handle = self._scene.add_mesh_simple(
             f"{body.name}/{number}", surface.vertices, surface.triangles,
             color=_COLLISION if hides else shapes.color(geom.rgba),
-            opacity=0.35 if hides else (geom.rgba[3] if geom.rgba[3] < 1 else None),
+            opacity=0.35 if hides else _opacity(geom.rgba),
             cast_shadow=not hides, receive_shadow=not (hides or is_small),
             side="double" if geom.shape == "height_field" else "front",
             position=geom.position, wxyz=geom.quaternion[[3, 0, 1, 2]], visible=not hides or self._shows_collision,
         )  # fmt: skip
         if hides:
             self._collision.append(handle)
-        elif self._on_drag is not None and geom.link > 0:
+            return True
+        self._surfaces[number] = handle
+        if self._on_drag is not None and geom.link > 0:
             link, on_drag = model.links[geom.link].name, self._on_drag
 
             # Coroutines are run in the order of the events; plain functions are not.
@@ -206,6 +221,11 @@ class Stage:
             low, high = np.min(points, 0), np.max(points, 0)
             self.center = (low + high) / 2
             self.radius = float(np.clip(np.linalg.norm(high - low) / 2 + 0.15, 0.4, 5.0))
+
+
+def _opacity(rgba: Any) -> float | None:
+    """None of what cannot be looked through."""
+    return float(rgba[3]) if rgba[3] < 1 else None
 
 
 def _ground(model: Model, positions: Array) -> tuple[float, int]:

@@ -82,6 +82,8 @@ class Viewer:
             self.source.on_reset.append(lambda _: self.overlays.clear_trails())
         self.pull = _PULL
         """Force of a drag [N/m]."""
+        self.on_draw: list[Callable[[], None]] = []
+        """What else is drawn with each frame, in the page's thread."""
         self._parts: tuple[Any, ...] = ()
         self._grabbed: Push | None = None
         self._close_once = threading.Lock()
@@ -96,8 +98,8 @@ class Viewer:
         if announce:
             moved = f" (port {port} is taken)" if port not in (0, self.server.get_port()) else ""
             print(f"manyhands: {self.source.title} is on {self.url}{moved}", flush=True)
-        if open_browser:
-            webbrowser.open(self.url)
+        if open_browser:  # some of them let whoever opens them wait
+            threading.Thread(target=webbrowser.open, args=(self.url,), daemon=True).start()
 
     # ---- the page ------------------------------------------------------------------------------------------------
 
@@ -230,7 +232,9 @@ class Viewer:
 
     def camera(self, name: str, camera: Camera | Callable[[], NDArray[np.uint8] | None]) -> None:
         """Offers what a camera sees beside the scene, or pictures (h, w, 3) from elsewhere; they are taken a few times
-        a second, while they are looked at."""
+        a second, while they are looked at. Raises TypeError where only poses are known."""
+        if self.panel.cameras is None:
+            raise TypeError(f"{self.source.title} is only watched: no camera {name!r} can be offered")
         self.panel.cameras.add(name, camera)
 
     # ---- keeping -------------------------------------------------------------------------------------------------
@@ -278,6 +282,8 @@ class Viewer:
             links = {link: frame.positions[self.stage.index[link]] for link in self.overlays.trails}
             self.overlays.extend_trails(links)
             self._draw_push(frame)
+            for draw in self.on_draw:
+                draw()
         self.panel.update(frame)
 
     def _rebuild(self) -> None:
@@ -288,7 +294,7 @@ class Viewer:
 
     def _draw_push(self, frame: Frame) -> None:
         push = self._grabbed
-        if push is None:
+        if push is None or push.link not in self.stage.index:
             self.overlays.show_push(None, None)
             return
         index = self.stage.index[push.link]
@@ -297,7 +303,7 @@ class Viewer:
 
     def _on_drag(self, link: str, event: Any) -> None:
         """A body is pulled by the mouse, in viser's thread."""
-        if self.source.world is None:
+        if not self.source.can_be_pulled:
             return
         key = event.client_id
         if event.phase == "end":

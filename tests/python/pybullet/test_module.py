@@ -282,22 +282,6 @@ def test_arrays_and_numpy_numbers_pass(sim: Any) -> None:
     assert isinstance(sim.getJointState(np.int32(arm), 0)[0], float)
 
 
-def test_a_window_without_a_browser_keeps_what_is_drawn() -> None:
-    gui = p.connect(p.GUI)
-    try:
-        slider = p.addUserDebugParameter("speed", 0, 5, 2, physicsClientId=gui)
-        assert p.readUserDebugParameter(slider, physicsClientId=gui) == 2
-        line = p.addUserDebugLine([0, 0, 0], [0, 0, 1], [1, 0, 0], physicsClientId=gui)
-        assert line >= 0
-        p.resetDebugVisualizerCamera(3, 30, -40, [0, 0, 1], physicsClientId=gui)
-        camera = p.getDebugVisualizerCamera(physicsClientId=gui)
-        assert camera[8:] == (30, -40, 3, (0, 0, 1))
-        assert p.getKeyboardEvents(physicsClientId=gui) == {}
-        p.removeUserDebugItem(line, physicsClientId=gui)
-    finally:
-        p.disconnect(gui)
-
-
 def test_memory_and_ids_stay_flat_while_bodies_come_and_go(sim: Any) -> None:
     shape = sim.createCollisionShape(p.GEOM_SPHERE, radius=0.1)
     for _ in range(2000):

@@ -1,0 +1,424 @@
+"""Clients with a window: what they keep in software, and what their page shows."""
+
+import math
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+import manyhands as mh
+import manyhands.pybullet as p
+from manyhands._core import pybullet_gui
+from manyhands.pybullet import gui as windows
+
+PANDA = str(mh.asset_path("panda/panda.urdf"))
+
+
+def until(condition: Callable[[], Any], seconds: float = 30.0) -> None:
+    deadline = time.perf_counter() + seconds
+    while not condition():
+        assert time.perf_counter() < deadline, "it did not come about"
+        time.sleep(0.01)
+
+
+@pytest.fixture
+def window() -> Iterator[int]:
+    """Without a page: tests/conftest.py says so."""
+    client = p.connect(p.GUI)
+    assert windows.page(client) is None
+    yield client
+    if p.isConnected(client):
+        p.disconnect(client)
+
+
+@pytest.fixture
+def shown(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
+    """With a page, and no browser."""
+    pytest.importorskip("viser")
+    monkeypatch.setenv(windows.SWITCH, "1")
+    for display in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(display, raising=False)
+    client = p.connect(p.GUI)
+    assert windows.page(client) is not None
+    yield client
+    if p.isConnected(client):
+        p.disconnect(client)
+
+
+def page_of(client: int) -> Any:
+    return windows.page(client)
+
+
+def box(client: int, at: tuple[float, float, float] = (0, 0, 1), mass: float = 1) -> int:
+    shape = p.createCollisionShape(p.GEOM_BOX, halfExtents=[0.1] * 3, physicsClientId=client)
+    return p.createMultiBody(mass, shape, -1, at, physicsClientId=client)
+
+
+# ---- in software -------------------------------------------------------------------------------------------------------
+
+
+def test_sliders_and_buttons_are_moved_and_read(window: int) -> None:
+    slider = p.addUserDebugParameter("speed", 0, 5, 2, physicsClientId=window)
+    button = p.addUserDebugParameter("go", 1, 0, 0, physicsClientId=window)
+    assert p.readUserDebugParameter(slider, physicsClientId=window) == 2
+    p._set_parameter(window, slider, 3.5)
+    p._set_parameter(window, button, 1)
+    assert p.readUserDebugParameter(slider, physicsClientId=window) == 3.5
+    assert p.readUserDebugParameter(button, physicsClientId=window) == 1
+    p._set_parameter(window, slider, 7)
+    assert p.readUserDebugParameter(slider, physicsClientId=window) == 5
+    line = p.addUserDebugLine([0, 0, 0], [0, 0, 1], physicsClientId=window)
+    with pytest.raises(p.error, match="no slider or button"):
+        p._set_parameter(window, line, 1)
+    p.removeAllUserDebugItems(physicsClientId=window)
+    assert p.readUserDebugParameter(slider, physicsClientId=window) == 5
+    p.removeAllUserParameters(physicsClientId=window)
+    with pytest.raises(p.error, match="Failed to read parameter"):
+        p.readUserDebugParameter(slider, physicsClientId=window)
+
+
+def test_a_client_without_a_window_has_no_keys_to_press() -> None:
+    client = p.connect(p.DIRECT)
+    with pytest.raises(p.error, match="no window"):
+        p._press_key(client, ord("a"))
+    p.disconnect(client)
+    with pytest.raises(p.error, match="Not connected"):
+        p._press_key(client, ord("a"))
+
+
+def test_keys_are_triggered_down_and_released(window: int) -> None:
+    key, keys = ord("a"), lambda: p.getKeyboardEvents(physicsClientId=window)
+    assert keys() == {}
+    p._press_key(window, key)
+    assert keys() == {key: p.KEY_IS_DOWN | p.KEY_WAS_TRIGGERED}
+    p._press_key(window, key)  # a keyboard repeats it
+    assert keys() == {key: p.KEY_IS_DOWN}
+    p._press_key(window, key, down=False)
+    assert keys() == {key: p.KEY_WAS_RELEASED}
+    assert keys() == {}
+    p._press_key(window, key)
+    p._press_key(window, key, down=False)
+    assert keys() == {key: p.KEY_WAS_TRIGGERED | p.KEY_WAS_RELEASED}
+
+
+def test_the_mouse_moves_and_clicks(window: int) -> None:
+    p._move_mouse(window, 10, 20)
+    p._click_mouse(window, 0, True, 10, 20)
+    p._click_mouse(window, 0, False, 11, 20)
+    assert p.getMouseEvents(physicsClientId=window) == (
+        (1, 10, 20, -1, 0),
+        (2, 10, 20, 0, p.KEY_IS_DOWN | p.KEY_WAS_TRIGGERED),
+        (2, 11, 20, 0, p.KEY_WAS_RELEASED),
+    )
+    assert p.getMouseEvents(physicsClientId=window) == ()
+
+
+def test_the_camera_is_where_the_program_or_people_put_it(window: int) -> None:
+    def orbit() -> tuple[float, ...]:
+        yaw, pitch, distance, target = p.getDebugVisualizerCamera(physicsClientId=window)[8:]
+        return (distance, yaw, pitch, *target)
+
+    for distance, yaw, pitch in ((3, 30, -40), (1, -120, 10), (2, 0, -89), (2, 180, 0)):
+        p.resetDebugVisualizerCamera(distance, yaw, pitch, [0, 1, 2], physicsClientId=window)
+        assert orbit() == (distance, yaw, pitch, 0, 1, 2)
+        frame = pybullet_gui.frame(window)
+        pybullet_gui.set_camera(window, frame.eye, frame.target)
+        assert orbit() == (distance, yaw, pitch, 0, 1, 2)  # as it was set, not as it was computed back
+        p.resetDebugVisualizerCamera(9, 9, 9, [0, 0, 0], physicsClientId=window)
+        pybullet_gui.set_camera(window, frame.eye, frame.target)
+        assert orbit() == pytest.approx((distance, yaw, pitch, 0, 1, 2))
+    # Yaw turns about z from looking along y, pitch lifts the view: from (0, -1, 0) everything is zero.
+    pybullet_gui.set_camera(window, (0, -1, 0), (0, 0, 0))
+    assert orbit() == pytest.approx((1, 0, 0, 0, 0, 0))
+    pybullet_gui.set_camera(window, (1, 0, 1), (0, 0, 0))
+    assert orbit() == pytest.approx((math.sqrt(2), 90, -45, 0, 0, 0))
+
+
+def test_items_follow_their_link_and_their_life_ends(window: int) -> None:
+    cube = box(window, at=(1, 0, 1))
+    turned = p.getQuaternionFromEuler([0, 0, math.pi / 2])
+    p.resetBasePositionAndOrientation(cube, [1, 0, 1], turned, physicsClientId=window)
+    tied = p.addUserDebugLine(
+        [0, 0, 0], [1, 0, 0], parentObjectUniqueId=cube, parentLinkIndex=-1, physicsClientId=window
+    )
+    free = p.addUserDebugText("here", [0, 0, 2], physicsClientId=window)
+    brief = p.addUserDebugPoints([[0, 0, 0]], [[1, 0, 0]], lifeTime=0.05, physicsClientId=window)
+    frame = pybullet_gui.frame(window)
+    assert frame.ids == [tied, free, brief]
+    items = dict(frame.items)
+    np.testing.assert_allclose(items[tied].points, [[1, 0, 1], [1, 1, 1]], atol=1e-12)
+    assert [items[number].kind for number in frame.ids] == ["line", "text", "points"]
+    # Who has seen it all hears of what moves with a link only.
+    assert [number for number, _ in pybullet_gui.frame(window, frame.serial).items] == [tied]
+    replaced = p.addUserDebugText("there", [0, 0, 3], replaceItemUniqueId=free, physicsClientId=window)
+    assert replaced == free
+    assert dict(pybullet_gui.frame(window, frame.serial).items)[free].text == "there"
+    until(lambda: pybullet_gui.frame(window).ids == [tied, free], 5)
+    p.removeBody(cube, physicsClientId=window)
+    assert pybullet_gui.frame(window).ids == [free]
+    p.removeUserDebugItem(free, physicsClientId=window)
+    assert free not in pybullet_gui.frame(window).ids
+
+
+def test_what_replaces_a_brief_item_lives_on(window: int) -> None:
+    line = p.addUserDebugLine([0, 0, 0], [1, 0, 0], lifeTime=0.02, physicsClientId=window)
+    p.addUserDebugLine([0, 0, 0], [2, 0, 0], replaceItemUniqueId=line, physicsClientId=window)
+    time.sleep(0.05)
+    assert pybullet_gui.frame(window).ids == [line]
+
+
+def test_frames_tell_of_bodies_that_came_and_went_and_of_colours(window: int) -> None:
+    """Between two steps removed parts still lie in the world; frames are without them."""
+    cubes = [box(window, at=(k, 0, 1)) for k in range(3)]
+    before = pybullet_gui.frame(window)
+    p.removeBody(cubes[0], physicsClientId=window)
+    p.changeVisualShape(cubes[2], -1, rgbaColor=[0.1, 0.2, 0.3, 0.5], physicsClientId=window)
+    frame = pybullet_gui.frame(window, with_model=True)
+    assert frame.scene != before.scene and frame.looks != before.looks
+    assert frame.model is not None
+    names = [link.name for link in frame.model.links]
+    assert len(names) == len(frame.positions) == len(before.positions) - 1
+    for k in (1, 2):
+        (index,) = (i for i, name in enumerate(names) if name.startswith(f"b{cubes[k]}/"))
+        np.testing.assert_allclose(frame.positions[index], [k, 0, 1])
+    painted = [tuple(np.round(row, 3)) for row in frame.rgba]
+    assert painted.count((0.1, 0.2, 0.3, 0.5)) == 1
+    seen = [geom.link for geom in frame.model.geoms][painted.index((0.1, 0.2, 0.3, 0.5))]
+    assert names[seen].startswith(f"b{cubes[2]}/")
+    assert len(pybullet_gui.frame(window, seen_looks=frame.looks, with_model=False).rgba) == 0
+
+
+def test_frames_leave_the_world_its_bits() -> None:
+    """Also where bodies go between two steps."""
+
+    def fall(looks: bool) -> bytes:
+        client = p.connect(p.GUI)
+        p.setGravity(0, 0, -9.81, physicsClientId=client)
+        cubes = [box(client, at=(0.01 * k, 0.02 * k, 0.1 + 0.21 * k)) for k in range(4)]
+        numbers: list[float] = []
+        for step in range(80):
+            if step in (20, 40):
+                p.removeBody(cubes.pop(0), physicsClientId=client)
+                if looks:
+                    pybullet_gui.frame(client)
+                cubes.append(box(client, at=(0, 0, 1.5)))
+            p.stepSimulation(physicsClientId=client)
+            if looks:
+                pybullet_gui.frame(client)
+        for cube in cubes:
+            position, quaternion = p.getBasePositionAndOrientation(cube, physicsClientId=client)
+            numbers += [*position, *quaternion]
+        p.disconnect(client)
+        return np.array(numbers).tobytes()
+
+    assert fall(looks=False) == fall(looks=True)
+
+
+def test_a_pull_lifts_a_body_until_it_ends(window: int) -> None:
+    cube = box(window, at=(0, 0, 1), mass=2)
+    p.changeDynamics(cube, -1, linearDamping=0, angularDamping=0, physicsClientId=window)
+    frame = pybullet_gui.frame(window)
+    assert frame.model is not None
+    (name,) = (link.name for link in frame.model.links if link.name.startswith(f"b{cube}/"))
+    pybullet_gui.pull(window, [(name, (0, 0, 0), (0, 0, 4)), ("no such link", (0, 0, 0), (9, 9, 9))])
+    for _ in range(24):
+        p.stepSimulation(physicsClientId=window)
+    assert p.getBaseVelocity(cube, physicsClientId=window)[0] == pytest.approx((0, 0, 0.2))
+    pybullet_gui.pull(window, [])
+    p.stepSimulation(physicsClientId=window)
+    assert p.getBaseVelocity(cube, physicsClientId=window)[0] == pytest.approx((0, 0, 0.2))
+
+
+def test_real_time_passes_by_itself_until_it_is_switched_off(window: int) -> None:
+    p.setGravity(0, 0, -10, physicsClientId=window)
+    cube = box(window, at=(0, 0, 100))
+
+    def height() -> float:
+        return p.getBasePositionAndOrientation(cube, physicsClientId=window)[0][2]
+
+    p.setRealTimeSimulation(1, physicsClientId=window)
+    begin = time.perf_counter()
+    assert p.getPhysicsEngineParameters(physicsClientId=window)["useRealTimeSimulation"] == 1
+    until(lambda: height() < 99.0)
+    # 1 m takes 0.45 s; a busy machine is late, but never early.
+    assert time.perf_counter() - begin > 0.4
+    p.setRealTimeSimulation(0, physicsClientId=window)
+    stopped = height()
+    time.sleep(0.05)
+    assert height() == stopped
+    p.setRealTimeSimulation(1, physicsClientId=window)
+    p.disconnect(window)  # ends it
+
+
+def test_real_time_needs_a_window() -> None:
+    client = p.connect(p.DIRECT)
+    p.setGravity(0, 0, -10, physicsClientId=client)
+    cube = box(client)
+    p.setRealTimeSimulation(1, physicsClientId=client)
+    time.sleep(0.05)
+    assert p.getBasePositionAndOrientation(cube, physicsClientId=client)[0] == (0, 0, 1)
+    p.disconnect(client)
+
+
+def test_a_missing_viewer_is_told_in_one_warning(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in [*sys.modules]:
+        if name.split(".")[0] == "viser" or name.startswith(("manyhands.viewer.", "manyhands.pybullet.page")):
+            monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "viser", None)
+    monkeypatch.setenv(windows.SWITCH, "1")
+    with pytest.warns(UserWarning, match="needs viser: .* -m pip install") as told:
+        client = p.connect(p.GUI)
+    assert len(told) == 1
+    assert p.addUserDebugParameter("speed", physicsClientId=client) == 0
+    p.disconnect(client)
+
+
+# ---- on a page ---------------------------------------------------------------------------------------------------------
+
+
+def test_the_page_shows_bodies_lines_sliders_and_colours(shown: int) -> None:
+    page = page_of(shown)
+    cube = box(shown, at=(1, 0, 1))
+    line = p.addUserDebugLine(
+        [0, 0, 0], [0, 0, 1], [1, 0, 0], parentObjectUniqueId=cube, physicsClientId=shown
+    )
+    text = p.addUserDebugText("here", [0, 0, 1], physicsClientId=shown)
+    points = p.addUserDebugPoints([[0, 0, 0], [1, 0, 0]], [[1, 0, 0], [0, 1, 0]], physicsClientId=shown)
+    slider = p.addUserDebugParameter("speed", 0, 5, 2, physicsClientId=shown)
+    button = p.addUserDebugParameter("go", 1, 0, 0, physicsClientId=shown)
+    overlays, stage = page.viewer.overlays, page.viewer.stage
+    until(lambda: {f"item {k}" for k in (line, text, points)} <= overlays._lines.keys())
+    until(lambda: {slider, button} <= page._parameters.handles.keys())
+    label = next(name for name in stage.index if name.startswith(f"b{cube}/"))
+    np.testing.assert_allclose(stage._bodies[stage.index[label]].position, [1, 0, 1])
+    np.testing.assert_allclose(overlays._lines[f"item {line}"].points, [[[1, 0, 1], [1, 0, 2]]], atol=1e-6)
+
+    p.resetBasePositionAndOrientation(cube, [0, 2, 3], [0, 0, 0, 1], physicsClientId=shown)
+    until(lambda: np.allclose(stage._bodies[stage.index[label]].position, [0, 2, 3]))
+    until(lambda: np.allclose(overlays._lines[f"item {line}"].points, [[[0, 2, 3], [0, 2, 4]]]))
+
+    page._parameters.handles[slider].value = 3.5
+    until(lambda: p.readUserDebugParameter(slider, physicsClientId=shown) == 3.5)
+
+    p.changeVisualShape(cube, -1, rgbaColor=[1, 0, 0, 0.5], physicsClientId=shown)
+    until(lambda: any(mesh.opacity == 0.5 for mesh in stage._surfaces.values()))
+
+    p.removeAllUserParameters(physicsClientId=shown)
+    p.removeUserDebugItem(line, physicsClientId=shown)
+    until(lambda: not page._parameters.handles and f"item {line}" not in overlays._lines)
+    p.resetSimulation(physicsClientId=shown)
+    until(lambda: label not in stage.index)
+    assert not page.viewer.player.problem
+
+
+def test_the_page_is_still_while_rendering_is_off(shown: int) -> None:
+    page = page_of(shown)
+    p.configureDebugVisualizer(p.COV_ENABLE_RENDERING, 0, physicsClientId=shown)
+    for k in range(5):
+        box(shown, at=(k, 0, 0))
+    time.sleep(0.3)
+    assert len(page.viewer.stage.index) == 1
+    p.configureDebugVisualizer(p.COV_ENABLE_RENDERING, 1, physicsClientId=shown)
+    until(lambda: len(page.viewer.stage.index) == 6)
+
+
+def test_the_pages_camera_follows_the_program(shown: int) -> None:
+    p.resetDebugVisualizerCamera(2, 90, 0, [0, 0, 1], physicsClientId=shown)
+    camera = page_of(shown).viewer.server.initial_camera
+    until(lambda: np.allclose(camera.position, [2, 0, 1]) and np.allclose(camera.look_at, [0, 0, 1]))
+
+
+def test_keys_and_clicks_of_the_page_are_events(shown: int) -> None:
+    page = page_of(shown)
+    assert p.getKeyboardEvents(physicsClientId=shown) == {}
+    assert p.getMouseEvents(physicsClientId=shown) == ()
+    until(lambda: page._keys._listens and page._mouse._listens)
+    page._keys.press(p.B3G_LEFT_ARROW)
+    told: list[int] = []
+    until(lambda: told.append(p.getKeyboardEvents(physicsClientId=shown).get(p.B3G_LEFT_ARROW, 0)) or told[-1] & 4)
+    assert told[0] & p.KEY_WAS_TRIGGERED
+    page._mouse.click(0.5, 0.25)
+    events = p.getMouseEvents(physicsClientId=shown)
+    assert [event[1:3] for event in events] == [(512, 192)] * 2
+
+
+def test_dragging_on_the_page_pulls_a_body(shown: int) -> None:
+    page, cube = page_of(shown), box(shown, at=(0, 0, 1))
+    until(lambda: len(page.viewer.stage.index) == 2)
+    link = next(name for name in page.viewer.stage.index if name.startswith(f"b{cube}/"))
+
+    class Drag:
+        phase, client_id = "update", 0
+        start_position, end_position = (0.0, 0.0, 1.0), (0.0, 0.0, 1.5)
+
+    page.viewer._on_drag(link, Drag())
+
+    def rises() -> bool:
+        p.stepSimulation(physicsClientId=shown)
+        return p.getBaseVelocity(cube, physicsClientId=shown)[0][2] > 0.1
+
+    until(rises)
+    Drag.phase = "end"
+    page.viewer._on_drag(link, Drag())
+    until(lambda: not page.viewer.source.pushes and not page.viewer.source._pulls)
+
+
+def test_a_program_in_threads_loads_steps_and_draws_while_it_is_shown(shown: int) -> None:
+    """Nobody crashes, waits, or shows what is gone."""
+    ended, failures = time.perf_counter() + 2.0, []
+
+    def work(body: Callable[[], None]) -> None:
+        try:
+            while time.perf_counter() < ended:
+                body()
+        except Exception as reason:
+            failures.append(reason)
+
+    def come_and_go() -> None:
+        cube = box(shown, at=(0, 0, 5))
+        p.addUserDebugLine([0, 0, 0], [0, 0, 1], lifeTime=0.05, parentObjectUniqueId=cube, physicsClientId=shown)
+        p.removeBody(cube, physicsClientId=shown)
+
+    threads = [
+        threading.Thread(target=work, args=(act,))
+        for act in (lambda: p.stepSimulation(physicsClientId=shown), come_and_go)
+    ]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not failures
+    page = page_of(shown)
+    until(lambda: len(page.viewer.stage.index) == 1)
+    assert not page.viewer.player.problem
+
+
+def test_the_page_goes_with_its_client(shown: int) -> None:
+    viewer = page_of(shown).viewer
+    p.disconnect(shown)
+    assert viewer.is_closed and windows.page(shown) is None
+    again = p.connect(p.GUI)
+    assert again == shown and not page_of(again).viewer.is_closed
+    p.disconnect(again)
+
+
+@pytest.mark.parametrize("page", ["0", "1"])
+def test_a_program_that_just_ends_ends(page: str) -> None:
+    code = (
+        "import manyhands.pybullet as p\n"
+        "c = p.connect(p.GUI); p.loadURDF(" + repr(PANDA) + ", useFixedBase=True)\n"
+        "p.setRealTimeSimulation(1)\n"
+        "import time; time.sleep(0.3)"
+    )
+    import os
+
+    environment = {**os.environ, windows.SWITCH: page, "DISPLAY": "", "WAYLAND_DISPLAY": ""}
+    run = subprocess.run(
+        [sys.executable, "-c", code], env=environment, capture_output=True, text=True, timeout=60, check=False
+    )
+    assert run.returncode == 0 and not run.stderr, run.stderr
