@@ -179,32 +179,41 @@ PythonLoaded loaded_by(Load load) {
   return {std::make_unique<PythonModel>(std::move(loaded.model)), std::move(loaded.report)};
 }
 
+MjcfOptions options_of(bool allow_outside_package, bool load_meshes, const std::string& compliance) {
+  return {.allow_outside_package = allow_outside_package,
+          .load_meshes = load_meshes,
+          .compliance = bindings::named("compliance", compliance, bindings::kCompliances)};
+}
+
 void bind_mjcf(nb::module_& m) {
   m.def(
       "load_mjcf",
-      [](const std::filesystem::path& path, bool allow_outside_package, bool load_meshes) {
-        return loaded_by([&] {
-          return load_mjcf(path, {.allow_outside_package = allow_outside_package, .load_meshes = load_meshes});
-        });
+      [](const std::filesystem::path& path, bool allow_outside_package, bool load_meshes,
+         const std::string& compliance) {
+        const MjcfOptions options = options_of(allow_outside_package, load_meshes, compliance);
+        return loaded_by([&] { return load_mjcf(path, options); });
       },
-      "path"_a, nb::kw_only(), "allow_outside_package"_a = false, "load_meshes"_a = true,
+      "path"_a, nb::kw_only(), "allow_outside_package"_a = false, "load_meshes"_a = true, "compliance"_a = "stated",
       "Loads a scene from an MJCF file, and what was defaulted, repaired or ignored in it.\n\n"
       "Links, joints, geoms and actuators follow in MuJoCo's order: q is MuJoCo's qpos with quaternions turned from "
       "wxyz "
       "to xyzw, `Model.initial_configuration` its qpos0, `Model.time_step` and `Model.keyframes` the file's. "
       "allow_outside_package: whether meshes and included files may lie outside the file's package. load_meshes: False "
-      "leaves out shapes that need a mesh. Raises FileNotFoundError, and MjcfError (a ValueError) for malformed "
+      "leaves out shapes that need a mesh. compliance: which constraints give way by solref and solimp: 'stated', "
+      "those "
+      "that the file makes clearly softer than MuJoCo's default; 'all', as in MuJoCo; 'none'. Raises "
+      "FileNotFoundError, and MjcfError (a ValueError) for malformed "
       "files.");
   m.def(
       "load_mjcf_string",
-      [](const std::string& text, const std::filesystem::path& folder, bool allow_outside_package, bool load_meshes) {
-        return loaded_by([&] {
-          return load_mjcf_string(text, "mjcf", folder,
-                                  {.allow_outside_package = allow_outside_package, .load_meshes = load_meshes});
-        });
+      [](const std::string& text, const std::filesystem::path& folder, bool allow_outside_package, bool load_meshes,
+         const std::string& compliance) {
+        const MjcfOptions options = options_of(allow_outside_package, load_meshes, compliance);
+        return loaded_by([&] { return load_mjcf_string(text, "mjcf", folder, options); });
       },
       "text"_a, nb::kw_only(), "folder"_a = std::filesystem::path("."), "allow_outside_package"_a = false,
-      "load_meshes"_a = true, "The same for a text; folder is where its relative paths start.");
+      "load_meshes"_a = true, "compliance"_a = "stated",
+      "The same for a text; folder is where its relative paths start.");
 }
 
 void bind_loading(nb::module_& m) {

@@ -9,6 +9,7 @@
 
 #include "bindings/bindings.h"
 #include "bindings/model/model_values.h"
+#include "manyhands/model/part_checks.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -29,6 +30,52 @@ nb::object matrix(const SymMat3<double>& m) {
 }
 
 nb::object numbers(const std::vector<double>& v) { return copied(v.data(), {v.size()}); }
+
+void bind_compliance(nb::module_& m) {
+  nb::class_<Compliance>(
+      m, "Compliance",
+      "How a constraint gives way instead of holding exactly: MuJoCo's solref and solimp. A row whose error is r and "
+      "that moves by J v meets a force f with\n\n"
+      "    d/dt (J v) + (1 - d) / d W f = -damping / d_max (J v) - stiffness / d_max^2 d r\n\n"
+      "where W = J M^-1 J^T at the model's start, and the impedance d grows with |r| from impedance[0] at 0 to d_max = "
+      "impedance[1] at `width`.")
+      .def(
+          "__init__",
+          [](Compliance* self, double time_constant, double damping_ratio, std::optional<double> stiffness,
+             std::optional<double> damping, const std::pair<double, double>& impedance, double width, double midpoint,
+             double power, double share) {
+            Compliance c = compliance_of(time_constant, damping_ratio);
+            if (stiffness || damping) c = {.stiffness = stiffness.value_or(0), .damping = damping.value_or(0)};
+            std::tie(c.impedance, c.largest_impedance) = impedance;
+            c.width = width;
+            c.midpoint = midpoint;
+            c.power = power;
+            c.share = share;
+            check_compliance("a compliance", c);
+            new (self) Compliance(c);
+          },
+          "time_constant"_a = 0.02, "damping_ratio"_a = 1.0, nb::kw_only(), "stiffness"_a = nb::none(),
+          "damping"_a = nb::none(), "impedance"_a = std::pair{0.9, 0.95}, "width"_a = 0.001, "midpoint"_a = 0.5,
+          "power"_a = 2.0, "share"_a = 1.0,
+          "time_constant [s] and damping_ratio, as which it oscillates, give stiffness [1/s^2] and damping [1/s], "
+          "where "
+          "neither of these is given. width [m or rad]; the impedance follows x^power up to the midpoint of the width, "
+          "then its mirror. share: of a surface, what it counts in the mean of two that touch. Raises ValueError.")
+      .def_ro("stiffness", &Compliance::stiffness, "[1/s^2]")
+      .def_ro("damping", &Compliance::damping, "[1/s]")
+      .def_prop_ro(
+          "impedance", [](const Compliance& c) { return std::pair(c.impedance, c.largest_impedance); },
+          "Where the error is 0, and from `width` on.")
+      .def_ro("width", &Compliance::width, "[m or rad]")
+      .def_ro("midpoint", &Compliance::midpoint)
+      .def_ro("power", &Compliance::power)
+      .def_ro("share", &Compliance::share, "Of a surface: what it counts in the mean of two that touch.")
+      .def(
+          "__eq__", [](const Compliance& a, const Compliance& b) { return a == b; }, nb::is_operator())
+      .def("__repr__", [](const Compliance& c) {
+        return "<Compliance: stiffness " + std::to_string(c.stiffness) + ", damping " + std::to_string(c.damping) + ">";
+      });
+}
 
 void bind_links(nb::module_& m) {
   nb::class_<Link>(m, "Link", "A named rigid part. Its frame L is the frame of the joint that moves it, at q = 0.")
@@ -80,6 +127,9 @@ void bind_links(nb::module_& m) {
           "effort", [](const Joint& joint) { return joint.limits.effort; }, "[N m or N]; inf without a limit.")
       .def_prop_ro(
           "velocity", [](const Joint& joint) { return joint.limits.velocity; }, "[rad/s or m/s]; inf without a limit.")
+      .def_prop_ro(
+          "compliance", [](const Joint& joint) { return joint.limits.compliance; },
+          "How its limits give way; None where they hold exactly.")
       .def_ro("damping", &Joint::damping, "[N m s/rad or N s/m]")
       .def_ro("friction", &Joint::friction, "Dry friction [N m or N].")
       .def_ro("stiffness", &Joint::stiffness, "Of its spring [N m/rad or N/m]; 0 without one.")
@@ -145,6 +195,9 @@ void bind_geom(nb::module_& m) {
           "rolling_friction", [](const Geom& geom) { return geom.surface.rolling_friction; },
           "Torque across the normal per normal force [m].")
       .def_prop_ro("restitution", [](const Geom& geom) { return geom.surface.restitution; })
+      .def_prop_ro(
+          "compliance", [](const Geom& geom) { return geom.surface.compliance; },
+          "How its surface gives way; None of a hard one.")
       .def_prop_ro(
           "group", [](const Geom& geom) { return geom.filter.group; },
           "Bits; two geoms may touch if each one's group is in the other's mask.")
@@ -214,6 +267,7 @@ void bind_couplings(nb::module_& m) {
           "[m])]).")
       .def_ro("lower", &Tendon::lower, "-inf without a limit.")
       .def_ro("upper", &Tendon::upper, "inf without a limit.")
+      .def_ro("compliance", &Tendon::compliance, "How its limits give way; None where they hold exactly.")
       .def_ro("damping", &Tendon::damping, "Force per rate of length.")
       .def_ro("friction", &Tendon::friction, "Dry friction [N].")
       .def_ro("armature", &Tendon::armature, "Inertia that moves with the length [kg].")
@@ -287,7 +341,10 @@ void bind_couplings(nb::module_& m) {
       .def_ro("reference_b", &EqualityConstraint::reference_b)
       .def_ro("ratio", &EqualityConstraint::ratio, "'joint': q_b = ratio q_a + offset; 'gear': v_b = ratio v_a.")
       .def_ro("offset", &EqualityConstraint::offset, "[rad or m]")
-      .def_ro("max_force", &EqualityConstraint::max_force, "Of each row [N or N m]; inf without a limit.");
+      .def_ro("max_force", &EqualityConstraint::max_force, "Of each row [N or N m]; inf without a limit.")
+      .def_ro("compliance", &EqualityConstraint::compliance, "How it gives way; None where it holds exactly.")
+      .def_ro("torque_scale", &EqualityConstraint::torque_scale,
+              "Half of it is how a rotation counts beside a displacement where it gives way [m/rad].");
 
   nb::class_<ContactPair>(m, "ContactPair", "Two geoms that may touch whatever their groups, masks and links say.")
       .def_prop_ro(
@@ -322,6 +379,7 @@ void bind_couplings(nb::module_& m) {
 }  // namespace
 
 void bind_model_parts(nb::module_& m) {
+  bind_compliance(m);
   bind_links(m);
   bind_geom(m);
   bind_couplings(m);

@@ -110,6 +110,9 @@ inline constexpr std::array<std::pair<const char*, EqualityType>, 8> kEqualities
      {"gear", EqualityType::kGear},
      {"tendon", EqualityType::kTendon}}};
 
+inline constexpr std::array<std::pair<const char*, MjcfCompliance>, 3> kCompliances{
+    {{"stated", MjcfCompliance::kStated}, {"all", MjcfCompliance::kAll}, {"none", MjcfCompliance::kNone}}};
+
 inline constexpr std::array<std::pair<const char*, ActuatorType>, 3> kActuators{
     {{"force", ActuatorType::kForce}, {"position", ActuatorType::kPosition}, {"velocity", ActuatorType::kVelocity}}};
 

@@ -14,6 +14,7 @@
 #include "bindings/arrays.h"
 #include "bindings/bindings.h"
 #include "bindings/model/load_warning.h"
+#include "bindings/model/model_values.h"
 #include "bindings/model/python_model.h"
 #include "bindings/world/world_parts.h"
 #include "manyhands/physics/contact/contact_solver.h"
@@ -177,7 +178,8 @@ void bind_making(nb::class_<World>& world) {
                                   kIntegrator + ") -> None";
   static const std::string from_file =
       std::string("def from_file(path: str | os.PathLike, time_step: float | None = None, ") + kIntegrator +
-      ", *, allow_outside_package: bool = False) -> World";
+      ", *, allow_outside_package: bool = False, compliance: typing.Literal['stated', 'all', 'none'] = 'stated') -> "
+      "World";
   world
       .def(
           "__init__",
@@ -198,19 +200,21 @@ void bind_making(nb::class_<World>& world) {
       .def_static(
           "from_file",
           [](const std::filesystem::path& path, std::optional<double> time_step, const std::string& integrator,
-             bool allow_outside_package) {
+             bool allow_outside_package, const std::string& compliance) {
             auto loaded = std::make_unique<World>(
-                World::from_file(path, time_step, integrator_named(integrator), allow_outside_package));
+                World::from_file(path, time_step, integrator_named(integrator), allow_outside_package,
+                                 bindings::named("compliance", compliance, bindings::kCompliances)));
             bindings::warn_of(loaded->report().notes, "the world's `report`");
             return loaded;
           },
           "path"_a, "time_step"_a = nb::none(), "integrator"_a = "semi_implicit", nb::kw_only(),
-          "allow_outside_package"_a = false, nb::sig(from_file.c_str()),
+          "allow_outside_package"_a = false, "compliance"_a = "stated", nb::sig(from_file.c_str()),
           "A world of a URDF file, its base fixed, or of an MJCF file; what the loader changed is in `report`, and it "
           "warns of parts that it had to leave out. "
           "time_step [s]: None for the file's own, or 0.002. allow_outside_package: whether the files that it names "
           "may "
-          "lie outside its package. Raises FileNotFoundError, UrdfError, MjcfError.")
+          "lie outside its package. compliance: which constraints of an MJCF file give way, as for `load_mjcf`. Raises "
+          "FileNotFoundError, UrdfError, MjcfError.")
       .def(
           "copy", [](const World& self) { return std::make_unique<World>(self); }, "Another world in the same state.")
       .def("__copy__", [](const World& self) { return std::make_unique<World>(self); })
@@ -234,7 +238,8 @@ void bind_making(nb::class_<World>& world) {
 
 void bind_world(nb::module_& m) {
   nb::exception<SimulationError>(m, "SimulationError", PyExc_RuntimeError).doc() =
-      "A step led to numbers that are not finite; the world is as it was before that step.";
+      "A step led to numbers that are not finite, or moved things so far that it made motion from nothing: the message "
+      "names joints, time and cause. The world is as it was before that step.";
   auto world = nb::class_<World>(
       m, "World",
       "A model in motion, in double precision: parts with names, contact, motors and actuators.\n\n"
@@ -246,7 +251,8 @@ void bind_world(nb::module_& m) {
       .def(
           "step", [](World& self, int n) { step_in_pieces(self, n, 1000); }, "n"_a = 1,
           "Advances by n steps; Ctrl-C stops between two of them. Raises SimulationError, naming a joint, if a step "
-          "leads to numbers that are not finite: the world is then as it was before that step. With 'rk4' raises "
+          "leads to numbers that are not finite, or moves things so far that it makes motion from nothing: the world is "
+          "then as it was before that step. With 'rk4' raises "
           "RuntimeError if a motor is on, something touches or a joint leaves its limits.")
       .def(
           "set_motors", &set_motors, nb::kw_only(), "target_q"_a = 0.0, "target_v"_a = 0.0, "kp"_a = 0.1, "kd"_a = 1.0,

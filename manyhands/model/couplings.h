@@ -37,10 +37,11 @@ struct Tendon {
   std::vector<TendonBranch> branches{};  ///< a spatial one: the way through points [m]; either of the two is empty
   double lower = -std::numeric_limits<double>::infinity();
   double upper = std::numeric_limits<double>::infinity();
-  double damping = 0;    ///< force per rate of length
-  double friction = 0;   ///< dry friction
-  double armature = 0;   ///< inertia that moves with the length
-  double stiffness = 0;  ///< of a spring that pulls below spring_lower and above spring_upper
+  std::optional<Compliance> compliance{};  ///< of lower and upper, which else hold exactly
+  double damping = 0;                      ///< force per rate of length
+  double friction = 0;                     ///< dry friction
+  double armature = 0;                     ///< inertia that moves with the length
+  double stiffness = 0;                    ///< of a spring that pulls below spring_lower and above spring_upper
   double spring_lower = 0, spring_upper = 0;
 };
 
@@ -55,8 +56,8 @@ enum class EqualityType {
   kTendon,     ///< tendons: length_b - reference_b = polynomial(length_a - reference_a)
 };
 
-/// An equation between two links, two joints or two tendons that always holds: it closes a loop of the tree, or couples
-/// joints.
+/// An equation between two links, two joints or two tendons that always holds, or gives way by its compliance: it
+/// closes a loop of the tree, or couples joints.
 struct EqualityConstraint {
   std::string name{};
   EqualityType type = EqualityType::kPoint;
@@ -69,7 +70,9 @@ struct EqualityConstraint {
   double reference_a = 0, reference_b = 0;
   double ratio = 1;
   double offset = 0;                                           ///< [rad or m]
-  double max_force = std::numeric_limits<double>::infinity();  ///< of each row [N or N m]
+  double max_force = std::numeric_limits<double>::infinity();  ///< of each row [N or N m]; of what holds exactly
+  std::optional<Compliance> compliance{};
+  double torque_scale = 1;  ///< of what gives way: half of it is how a rotation counts beside a displacement [m/rad]
 };
 
 enum class ActuatorType {

@@ -62,6 +62,7 @@ JointId ModelBuilder::add_joint(Joint joint) {
   const double length = norm(joint.axis);
   if (!finite(joint.axis) || length < 1e-9) throw ModelError(what + ": the axis must be a finite vector other than 0");
   joint.axis = at_unit_length(joint.axis);
+  check_compliance(what, joint.limits.compliance);
   if (!(joint.limits.lower <= joint.limits.upper)) {
     throw ModelError(what + ": lower limit " + std::to_string(joint.limits.lower) + " is above the upper limit " +
                      std::to_string(joint.limits.upper));

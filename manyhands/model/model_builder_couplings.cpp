@@ -57,6 +57,11 @@ EqualityId ModelBuilder::add_equality(EqualityConstraint equality) {
     if (equality.link_a == equality.link_b) throw ModelError(what + " joins a link to itself");
   }
   if (!(equality.max_force >= 0)) throw ModelError(what + ": max_force must be 0 or more");
+  check_compliance(what, equality.compliance);
+  if (equality.compliance && finite(equality.max_force))
+    throw ModelError(what + ": what gives way by a compliance has no max_force; expected one of the two");
+  if (!finite(equality.torque_scale) || !(equality.torque_scale > 0))
+    throw ModelError(what + ": torque_scale must be finite and above 0");
   equalities_.push_back(std::move(equality));
   return EqualityId(equalities_.size() - 1);
 }

@@ -41,9 +41,10 @@ std::string free_ball(const std::string& name, const std::string& attributes) {
 std::string world(const std::string& contents) { return "<worldbody>" + contents + "</worldbody>"; }
 
 TEST(MjcfRules, WhatIsNotUsedIsCountedWithItsFirstLine) {
-  const auto [model, report] = load_scene(one_body(
-      "<light/><camera/>\n<camera/><geom size=\"1\" solref=\"0.1 1\"/><geom size=\"1\" solref=\"0.1 1\" fancy=\"2\"/>",
-      "<sensor><clock/></sensor><deformable/>"));
+  const auto [model, report] =
+      load_scene(one_body("<light/><camera/>\n<camera/><geom size=\"1\" solref=\"0.01 1\"/><geom size=\"1\" "
+                          "solref=\"0.01 1\" fancy=\"2\"/>",
+                          "<sensor><clock/></sensor><deformable/>"));
   EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "body 'b'", "<camera> in <body> is not used (and in 1 further"),
             1);
   EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "body 'b'", "<light> in <body> is not used"), 1);

@@ -50,16 +50,18 @@ MANYHANDS_INLINE void assemble_actuators(const Tree<real_t<T>>& tree, const Para
 }
 
 /// The springs, with the force in the middle of the change of velocity: h k (reference - q - h dv / 4). Then q+ = q + h
-/// v+ is the trapezoidal rule's: it gains and loses nothing, and is stable however stiff the spring is.
+/// v+ is the trapezoidal rule's: it gains and loses nothing, and is stable however stiff the spring is. One so stiff
+/// that a step would turn its oscillator by more than a right angle, h^2 k > 4 M, is met by h^2 k / 2: half a turn a
+/// step, without end, would take q ever farther.
 template <Number T, Number P>
 MANYHANDS_INLINE void assemble_springs(const Tree<real_t<T>>& tree, const Params<P>& params, real_t<T> h,
                                        const State<T>& state, Workspace<T>& dynamics, JointLaws<T>& laws) {
-  const T step(h), quarter(real_t<T>(0.25) * h * h);
+  const T step(h), quarter(real_t<T>(0.25) * h * h), half(real_t<T>(0.5) * h * h);
   visit_springs<T>(tree, params, state.q(), [&](std::size_t i, T stiffness, T stretch) {
     const auto acts = stiffness > constant<T>(0);
     laws.smooth[i] = select(acts, fma(-step * stiffness, stretch, laws.smooth[i]), laws.smooth[i]);
     T& inertia = tree_row(tree, dynamics.M.data(), i)[i];
-    inertia = fma(quarter, stiffness, inertia);
+    inertia = max(fma(quarter, stiffness, inertia), half * stiffness);
   });
 }
 
@@ -78,7 +80,7 @@ MANYHANDS_INLINE void assemble_targets(const Tree<real_t<T>>& tree, const Params
     const T lower = broadcast<T>(params.lower[i]), upper = broadcast<T>(params.upper[i]);
     const T goal = tree.dof_limited[i] ? clamp(state.target_q()[i], lower, upper) : state.target_q()[i];
     wanted = fma(broadcast<T>(params.motor_kp[i]) * inverse_h, goal - q, wanted);
-    if (tree.dof_limited[i]) {
+    if (tree.dof_stops[i]) {
       laws.lower[i] = limit_velocity(lower - q, inverse_h) - v;
       laws.upper[i] = -limit_velocity(q - upper, inverse_h) - v;
     }
@@ -94,14 +96,14 @@ MANYHANDS_INLINE void assemble_targets(const Tree<real_t<T>>& tree, const Params
 }  // namespace internal
 
 /// Fills the laws from the state, after bias_and_mass_matrix, and adds h damping + h^2 stiffness / 4 to M's diagonal:
-/// damping and springs are implicit.
+/// damping and springs are implicit. So is what `yield()` adds to M and to the smooth impulse.
 /// A motor wants v* = kp (target_q - q) / h + v' + kd (target_v - v'), where v' is the velocity that the step would
 /// reach without constraints, and pushes with at most max_force (PyBullet's position and velocity control).
 /// `free_change(dv)` writes M^-1 smooth (nv), and is called only where some kd is not 1.
-template <Number T, Number P, class FreeChange>
+template <Number T, Number P, class Yield, class FreeChange>
 MANYHANDS_INLINE void assemble_joint_laws(const Tree<real_t<T>>& tree, const Params<P>& params, real_t<T> h,
                                           const State<T>& state, Workspace<T>& dynamics, std::vector<T>& free_dv,
-                                          FreeChange&& free_change, JointLaws<T>& laws) {
+                                          Yield&& yield, FreeChange&& free_change, JointLaws<T>& laws) {
   const T step(h), inverse_h(real_t<T>(1) / h), zero = constant<T>(0), one = constant<T>(1);
   mask_t<T> needs_free_velocity(false);
   for (std::size_t i = 0; i < index(tree.nv); ++i) {
@@ -121,6 +123,7 @@ MANYHANDS_INLINE void assemble_joint_laws(const Tree<real_t<T>>& tree, const Par
                              [&](std::size_t i, T force) { laws.smooth[i] = fma(step, force, laws.smooth[i]); });
   add_drag(tree, h, laws.smooth.data(), dynamics);
   internal::assemble_springs(tree, params, h, state, dynamics, laws);
+  yield();
   if (!tree.lengths.empty()) {
     place_lengths(tree, state.q(), state.v(), dynamics);
     internal::assemble_tendon_forces(tree, params, h, dynamics, laws);

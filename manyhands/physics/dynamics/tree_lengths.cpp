@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "manyhands/base/index.h"
+#include "manyhands/physics/dynamics/start_mobility.h"
 
 namespace manyhands {
 
@@ -93,22 +94,64 @@ TreeLength<R> coupled_length(const Tree<R>& tree, const EqualityConstraint& equa
   return length;
 }
 
+template <Real R>
+void add_length(TreeLength<R> length, Tree<R>& tree) {
+  length.J = tree.length_entries;
+  tree.length_entries += length.dofs.size();
+  tree.lengths.push_back(std::move(length));
+}
+
+/// Lets a length, which is that of a coupling or limit, give way.
+template <Real R>
+void give_way(const Compliance& compliance, double mobility, TreeLength<R>& length) {
+  length.compliance = tree_compliance<R>(compliance);
+  length.mobility = static_cast<R>(mobility);
+}
+
+/// Limits that give way act along lengths of their own: beside them a dof or tendon has its other laws.
+template <Real R>
+void add_limits(const Model& model, const StartMobility& start, Tree<R>& tree) {
+  const auto is_limited = [](double lower, double upper) { return is_finite(lower) || is_finite(upper); };
+  for (std::size_t k = 0; k < model.tendons().size(); ++k) {
+    const Tendon& tendon = model.tendons()[k];
+    if (!tendon.compliance || !is_limited(tendon.lower, tendon.upper)) continue;
+    TreeLength<R> length = coupled_length(tree, {.tendon_b = TendonId(k), .polynomial = {}});
+    length.limited = tree.nv + static_cast<int>(k);
+    give_way(*tendon.compliance, start.of_tendon(TendonId(k)), length);
+    tree.lengths[k].stops = false;
+    add_length(std::move(length), tree);
+  }
+  for (std::size_t i = 0; i < index(tree.nv); ++i) {
+    const JointLimits& limits = model.dof_limits()[i];
+    if (!limits.compliance || !is_limited(limits.lower, limits.upper)) continue;
+    TreeLength<R> length{.type = LengthType::kJoints, .dofs = {static_cast<int>(i)}, .q = {tree.dof_q[i]}};
+    length.weights = {R(1)};
+    length.limited = static_cast<int>(i);
+    give_way(*limits.compliance, start.of_dof(i), length);
+    tree.dof_stops[i] = false;
+    add_length(std::move(length), tree);
+  }
+}
+
 }  // namespace
 
 template <Real R>
-void add_lengths(const Model& model, Tree<R>& tree) {
-  const auto add = [&](TreeLength<R> length) {
-    length.J = tree.length_entries;
-    tree.length_entries += length.dofs.size();
-    tree.lengths.push_back(std::move(length));
-  };
+void add_lengths(const Model& model, const StartMobility* start, Tree<R>& tree) {
   for (const Tendon& tendon : model.tendons())
-    add(tendon.branches.empty() ? joint_length<R>(model, tendon) : path_length(model, tree, tendon));
-  for (const EqualityConstraint& equality : model.equalities())
-    if (equality.type == EqualityType::kTendon) add(coupled_length(tree, equality));
+    add_length(tendon.branches.empty() ? joint_length<R>(model, tendon) : path_length(model, tree, tendon), tree);
+  for (const EqualityConstraint& equality : model.equalities()) {
+    if (equality.type != EqualityType::kTendon) continue;
+    TreeLength<R> length = coupled_length(tree, equality);
+    if (equality.compliance && start != nullptr) {
+      const double other = equality.tendon_a.is_valid() ? start->of_tendon(equality.tendon_a) : 0;
+      give_way(*equality.compliance, start->of_tendon(equality.tendon_b) + other, length);
+    }
+    add_length(std::move(length), tree);
+  }
+  if (start != nullptr) add_limits(model, *start, tree);
 }
 
-template void add_lengths(const Model&, Tree<double>&);
-template void add_lengths(const Model&, Tree<float>&);
+template void add_lengths(const Model&, const StartMobility*, Tree<double>&);
+template void add_lengths(const Model&, const StartMobility*, Tree<float>&);
 
 }  // namespace manyhands

@@ -5,8 +5,8 @@
 
 namespace manyhands {
 
-/// Fills tree.lengths, once its dofs and paths stand.
+/// Fills tree.lengths, once its dofs and paths stand. `start`: null where nothing gives way.
 template <Real R>
-void add_lengths(const Model& model, Tree<R>& tree);
+void add_lengths(const Model& model, const StartMobility* start, Tree<R>& tree);
 
 }  // namespace manyhands

@@ -36,7 +36,8 @@ struct MotorCommands {
   std::span<const double> max_force;  ///< [N m or N]; 0 switches the motor off
 };
 
-/// A step led to numbers that are not finite; the world is as it was before that step.
+/// A step led to numbers that are not finite, or made motion from nothing (energy_balance.h); the world is as it was
+/// before that step.
 class SimulationError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -70,14 +71,16 @@ class World {
   World& operator=(World other) noexcept;
   ~World();
   /// Loads a URDF file, base fixed, or an MJCF file, told by its root element, and keeps its report. Without time_step:
-  /// the file's, or 0.002 s. `allow_outside_package` is the loaders'. Throws what the loaders throw.
+  /// the file's, or 0.002 s. `allow_outside_package` and `compliance` are the loaders'. Throws what the loaders throw.
   [[nodiscard]] static World from_file(const std::filesystem::path& path, std::optional<double> time_step = {},
                                        Integrator integrator = Integrator::kSemiImplicit,
-                                       bool allow_outside_package = false);
+                                       bool allow_outside_package = false,
+                                       MjcfCompliance compliance = MjcfCompliance::kStated);
 
-  /// Advances by n steps. Throws SimulationError if a step leads to numbers that are not finite. With kRungeKutta4
-  /// throws std::runtime_error if a motor is on, something touches, or a joint with limits lies outside them: this
-  /// integrator would ignore these. The state stays as it was before that step; forces of `apply_force` are gone.
+  /// Advances by n steps. Throws SimulationError, which names joints, time and cause, if a step leads to numbers that
+  /// are not finite, or moves things so far that it makes motion from nothing. With kRungeKutta4 throws
+  /// std::runtime_error if a motor is on, something touches, or a joint with limits lies outside them: this integrator
+  /// would ignore these. The state stays as it was before that step; forces of `apply_force` are gone.
   void step(int n = 1);
 
   [[nodiscard]] const Model& model() const;
@@ -225,6 +228,8 @@ class World {
   [[nodiscard]] WorldCore& loose() const;
   void rebuild() const;
   void step_once(WorldCore& core);
+  void require_balance(WorldCore& core);
+  [[noreturn]] void fail_step(WorldCore& core, const std::string& what);
   void runge_kutta_step_or_throw(WorldCore& core);
   void require_apart(WorldCore& core) const;
   void require_within_limits(const WorldCore& core, const char* when) const;

@@ -159,11 +159,11 @@ void WorldCore::insert(const Model& part, ContactRules rules) {
   const ListInsertion rows{rows_before(tree, at.equalities.old_first), static_cast<int>(tree.equality_rows),
                            rows_before(alone.tree, at.equalities.new_first),
                            static_cast<int>(alone.tree.equality_rows)};
-  if (model->tendons().empty()) {
+  if (tree.is_plain() && alone.tree.is_plain()) {
     tree.insert(alone.tree, at);
     tree.set_medium(*model);
   } else {
-    tree = Tree<double>(*model);  // what tendons join may lie anywhere
+    tree = Tree<double>(*model);  // what else fills M may lie anywhere
     scratch = Workspace<double>(tree);
     is_placed = false;
   }

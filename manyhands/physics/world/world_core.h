@@ -7,6 +7,7 @@
 #include "manyhands/model/compose.h"
 #include "manyhands/physics/collision/queries/queries.h"
 #include "manyhands/physics/dynamics/energy.h"
+#include "manyhands/physics/step/energy_balance.h"
 #include "manyhands/physics/step/runge_kutta.h"
 #include "manyhands/physics/world/parameters.h"
 #include "manyhands/physics/world/snapshot.h"
@@ -81,6 +82,7 @@ struct WorldCore : WorldBlock<double> {
   System<double> system;
   std::vector<double> before;  ///< the state from which the last step went, as keep_all writes it
   StepWorkspace<double> step;
+  EnergyBalance<double> balance{};
   RungeKutta<double> runge_kutta;
   std::vector<Force<double>> external_before;      ///< on links in the last step, about the world's origin
   std::map<LinkId, Transform<double>> new_places;  ///< of `place_root`

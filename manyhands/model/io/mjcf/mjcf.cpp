@@ -93,6 +93,7 @@ Model read_scene(MjcfSource& source, const MjcfOptions& options) {
     root.fail("the root element is <" + std::string(root.tag()) + ">; expected <mujoco>");
   }
   MjcfScene scene(root, options.load_meshes);
+  scene.compliance = options.compliance;
   reserve_names(root, scene);
   read_world(scene);
   read_contacts(scene);

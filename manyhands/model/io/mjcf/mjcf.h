@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "manyhands/model/compliance.h"
 #include "manyhands/model/io/loaded_model.h"
 
 namespace manyhands {
@@ -15,6 +16,7 @@ struct MjcfOptions {
   bool allow_outside_package = false;
   /// False leaves out all geoms that need a mesh file; masses that would follow from them are then 0.
   bool load_meshes = true;
+  MjcfCompliance compliance = MjcfCompliance::kStated;
 };
 
 /// Thrown when a file is not a scene that can be loaded: "file:line: what was wrong; expected ...".

@@ -42,6 +42,7 @@ struct MjcfGeom {
   int body = 0;  ///< index
   int contype = 1, conaffinity = 1, condim = 3, priority = 0;
   std::array<double, 3> friction{};  ///< sliding, spinning, rolling, whatever condim says
+  std::optional<Compliance> compliance{};
   bool is_in_pair = false;
 };
 
@@ -66,6 +67,7 @@ struct MjcfScene {
   std::vector<MjcfElement> attached;       ///< the roots of attached models
   std::vector<MjcfSettings> all_settings;  ///< by model
   const MjcfSettings& settings;            ///< of the main one
+  MjcfCompliance compliance = MjcfCompliance::kStated;
   MjcfClasses classes;
   MjcfAssets assets;
   ModelBuilder builder;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "manyhands/model/io/mjcf/mjcf_compliance.h"
 #include "manyhands/model/io/mjcf/mjcf_settings.h"
 #include "manyhands/model/io/mjcf/mjcf_writer.h"
 #include "manyhands/model/unit.h"
@@ -42,9 +43,11 @@ class EqualityWriter {
   }
 
  private:
-  [[nodiscard]] pugi::xml_node add(const char* kind, const std::string& name) {
+  [[nodiscard]] pugi::xml_node add(const char* kind, const EqualityConstraint& e, const std::string& name) {
     pugi::xml_node node = section_.append_child(kind);
     set(node, "name", writer_.names.claim("equality", name, kind, writer_.notes));
+    write_compliance(writer_, node, part("equality", name), e.compliance, "solref", "solimp");
+    if (e.compliance && e.type == EqualityType::kFixed) set_unless(node, "torquescale", e.torque_scale, 1);
     return node;
   }
 
@@ -53,7 +56,7 @@ class EqualityWriter {
     const Vec3<double> p_B = inverse(writer_.place_of(e.link_b).X_WB) * (writer_.place_of(e.link_a).X_WB * e.X_LA.p);
     const bool is_turned = !same(e.X_LA.R, Mat3<double>::identity()) || !same(e.X_LB.R, Mat3<double>::identity());
     if (is_turned || !same(p_B, e.X_LB.p)) return write_poses("connect", e, e.name, e.X_LA, e.X_LB);
-    pugi::xml_node node = add("connect", e.name);
+    pugi::xml_node node = add("connect", e, e.name);
     set(node, "body1", writer_.body(e.link_a));
     set(node, "body2", writer_.body(e.link_b));
     set(node, "anchor", e.X_LA.p);
@@ -61,7 +64,7 @@ class EqualityWriter {
 
   void write_poses(const char* kind, const EqualityConstraint& e, const std::string& name, const Pose& X_LA,
                    const Pose& X_LB) {
-    pugi::xml_node node = add(kind, name);
+    pugi::xml_node node = add(kind, e, name);
     const std::string stem = node.attribute("name").value();
     set(node, "site1", site_at(writer_, e.link_a, X_LA, stem + "_a"));
     set(node, "site2", site_at(writer_, e.link_b, X_LB, stem + "_b"));
@@ -79,7 +82,7 @@ class EqualityWriter {
   /// X_LA is relpose times the anchor.
   void write_weld(const EqualityConstraint& e) {
     if (!same(e.X_LB.R, Mat3<double>::identity())) return write_poses("weld", e, e.name, e.X_LA, e.X_LB);
-    pugi::xml_node node = add("weld", e.name);
+    pugi::xml_node node = add("weld", e, e.name);
     set(node, "body1", writer_.body(e.link_a));
     set(node, "body2", writer_.body(e.link_b));
     set(node, "anchor", e.X_LB.p);
@@ -96,7 +99,7 @@ class EqualityWriter {
     const Joint &a = writer_.model.joint(e.joint_a), &b = writer_.model.joint(e.joint_b);
     const auto reference = [](const Joint& joint) { return joint.initial.empty() ? 0 : joint.initial[0]; };
     const double from = reference(a), to = reference(b);
-    pugi::xml_node node = add("joint", e.name);
+    pugi::xml_node node = add("joint", e, e.name);
     set(node, "joint1", b.name);
     set(node, "joint2", a.name);
     const auto read = [&](double c) { return to + c - e.ratio * from; };
@@ -106,7 +109,7 @@ class EqualityWriter {
 
   /// MuJoCo counts both tendons from their lengths at the start.
   void write_tendon(const EqualityConstraint& e) {
-    pugi::xml_node node = add("tendon", e.name);
+    pugi::xml_node node = add("tendon", e, e.name);
     const Tendon& b = writer_.model.tendons()[e.tendon_b.index()];
     set(node, "tendon1", b.name);
     std::array<double, 5> c = e.polynomial;
