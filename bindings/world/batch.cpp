@@ -118,8 +118,10 @@ void bind_state(nb::class_<Batch>& batch) {
       .def_prop_ro(
           "flags", [](const Batch& self) { return copied(self.flags().data(), {count(self)}); },
           nb::sig("def flags(self) -> numpy.typing.NDArray[numpy.uint8]"),
-          "A byte for each world (n). 1: its numbers stopped being finite, or a step moved it so far that it made motion "
-          "from nothing, and it stands as it was before that step until it is reset or restored. 2: a penetration beyond "
+          "A byte for each world (n). 1: its numbers stopped being finite, or a step moved it so far that it made "
+          "motion "
+          "from nothing, and it stands as it was before that step until it is reset or restored. 2: a penetration "
+          "beyond "
           "1 cm in the last call of `step`. 4: in that call the solver left contacts that still changed by more than "
           "5 cm/s: give it more iterations, or use a World.");
 }
@@ -142,7 +144,8 @@ void bind_clock(nb::class_<Batch>& batch) {
       // Keeps the interpreter's lock, so that Python's threads take turns with a batch.
       .def(
           "step", [](Batch& self, int n) { step_in_pieces(self, n, 500); }, "n"_a = 1,
-          "Advances all worlds by n steps; Ctrl-C stops between two of them. One whose numbers stop being finite, or that "
+          "Advances all worlds by n steps; Ctrl-C stops between two of them. One whose numbers stop being finite, or "
+          "that "
           "makes motion from nothing, stays as it was; see `flags`.")
       .def("__len__", &Batch::num_worlds)
       .def_prop_ro("model", [](const Batch& self) { return std::make_unique<PythonModel>(self.shared_model()); })

@@ -251,7 +251,8 @@ void bind_world(nb::module_& m) {
       .def(
           "step", [](World& self, int n) { step_in_pieces(self, n, 1000); }, "n"_a = 1,
           "Advances by n steps; Ctrl-C stops between two of them. Raises SimulationError, naming a joint, if a step "
-          "leads to numbers that are not finite, or moves things so far that it makes motion from nothing: the world is "
+          "leads to numbers that are not finite, or moves things so far that it makes motion from nothing: the world "
+          "is "
           "then as it was before that step. With 'rk4' raises "
           "RuntimeError if a motor is on, something touches or a joint leaves its limits.")
       .def(

@@ -2,9 +2,9 @@
 // where things turn by a radian or more in it, these drive them faster and faster.
 //
 // In a step bodies gain what joints, contacts and equality constraints do to them, all of it along their velocities,
-// and what they fall. Of that much, and what they had, they may have twice when the step has changed v, and some times
-// as much when they have moved, too, by what folding changes their inertia: what a step follows stays far below. Trees
-// of joints are judged one by one, and only those that move far: all others cost a comparison.
+// and what they fall. Of that much, and what they had, they may have ten times: coarse steps err by a few times, and
+// recover. Where things turn by more than a turn, errors feed on themselves, and pass any bound within a few steps.
+// Trees of joints are judged one by one, and only those that move so far: all others cost a comparison.
 #pragma once
 
 #include "manyhands/base/index.h"
@@ -16,9 +16,10 @@ namespace manyhands {
 
 namespace energy_balance {
 
-/// What moves less in a step is followed [rad or m]; by what factor energy may grow in one without a reason, before and
-/// after the bodies have moved.
-inline constexpr double kFar = 0.5, kGrowth = 2, kMovedGrowth = 20;
+/// What moves less in a step may yet recover: a turn [rad or m].
+inline constexpr double kFar = 6.283;
+/// By what factor energy may grow in one without a reason.
+inline constexpr double kGrowth = 10;
 
 }  // namespace energy_balance
 
@@ -88,9 +89,8 @@ template <Number T>
 MANYHANDS_INLINE mask_t<T> gains(const EnergyBalance<T>& balance, std::size_t b) {
   const T zero = constant<T>(0), before = balance.before[b], after = balance.after[b];
   const T had = before + max(after - before - balance.work[b], zero) + max(balance.fallen[b], zero);
-  const auto follows = (after <= constant<T>(energy_balance::kGrowth) * had) &
-                       (balance.moved[b] <= constant<T>(energy_balance::kMovedGrowth) * had);
-  return (!follows) & (balance.far[b] > constant<T>(energy_balance::kFar)) & is_finite(before);
+  const auto bounded = max(after, balance.moved[b]) <= constant<T>(energy_balance::kGrowth) * had;
+  return (!bounded) & (balance.far[b] > constant<T>(energy_balance::kFar)) & is_finite(before);
 }
 
 }  // namespace internal

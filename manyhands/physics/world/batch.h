@@ -20,8 +20,9 @@ struct BatchOptions {
 
 /// Bits of `Batch::flags`.
 struct BatchFlag {
-  static constexpr std::uint8_t kNotFinite = 1;  ///< or made motion from nothing: stands still where it was, until reset
-  static constexpr std::uint8_t kDeep = 2;       ///< penetration beyond kDeepPenetration in the last call of `step`
+  static constexpr std::uint8_t kNotFinite =
+      1;                                    ///< or made motion from nothing: stands still where it was, until reset
+  static constexpr std::uint8_t kDeep = 2;  ///< penetration beyond kDeepPenetration in the last call of `step`
   static constexpr std::uint8_t kUnsettled = 4;  ///< in the last call of `step` contacts were left as kUnsettledChange
 };
 
