@@ -115,6 +115,10 @@ void bind_model_class(nb::module_& m) {
       .def_prop_ro(
           "nu", [](const PythonModel& self) { return self.model->nu(); }, "Length of ctrl: one for each actuator.")
       .def_prop_ro(
+          "na", [](const PythonModel& self) { return self.model->na(); },
+          "Length of act: one for each actuator that has an activation.")
+      .def_prop_ro("sensors", [](const PythonModel& self) { return copy_of(self.model->sensors()); })
+      .def_prop_ro(
           "time_step", [](const PythonModel& self) { return self.model->time_step(); },
           "[s], if the description asks for one; else None.")
       .def(

@@ -12,11 +12,11 @@
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
-#include <limits>
 #include <map>
 #include <tuple>
 
 #include "bindings/bindings.h"
+#include "bindings/model/builder_names.h"
 #include "bindings/model/model_values.h"
 #include "bindings/model/python_model.h"
 #include "manyhands/model/io/mesh/mesh_file.h"
@@ -28,16 +28,18 @@ namespace manyhands {
 
 namespace {
 
+using bindings::joint_of;
+using bindings::kInfinity;
+using bindings::link_of;
 using bindings::named;
 using bindings::NumberOrNumbers;
 using bindings::Numbers3;
 using bindings::Numbers4;
 using bindings::size_of;
+using bindings::tendon_of;
 using bindings::transform;
 using bindings::vec3;
 using Matrix3 = std::array<Numbers3, 3>;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 constexpr std::array<std::pair<const char*, JointType>, 8> kJointTypes{{{"fixed", JointType::kFixed},
                                                                         {"revolute", JointType::kRevolute},
@@ -54,27 +56,6 @@ SymMat3<double> symmetric(const std::string& what, const Matrix3& m) {
     if (m[r][c] != m[c][r]) throw ModelError(what + ": the inertia matrix must be symmetric");
   }
   return {m[0][0], m[1][1], m[2][2], m[0][1], m[0][2], m[1][2]};
-}
-
-LinkId link_of(const ModelBuilder& builder, const std::string& name) {
-  for (std::size_t i = 0; i < builder.links().size(); ++i) {
-    if (builder.links()[i].name == name) return LinkId(i);
-  }
-  throw std::out_of_range("link '" + name + "' has not been added to the builder");
-}
-
-JointId joint_of(const ModelBuilder& builder, const std::string& name) {
-  for (std::size_t i = 0; i < builder.joints().size(); ++i) {
-    if (builder.joints()[i].name == name) return JointId(i);
-  }
-  throw std::out_of_range("joint '" + name + "' has not been added to the builder");
-}
-
-TendonId tendon_of(const ModelBuilder& builder, const std::string& name) {
-  for (std::size_t i = 0; i < builder.tendons().size(); ++i) {
-    if (builder.tendons()[i].name == name) return TendonId(i);
-  }
-  throw std::out_of_range("tendon '" + name + "' has not been added to the builder");
 }
 
 /// A row of three numbers for each vertex or triangle.
@@ -328,33 +309,6 @@ void bind_couplings(nb::class_<ModelBuilder>& builder) {
           "its "
           "limits, which else hold exactly.")
       .def(
-          "add_actuator",
-          [](ModelBuilder& self, const std::string& name, const std::string& type, const std::string& joint,
-             const std::string& tendon, double gear, double kp, double kd, double ctrl_scale, double ctrl_offset,
-             const std::pair<double, double>& ctrl_range, double max_force) {
-            self.add_actuator({.name = name,
-                               .type = named("actuator type", type, bindings::kActuators),
-                               .joint = joint.empty() ? JointId() : joint_of(self, joint),
-                               .tendon = tendon.empty() ? TendonId() : tendon_of(self, tendon),
-                               .gear = gear,
-                               .ctrl_scale = ctrl_scale,
-                               .ctrl_offset = ctrl_offset,
-                               .kp = kp,
-                               .kd = kd,
-                               .min_ctrl = ctrl_range.first,
-                               .max_ctrl = ctrl_range.second,
-                               .max_force = max_force});
-          },
-          "name"_a, "type"_a, "joint"_a = "", nb::kw_only(), "tendon"_a = "", "gear"_a = 1.0, "kp"_a = 0.0,
-          "kd"_a = 0.0, "ctrl_scale"_a = 1.0, "ctrl_offset"_a = 0.0, "ctrl_range"_a = std::pair{-kInfinity, kInfinity},
-          "max_force"_a = kInfinity,
-          nb::sig("def add_actuator(self, name: str, type: typing.Literal['force', 'position', 'velocity'], joint: str "
-                  "= '', "
-                  "*, tendon: str = '', gear: float = 1.0, kp: float = 0.0, kd: float = 0.0, ctrl_scale: float = 1.0, "
-                  "ctrl_offset: float = 0.0, ctrl_range: tuple[float, float] = ..., "
-                  "max_force: float = ...) -> None"),
-          "Drives a joint of one degree of freedom, or a tendon; `Actuator` says what its numbers mean.")
-      .def(
           "exclude_contact",
           [](ModelBuilder& self, const std::string& a, const std::string& b) {
             self.exclude_contact(link_of(self, a), link_of(self, b));
@@ -421,16 +375,20 @@ void bind_whole(nb::class_<ModelBuilder>& builder) {
       .def(
           "add_keyframe",
           [](ModelBuilder& self, const std::string& name, std::vector<double> q, std::vector<double> v,
-             std::vector<double> ctrl, double time) {
-            self.add_keyframe(
-                {.name = name, .time = time, .q = std::move(q), .v = std::move(v), .ctrl = std::move(ctrl)});
+             std::vector<double> ctrl, std::vector<double> act, double time) {
+            self.add_keyframe({.name = name,
+                               .time = time,
+                               .q = std::move(q),
+                               .v = std::move(v),
+                               .ctrl = std::move(ctrl),
+                               .act = std::move(act)});
           },
           "name"_a, nb::kw_only(), "q"_a = std::vector<double>{}, "v"_a = std::vector<double>{},
-          "ctrl"_a = std::vector<double>{}, "time"_a = 0.0,
+          "ctrl"_a = std::vector<double>{}, "act"_a = std::vector<double>{}, "time"_a = 0.0,
           nb::sig(
               "def add_keyframe(self, name: str, *, q: numpy.typing.ArrayLike = (), v: numpy.typing.ArrayLike = (), "
-              "ctrl: numpy.typing.ArrayLike = (), time: float = 0.0) -> None"),
-          "Names a state: q (nq), by default the initial one; v (nv), ctrl (nu), by default 0; time [s].")
+              "ctrl: numpy.typing.ArrayLike = (), act: numpy.typing.ArrayLike = (), time: float = 0.0) -> None"),
+          "Names a state: q (nq), by default the initial one; v (nv), ctrl (nu), act (na), by default 0; time [s].")
       .def(
           "build", [](const ModelBuilder& self) { return std::make_unique<PythonModel>(self.build()); },
           "Checks the whole and makes the model. Raises ValueError, naming the part, on a cycle or on a joint that "
@@ -444,6 +402,7 @@ void bind_model_builder(nb::module_& m) {
   auto builder = bind_tree(m);
   bind_shapes(builder);
   bind_couplings(builder);
+  bind_builder_actuators(builder);
   bind_whole(builder);
 }
 

@@ -291,6 +291,23 @@ void bind_couplings(nb::module_& m) {
       .def_prop_ro(
           "tendon", [](const Actuator& a) { return a.tendon.value(); },
           "Index of the tendon, whose length is q above; -1 where it drives a joint.")
+      .def_prop_ro(
+          "link", [](const Actuator& a) { return a.site ? a.site->link.value() : -1; },
+          "Index of the link with the site that it pulls at; -1 where it drives a joint or tendon.")
+      .def_prop_ro(
+          "gain", [](const Actuator& a) { return a.gain; },
+          "'affine': force = gear (gain . (1, gear q, gear v) ctrl + bias . (1, gear q, gear v)).")
+      .def_prop_ro("bias", [](const Actuator& a) { return a.bias; })
+      .def_prop_ro(
+          "activation", [](const Actuator& a) { return name_of(a.activation.type, bindings::kActivations); },
+          "What the law reads in the place of ctrl: 'integrator': d act / dt = ctrl; 'filter', 'filterexact': (ctrl - "
+          "act) / time_constant; 'none': ctrl itself.")
+      .def_ro("iact", &Actuator::iact, "Index of its activation in act; -1 without one.")
+      .def_prop_ro(
+          "time_constant", [](const Actuator& a) { return a.activation.time_constant; }, "Of its activation [s].")
+      .def_prop_ro(
+          "act_range", [](const Actuator& a) { return std::pair{a.activation.lower, a.activation.upper}; },
+          "Within which its activation stays.")
       .def_ro("ctrl_scale", &Actuator::ctrl_scale, "ctrl_scale ctrl + ctrl_offset stands for ctrl above.")
       .def_ro("ctrl_offset", &Actuator::ctrl_offset)
       .def_ro("gear", &Actuator::gear)
@@ -298,7 +315,25 @@ void bind_couplings(nb::module_& m) {
       .def_ro("kd", &Actuator::kd, "[N m s/rad or N s/m]")
       .def_ro("min_ctrl", &Actuator::min_ctrl)
       .def_ro("max_ctrl", &Actuator::max_ctrl)
-      .def_ro("max_force", &Actuator::max_force, "At the joint [N m or N]; inf without a limit.");
+      .def_ro("max_force", &Actuator::max_force, "At the joint [N m or N]; inf without a limit.")
+      .def_prop_ro("min_force", &Actuator::least_force, "-max_force unless the bounds differ.");
+
+  nb::class_<Sensor>(m, "Sensor", "What a scene measures by name: MuJoCo's kinds and values, quaternions xyzw.")
+      .def_ro("name", &Sensor::name)
+      .def("__repr__", [](const Sensor& s) { return "<Sensor '" + s.name + "': " + to_string(s.type) + ">"; })
+      .def_prop_ro(
+          "type", [](const Sensor& s) { return to_string(s.type); }, "MuJoCo's name for it: 'jointpos', 'gyro' ...")
+      .def_prop_ro(
+          "size", [](const Sensor& s) { return size_of(s.type); }, "How many numbers it gives.")
+      .def_prop_ro(
+          "joint", [](const Sensor& s) { return s.joint.value(); }, "Index of the joint; -1 for others.")
+      .def_prop_ro(
+          "tendon", [](const Sensor& s) { return s.tendon.value(); }, "Index of the tendon; -1 for others.")
+      .def_prop_ro(
+          "actuator", [](const Sensor& s) { return s.actuator.value(); }, "Index of the actuator; -1 for others.")
+      .def_prop_ro(
+          "link", [](const Sensor& s) { return s.link.value(); }, "Index of the link that carries it; -1 for others.")
+      .def_ro("cutoff", &Sensor::cutoff, "Numbers stay within it; 0 where there is none.");
 
   nb::class_<EqualityConstraint>(m, "EqualityConstraint",
                                  "An equation between two links, two joints or two tendons that always holds.")
@@ -372,8 +407,9 @@ void bind_couplings(nb::module_& m) {
           "mocap", [](const Keyframe& key) { return copied(key.mocap.data(), {key.mocap.size() / 7, 7}); },
           nb::sig(returns_array("mocap").c_str()), "Of the mocap bodies: x y z [m], quaternion xyzw, (n, 7).")
       .def_prop_ro(
-          "ctrl", [](const Keyframe& key) { return numbers(key.ctrl); }, nb::sig(returns_array("ctrl").c_str()),
-          "(nu)");
+          "ctrl", [](const Keyframe& key) { return numbers(key.ctrl); }, nb::sig(returns_array("ctrl").c_str()), "(nu)")
+      .def_prop_ro(
+          "act", [](const Keyframe& key) { return numbers(key.act); }, nb::sig(returns_array("act").c_str()), "(na)");
 }
 
 }  // namespace

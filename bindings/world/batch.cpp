@@ -91,6 +91,8 @@ void bind_state(nb::class_<Batch>& batch) {
             "Joint forces (n, nv) [N m or N] that act until they are set again: a copy; assign the whole.");
   bind_rows(batch, "ctrl", &Model::nu, &Batch::ctrl, &Batch::set_ctrl,
             "Commands of the actuators (n, nu), each kept within its range: a copy; assign the whole.");
+  bind_rows(batch, "act", &Model::na, &Batch::act, &Batch::set_act,
+            "Activations of the actuators that have one (n, na): a copy; assign the whole.");
   batch
       .def_prop_ro(
           "mocap",

@@ -97,6 +97,37 @@ void bind_state(nb::class_<World>& world) {
           [](World& self, const Doubles& ctrl) { self.set_ctrl(ctrl); },
           nb::for_getter(nb::sig(getter("ctrl").c_str())), nb::for_setter(nb::sig(setter("ctrl").c_str())),
           "Commands of the actuators (nu), each kept within its range: a read-only copy; assign the whole.")
+      .def_prop_rw(
+          "act", [](const World& self) { return read_only(self.act()); },
+          [](World& self, const Doubles& act) { self.set_act(act); }, nb::for_getter(nb::sig(getter("act").c_str())),
+          nb::for_setter(nb::sig(setter("act").c_str())),
+          "Activations (na) of the actuators that have one, in their order: a read-only copy; assign the whole. Each "
+          "step keeps them within their bounds.")
+      .def(
+          "activation", [](const World& self, const std::string& actuator) { return self.activation(actuator); },
+          "actuator"_a, "The activation of one actuator. Raises ValueError if it has none.")
+      .def(
+          "set_activation",
+          [](World& self, const std::string& actuator, double act) { self.set_activation(actuator, act); },
+          "actuator"_a, "act"_a, "Sets it.")
+      .def(
+          "sensor",
+          [](const World& self, const std::string& name) {
+            const Doubles numbers = self.sensor(name);
+            return copied(numbers.data(), {numbers.size()});
+          },
+          "name"_a, nb::sig("def sensor(self, name: str) -> numpy.typing.NDArray[numpy.float64]"),
+          "The numbers (size) of one of `Model.sensors`: of the present state, or of the last step where it needs "
+          "forces or accelerations. Where there was no step in this world, what the next would find. Raises "
+          "RuntimeError with 'rk4', which finds none.")
+      .def(
+          "sensor_data",
+          [](const World& self) {
+            const Doubles numbers = self.sensor_data();
+            return copied(numbers.data(), {numbers.size()});
+          },
+          nb::sig("def sensor_data(self) -> numpy.typing.NDArray[numpy.float64]"),
+          "Of all sensors, one after the other in the order of `Model.sensors`.")
       .def_prop_ro(
           "tendon_lengths", [](const World& self) { return read_only(self.tendon_lengths()); },
           nb::sig(getter("tendon_lengths").c_str()),
@@ -106,16 +137,16 @@ void bind_state(nb::class_<World>& world) {
           nb::sig(getter("tendon_velocities").c_str()), "Their rates (tendons).")
       .def(
           "set_keyframe", [](World& self, const std::string& name) { self.set_keyframe(name); }, "name"_a,
-          "Sets q, v, ctrl and the poses of mocap bodies as the model's keyframe has them. Raises KeyError where there "
+          "Sets q, v, ctrl, act and the poses of mocap bodies as the model's keyframe has them. Raises KeyError where "
+          "there "
           "is none of that name; a world has none any more when parts have come or gone.")
       .def(
           "snapshot", [](const World& self) { return bindings::as_bytes(self.snapshot()); },
           "All that a run continues from, bit for bit, in the middle of contact too: state, contact cache, "
           "commands, forces applied, parameters and clock; not the solver's settings.")
       .def("forget", &World::forget,
-           "Starts the clock anew and forgets the solver's warm start: what follows depends on q, v, forces and "
-           "commands "
-           "alone.")
+           "Starts the clock anew and forgets the solver's warm start: what follows depends on q, v, act, forces and "
+           "commands alone.")
       .def(
           "restore", [](World& self, const nb::bytes& snapshot) { self.restore(bindings::as_bytes(snapshot)); },
           "snapshot"_a,

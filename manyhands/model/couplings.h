@@ -1,5 +1,4 @@
-// What acts between parts beyond joints: tendons, equality constraints, actuators, and exceptions to the rules of
-// collision.
+// What acts between parts beyond joints: tendons, equality constraints, and exceptions to the rules of collision.
 #pragma once
 
 #include <array>
@@ -73,28 +72,6 @@ struct EqualityConstraint {
   double max_force = std::numeric_limits<double>::infinity();  ///< of each row [N or N m]; of what holds exactly
   std::optional<Compliance> compliance{};
   double torque_scale = 1;  ///< of what gives way: half of it is how a rotation counts beside a displacement [m/rad]
-};
-
-enum class ActuatorType {
-  kForce,     ///< force = gear ctrl
-  kPosition,  ///< force = gear (kp (ctrl - gear q) - kd gear v)
-  kVelocity,  ///< force = gear kd (ctrl - gear v)
-};
-
-/// A drive on a joint of one degree of freedom, or on a tendon, whose length is its q; commanded by one number, `ctrl`.
-/// Drives of one joint or tendon add up, and so do their bounds.
-struct Actuator {
-  std::string name{};
-  ActuatorType type = ActuatorType::kForce;
-  JointId joint{};
-  TendonId tendon{};  ///< either of the two
-  double gear = 1;
-  double ctrl_scale = 1, ctrl_offset = 0;  ///< ctrl_scale ctrl + ctrl_offset stands where laws say ctrl
-  double kp = 0;                           ///< [N m/rad or N/m]
-  double kd = 0;                           ///< [N m s/rad or N s/m]
-  double min_ctrl = -std::numeric_limits<double>::infinity();
-  double max_ctrl = std::numeric_limits<double>::infinity();
-  double max_force = std::numeric_limits<double>::infinity();  ///< at the joint [N m or N]
 };
 
 /// Two links whose geoms never touch, whatever their filters say.

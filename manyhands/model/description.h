@@ -186,6 +186,7 @@ struct Keyframe {
   std::vector<double> q{};      ///< (nq)
   std::vector<double> v{};      ///< (nv)
   std::vector<double> ctrl{};   ///< (nu)
+  std::vector<double> act{};    ///< (na)
   std::vector<double> mocap{};  ///< of the mocap bodies: x y z [m] and quaternion xyzw each
 };
 

@@ -90,6 +90,14 @@ class Fingerprint {
     add(a.name, a.type, a.joint.value(), a.gear, a.kp, a.kd, a.min_ctrl, a.max_ctrl, a.max_force);
     if (a.tendon.is_valid()) add(a.tendon.value());
     if (a.ctrl_scale != 1 || a.ctrl_offset != 0) add(a.ctrl_scale, a.ctrl_offset);
+    if (a.type == ActuatorType::kAffine) add(a.gain[0], a.gain[1], a.gain[2], a.bias[0], a.bias[1], a.bias[2]);
+    if (a.least_force() != -a.max_force) add(a.least_force());
+    if (a.has_activation()) add(a.activation);
+    if (a.site) add(*a.site);
+  }
+  void add(const Activation& a) { add(a.type, a.time_constant, a.lower, a.upper, a.early); }
+  void add(const ActuatorSite& site) {
+    add(site.link.value(), site.X_LS, site.reference.value(), site.X_LR, site.force, site.torque);
   }
   void add(const ContactExclusion& exclusion) { add(exclusion.a.value(), exclusion.b.value()); }
   void add(const ContactPair& pair) { add(pair.a.value(), pair.b.value(), pair.surface); }

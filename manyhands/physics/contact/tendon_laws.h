@@ -1,5 +1,5 @@
 // What tendons ask for: springs, dampers and armature join M and the smooth impulse; limits, dry friction, drives and
-// equations between tendons are laws like those of joints, at J v.
+// equations between tendons are laws like those of joints, at J v. So are drives at sites.
 #pragma once
 
 #include "manyhands/physics/contact/joint_law_table.h"
@@ -49,13 +49,19 @@ MANYHANDS_INLINE T first_length_state(const JointLaws<T>& laws, std::size_t i) {
   return select(below, constant<T>(S::kAtLower), select(above, constant<T>(S::kAtUpper), free));
 }
 
+/// Dry friction of length k, times the step; only tendons have any.
+template <Number T, Number P>
+MANYHANDS_INLINE T length_friction(const Params<P>& params, T step, std::size_t k) {
+  return k < params.tendon_friction.size() ? step * broadcast<T>(params.tendon_friction[k]) : constant<T>(0);
+}
+
 /// Before the actuators.
 template <Number T, Number P>
-MANYHANDS_INLINE void begin_tendon_drives(const Tree<real_t<T>>& tree, const Params<P>& params, real_t<T> h,
+MANYHANDS_INLINE void begin_length_drives(const Tree<real_t<T>>& tree, const Params<P>& params, real_t<T> h,
                                           JointLaws<T>& laws) {
-  for (std::size_t k = 0; k < params.tendon_friction.size(); ++k) {
+  for (std::size_t k = 0; k < tree.lengths.size(); ++k) {
     const std::size_t i = index(tree.nv) + k;
-    if (tree.dof_drive[i] >= 0) begin_drive(T(h) * broadcast<T>(params.tendon_friction[k]), i, laws);
+    if (tree.dof_drive[i] >= 0) begin_drive(length_friction(params, T(h), k), i, laws);
   }
 }
 
@@ -121,7 +127,7 @@ MANYHANDS_INLINE void assemble_length_laws(const Tree<real_t<T>>& tree, const Pa
       if (tree.dof_drive[i] >= 0) {
         aim_drive(rate, i, laws);
       } else {
-        const T friction = step * broadcast<T>(params.tendon_friction[k]);
+        const T friction = length_friction(params, step, k);
         laws.max_impulse[i] = friction;
         aim_at(select(friction > zero, -rate, infinity), i, laws);
       }

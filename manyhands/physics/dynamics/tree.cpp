@@ -9,6 +9,7 @@
 #include "manyhands/model/equivalent_box.h"
 #include "manyhands/physics/dynamics/checks.h"
 #include "manyhands/physics/dynamics/start_mobility.h"
+#include "manyhands/physics/dynamics/tree_actuators.h"
 #include "manyhands/physics/dynamics/tree_lengths.h"
 
 namespace manyhands {
@@ -282,22 +283,7 @@ Tree<R>::Tree(const Model& model, const StartMobility* start)
   find_pattern(*this);
   join_clusters();
   set_medium(model);
-  dof_drive.assign(static_cast<std::size_t>(num_laws()), -1);
-  for (const Actuator& actuator : model.actuators()) {
-    TreeActuator<R> added{.type = actuator.type,
-                          .scale = static_cast<R>(actuator.ctrl_scale),
-                          .offset = static_cast<R>(actuator.ctrl_offset)};
-    if (actuator.tendon.is_valid()) {
-      added.q = actuator.tendon.index();
-      added.law = static_cast<std::size_t>(nv) + added.q;
-    } else {
-      const Joint& joint = model.joint(actuator.joint);
-      added.law = static_cast<std::size_t>(joint.iv);
-      added.q = static_cast<std::size_t>(joint.iq);
-    }
-    if (actuator.type != ActuatorType::kForce) dof_drive[added.law] = static_cast<int>(actuators.size());
-    actuators.push_back(added);
-  }
+  add_actuators(model, *this);
   MANYHANDS_ASSERT(internal::is_topology_sound(*this));
 }
 

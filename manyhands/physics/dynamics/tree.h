@@ -44,9 +44,17 @@ struct TreeBody {
 template <Real R>
 struct TreeActuator {
   ActuatorType type{};
-  std::size_t law{};        ///< the dof that it drives; of tendons nv more than the length
-  std::size_t q{};          ///< the coordinate it measures; of tendons the length
+  std::size_t law{};        ///< the dof that it drives; of tendons and sites nv more than the length
+  std::size_t q{};          ///< the coordinate it measures; of tendons and sites the length
   R scale = 1, offset = 0;  ///< scale ctrl + offset is its command
+  R period{};               ///< of a position servo whose length is an angle: its error is taken within half of it
+  R middle_force{};         ///< about which its bounds lie
+  bool is_shared{};         ///< whether another bounded drive acts on the same dof or length
+  std::array<R, 3> gain{}, bias{};  ///< of kAffine
+  ActivationType activation{};
+  int act = -1;  ///< index of its activation
+  R time_constant{}, least_act{}, most_act{};
+  bool early{};  ///< whether its command is the activation at the step's end
 
   [[nodiscard]] bool is_scaled() const { return scale != 1 || offset != 0; }
 };
@@ -55,6 +63,7 @@ enum class LengthType {
   kJoints,    ///< the sum of coefficient q over joints
   kPath,      ///< the way from point to point
   kCoupling,  ///< (b - reference_b) - polynomial(a - reference_a), of two other lengths
+  kSite,      ///< where an actuator's site is from its reference
 };
 
 /// What a dof does to one end of a segment: sign -1 where it moves the first.
@@ -73,8 +82,18 @@ struct TreeSegment {
   std::vector<TreeLever<R>> levers{};
 };
 
-/// A number that follows from q, and moves by J v: the length of a tendon, what couples two of them, or what limits
-/// that give way hold in bounds.
+/// A wrench at a site S of body A, against one at R of body B, along which an actuator acts (see ActuatorSite).
+template <Real R>
+struct TreeSite {
+  std::size_t body_a{}, body_b{};
+  Transform<R> X_AS = Transform<R>::identity(), X_BR = Transform<R>::identity();
+  bool has_reference{};
+  Vec3<R> force{}, torque{};  ///< in the axes of R, without it of S
+  std::vector<TreeLever<R>> levers{};
+};
+
+/// A number that follows from q, and moves by J v: the length of a tendon, what couples two of them, what limits that
+/// give way hold in bounds, or where a site is.
 template <Real R>
 struct TreeLength {
   LengthType type{};
@@ -89,8 +108,9 @@ struct TreeLength {
   R reference_a{}, reference_b{}, max_force{};    ///< of kCoupling
   std::optional<TreeCompliance<R>> compliance{};  ///< of couplings and limits that give way
   R mobility{};                                   ///< W of the compliance
-  int limited = -1;   ///< whose limits give way by this length: a dof, or nv more than a tendon; else -1
-  bool stops = true;  ///< of tendons: whether their limits hold exactly
+  int limited = -1;    ///< whose limits give way by this length: a dof, or nv more than a tendon; else -1
+  bool stops = true;   ///< whether it has limits that hold exactly, as tendons may
+  TreeSite<R> site{};  ///< of kSite
 };
 
 /// An equality constraint of the model between two bodies, or two dofs, as kernels read it.
@@ -168,13 +188,13 @@ struct Tree {
   Vec3<R> wind{};                          ///< the medium's velocity [m/s]
   std::vector<TreeEquality<R>> equalities;
   std::vector<TreeLength<R>> lengths;  ///< of tendons, then of equality constraints between them, then of limits that
-                                       ///< give way
+                                       ///< give way, then of actuators at sites
   std::size_t length_entries{};        ///< of J, over all lengths
   std::size_t equality_rows{};         ///< three for every equality constraint, six where it holds rotations
   std::vector<int>
       cluster_begin;  ///< (nv) first dof of the trees that equality constraints join to the dof's, as one range
   std::vector<int> cluster_end;  ///< (nv) one past their last
-  std::vector<int> dof_drive;    ///< (nv, lengths) the position or velocity actuator of the dof or tendon, or -1
+  std::vector<int> dof_drive;    ///< (nv, lengths) an actuator other than a force that acts on the dof or length, or -1
 
  private:
   /// `start`: null where nothing gives way.

@@ -121,6 +121,7 @@ void insert_actuators(const Tree<R>& part, const Insertion& at, Tree<R>& tree) {
   for (TreeActuator<R> actuator : part.actuators) {
     actuator.law = index(at.v.of_new(static_cast<int>(actuator.law)));
     actuator.q = index(at.q.of_new(static_cast<int>(actuator.q)));
+    if (actuator.act >= 0) actuator.act += at.activations;
     tree.actuators.push_back(actuator);
   }
   std::vector<int> drives = part.dof_drive;

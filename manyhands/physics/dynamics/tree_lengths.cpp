@@ -36,17 +36,31 @@ TreeLength<R> joint_length(const Model& model, const Tendon& tendon) {
   return length;
 }
 
-/// What moves both ends alike does nothing to a segment.
+/// What moves the second of two bodies against the first; what moves both alike does nothing.
 template <Real R>
-void add_levers(const Tree<R>& tree, TreeSegment<R>& segment) {
-  const std::span<const int> a = tree.path_of(segment.body_a), b = tree.path_of(segment.body_b);
+std::vector<TreeLever<R>> levers_between(const Tree<R>& tree, std::size_t body_a, std::size_t body_b) {
+  const std::span<const int> a = tree.path_of(body_a), b = tree.path_of(body_b);
+  std::vector<TreeLever<R>> levers;
   const auto add = [&](std::span<const int> own, std::span<const int> others, R sign) {
     for (const int i : own) {
-      if (std::ranges::find(others, i) == others.end()) segment.levers.push_back({.dof = index(i), .sign = sign});
+      if (std::ranges::find(others, i) == others.end()) levers.push_back({.dof = index(i), .sign = sign});
     }
   };
   add(a, b, R(-1));
   add(b, a, R(1));
+  return levers;
+}
+
+/// Adds the dofs of levers to those of their length.
+template <Real R>
+void add_dofs(const std::vector<TreeLever<R>>& levers, TreeLength<R>& length) {
+  for (const TreeLever<R>& lever : levers) length.dofs.push_back(static_cast<int>(lever.dof));
+}
+
+/// Once the length's dofs are sorted.
+template <Real R>
+void find_entries(const TreeLength<R>& length, std::vector<TreeLever<R>>& levers) {
+  for (TreeLever<R>& lever : levers) lever.entry = index(place_in(length.dofs, static_cast<int>(lever.dof)));
 }
 
 template <Real R>
@@ -61,15 +75,35 @@ TreeLength<R> path_length(const Model& model, const Tree<R>& tree, const Tendon&
                              .p_A = broadcast<R>(a.X_BL * from.p_L),
                              .p_B = broadcast<R>(b.X_BL * to.p_L),
                              .share = static_cast<R>(1 / branch.divisor)};
-      add_levers(tree, segment);
-      for (const TreeLever<R>& lever : segment.levers) length.dofs.push_back(static_cast<int>(lever.dof));
+      segment.levers = levers_between(tree, segment.body_a, segment.body_b);
+      add_dofs(segment.levers, length);
       length.segments.push_back(std::move(segment));
     }
   }
   sort_once(length.dofs);
-  for (TreeSegment<R>& segment : length.segments) {
-    for (TreeLever<R>& lever : segment.levers) lever.entry = index(place_in(length.dofs, static_cast<int>(lever.dof)));
+  for (TreeSegment<R>& segment : length.segments) find_entries(length, segment.levers);
+  return length;
+}
+
+template <Real R>
+TreeLength<R> site_length(const Model& model, const Tree<R>& tree, const ActuatorSite& from) {
+  const Link& link = model.link(from.link);
+  TreeLength<R> length{.type = LengthType::kSite, .stops = false};
+  TreeSite<R>& site = length.site;
+  site = {.body_a = link.body.index(),
+          .X_AS = broadcast<R>(link.X_BL * from.X_LS),
+          .has_reference = from.reference.is_valid(),
+          .force = broadcast<R>(from.force),
+          .torque = broadcast<R>(from.torque)};
+  if (site.has_reference) {
+    const Link& reference = model.link(from.reference);
+    site.body_b = reference.body.index();
+    site.X_BR = broadcast<R>(reference.X_BL * from.X_LR);
   }
+  site.levers = levers_between(tree, site.body_b, site.body_a);
+  add_dofs(site.levers, length);
+  sort_once(length.dofs);
+  find_entries(length, site.levers);
   return length;
 }
 
@@ -149,6 +183,8 @@ void add_lengths(const Model& model, const StartMobility* start, Tree<R>& tree) 
     add_length(std::move(length), tree);
   }
   if (start != nullptr) add_limits(model, *start, tree);
+  for (const Actuator& actuator : model.actuators())
+    if (actuator.site) add_length(site_length(model, tree, *actuator.site), tree);
 }
 
 template void add_lengths(const Model&, const StartMobility*, Tree<double>&);

@@ -1,4 +1,4 @@
-// Tree: the lengths of tendons as kernels read them.
+// Tree: the lengths of tendons and of actuators at sites as kernels read them.
 #pragma once
 
 #include "manyhands/physics/dynamics/tree.h"

@@ -205,6 +205,7 @@ void step(const System<real_t<T>>& system, const Params<P>& params, real_t<T> h,
   store_warm_start(contact.problem, contact.iterate, state);                  // 6 where the next step begins
   add_velocity_change(state, static_cast<std::size_t>(tree.nv));              // 7 velocities
   integrate_configuration(tree, state.v(), T(h), state.q(), state.q_rest());  // 8 positions
+  advance_activations(tree, h, state);                                        // 9 what becomes of commands
   correct_free_fall(tree, params, h, contact, ws.resting, state);
 }
 

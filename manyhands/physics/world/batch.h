@@ -69,12 +69,14 @@ class Batch {
   [[nodiscard]] std::vector<float> v() const;     ///< (n, nv)
   [[nodiscard]] std::vector<float> tau() const;   ///< (n, nv) [N m or N]
   [[nodiscard]] std::vector<float> ctrl() const;  ///< (n, nu)
+  [[nodiscard]] std::vector<float> act() const;   ///< (n, na)
   /// Poses of the model's mocap bodies, in its order: x y z [m] and quaternion xyzw each, (n, mocap bodies, 7).
   [[nodiscard]] std::vector<float> mocap() const;
   void set_q(std::span<const float> q, std::span<const std::uint8_t> mask = {});
   void set_v(std::span<const float> v, std::span<const std::uint8_t> mask = {});
   void set_tau(std::span<const float> tau, std::span<const std::uint8_t> mask = {});
   void set_ctrl(std::span<const float> ctrl, std::span<const std::uint8_t> mask = {});
+  void set_act(std::span<const float> act, std::span<const std::uint8_t> mask = {});
   void set_motors(const BatchMotors& commands);
   /// Back to the start, parameters kept.
   void reset(std::span<const std::uint8_t> mask = {});

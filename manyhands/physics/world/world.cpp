@@ -67,6 +67,9 @@ std::span<const double> World::tau() const { return loose().living(core_->state.
 std::span<const double> World::ctrl() const {
   return loose().living(core_->state.ctrl(), Each::kActuator, shown_->ctrl);
 }
+std::span<const double> World::act() const {
+  return loose().living(core_->state.act(), Each::kActivation, shown_->act);
+}
 int World::solver_iterations() const { return loose().has_stepped ? core_->step.contact.iterations : 0; }
 const SolverSettings& World::solver() const { return *solver_; }
 
@@ -237,11 +240,38 @@ void World::set_ctrl(std::span<const double> ctrl) {
   }
 }
 
+void World::set_act(std::span<const double> act) {
+  WorldCore& now = core();
+  require_numbers("act", act, static_cast<std::size_t>(now.model->na()));
+  std::ranges::copy(act, now.state.act());
+}
+
+namespace {
+
+/// The place in act of the actuator of that name.
+int activation_index(const Model& model, std::string_view name) {
+  const Actuator& actuator = model.actuators()[actuator_id(model, name).index()];
+  if (actuator.iact < 0) throw std::invalid_argument("actuator '" + actuator.name + "' has no activation");
+  return actuator.iact;
+}
+
+}  // namespace
+
+double World::activation(std::string_view actuator) const {
+  return loose().state.act()[activation_index(*core_->model, actuator)];
+}
+
+void World::set_activation(std::string_view actuator, double act) {
+  require_numbers("act", std::span<const double>(&act, 1), 1);
+  loose().state.act()[activation_index(*core_->model, actuator)] = act;
+}
+
 void World::set_keyframe(std::string_view name) {
   const Keyframe key = core().model->keyframe(name);
   set_q(key.q);
   set_v(key.v);
   set_ctrl(key.ctrl);
+  set_act(key.act);
   std::ranges::copy(key.mocap, core().state.mocap());
 }
 

@@ -16,6 +16,7 @@
 namespace manyhands {
 
 struct Body;
+struct Sensor;  // sensor.h
 class Model;
 struct LinkDistance;    // queries.h
 struct SolverSettings;  // contact_solver.h
@@ -95,13 +96,18 @@ class World {
   [[nodiscard]] std::span<const double> v() const;     ///< (nv)
   [[nodiscard]] std::span<const double> tau() const;   ///< (nv) [N m or N]
   [[nodiscard]] std::span<const double> ctrl() const;  ///< (nu)
+  [[nodiscard]] std::span<const double> act() const;   ///< (na) of the actuators that have an activation, in order
   void set_q(std::span<const double> q);
   void set_v(std::span<const double> v);
   void set_tau(std::span<const double> tau);  ///< acts in every step until it is set again
   /// Commands of the actuators, see ActuatorType; each is kept within its actuator's range.
   void set_ctrl(std::span<const double> ctrl);
-  /// q, v, ctrl and the poses of mocap bodies as the model's keyframe has them. Throws std::out_of_range where there is
-  /// none of that name; a world loses its model's keyframes when parts come or go.
+  void set_act(std::span<const double> act);  ///< each step keeps them within their bounds
+  /// Of the actuator of that name. Throws std::invalid_argument if it has none.
+  [[nodiscard]] double activation(std::string_view actuator) const;
+  void set_activation(std::string_view actuator, double act);
+  /// q, v, ctrl, act and the poses of mocap bodies as the model's keyframe has them. Throws std::out_of_range where
+  /// there is none of that name; a world loses its model's keyframes when parts come or go.
   void set_keyframe(std::string_view name);
 
   /// Motors at the velocity level, as PyBullet's: per step a dof is driven towards the velocity
@@ -121,8 +127,8 @@ class World {
   /// Throws std::invalid_argument if the snapshot is not of a world with this model and time step, or holds numbers
   /// that cannot be; then nothing has changed. What the last step found (contacts, reactions) is forgotten.
   void restore(std::span<const std::uint8_t> snapshot);
-  /// Starts the clock anew and forgets the solver's warm start: what follows depends on q, v, forces and commands
-  /// alone.
+  /// Starts the clock anew and forgets the solver's warm start: what follows depends on q, v, act, forces and
+  /// commands alone.
   void forget();
   /// FNV-1a over the bits of what a snapshot holds.
   [[nodiscard]] std::uint64_t state_hash() const;
@@ -158,6 +164,14 @@ class World {
   [[nodiscard]] const SolverSettings& solver() const;
   /// Throws std::invalid_argument unless max_iterations is 1 or more and the tolerance 0 or more.
   void set_solver(const SolverSettings& settings);
+
+  // ---- sensors of the model (world_sensors.cpp) -----------------------------------------------------------------
+  /// The numbers of the sensor of that name, see SensorType: of the present state, or what the last step found. Where
+  /// there was none in this world, what the next step would find, taken on a copy. Throws std::runtime_error with
+  /// kRungeKutta4, which finds none.
+  [[nodiscard]] std::vector<double> sensor(std::string_view name) const;
+  /// Of all sensors, one after the other in the order of Model::sensors.
+  [[nodiscard]] std::vector<double> sensor_data() const;
 
   // ---- where geoms are in the present state (world_queries.cpp) -------------------------------------------------
   /// Between the surfaces of two links, whether or not they may touch; none if one of them has no colliding geom.
@@ -232,6 +246,10 @@ class World {
   [[noreturn]] void fail_step(WorldCore& core, const std::string& what);
   void runge_kutta_step_or_throw(WorldCore& core);
   void require_apart(WorldCore& core) const;
+  /// What a link and all that hangs on it got from what it hangs on in the last step, about the world's origin.
+  [[nodiscard]] Force<double> wrench_into(const WorldCore& core, LinkId link) const;
+  [[nodiscard]] std::vector<double> read_sensors(std::span<const Sensor> sensors) const;
+  void read_last_step(std::span<const Sensor> sensors, std::vector<std::vector<double>>& readings) const;
   void require_within_limits(const WorldCore& core, const char* when) const;
   [[nodiscard]] const Body& free_body(const WorldCore& core, const Link& link, const char* what) const;
 

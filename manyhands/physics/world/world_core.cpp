@@ -76,6 +76,7 @@ FieldInsertion places_of(const Insertion& at, const ListInsertion& rows, const M
   const auto mocaps = static_cast<int>(kPoseNumbers) * at.mocaps;
   put(Each::kMocapNumber, behind(mocaps, kPoseNumbers * part.mocap_bodies().size()));
   put(Each::kTendon, behind(at.tendons, part.tendons().size()));
+  put(Each::kActivation, behind(at.activations, static_cast<std::size_t>(part.na())));
   return places;
 }
 
@@ -203,6 +204,12 @@ void WorldCore::remove(LinkId link) {
   forget_topology();
 }
 
+bool WorldCore::is_gone(const Actuator& actuator) const {
+  if (actuator.joint.is_valid()) return is_gone(model->joint(actuator.joint).child);
+  const auto lacks = [&](LinkId id) { return id.is_valid() && is_gone(id); };
+  return actuator.site && (lacks(actuator.site->link) || lacks(actuator.site->reference));
+}
+
 LinkId WorldCore::shown(LinkId id) const { return LinkId(id.index() - marks_before(gone_, id.index())); }
 GeomId WorldCore::shown(GeomId id) const { return GeomId(id.index() - marks_before(gone_geoms_, id.index())); }
 LinkId WorldCore::hidden(LinkId id) const { return LinkId(unmarked(gone_, id.index())); }
@@ -247,12 +254,13 @@ void WorldCore::forget_step() {
 }
 
 std::span<const double> WorldCore::living(const double* numbers, Each each, std::vector<double>& shown) const {
-  if (num_gone == 0) return {numbers, each == Each::kCoordinate ? nq() : each == Each::kDof ? nv() : nu()};
+  if (num_gone == 0) return {numbers, state_layout()[each]};
   shown.clear();
-  if (each == Each::kActuator) {
+  if (each == Each::kActuator || each == Each::kActivation) {
     for (std::size_t i = 0; i < nu(); ++i) {
-      const JointId joint = model->actuators()[i].joint;
-      if (!joint.is_valid() || !is_gone(model->joint(joint).child)) shown.push_back(numbers[i]);
+      const Actuator& actuator = model->actuators()[i];
+      const int place = each == Each::kActuator ? static_cast<int>(i) : actuator.iact;
+      if (place >= 0 && !is_gone(actuator)) shown.push_back(numbers[place]);
     }
     return shown;
   }

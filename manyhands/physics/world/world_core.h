@@ -50,6 +50,7 @@ struct WorldCore : WorldBlock<double> {
   /// Removes a link, its joint and its geoms; not what hangs on it.
   void remove(LinkId link);
   [[nodiscard]] bool is_gone(LinkId link) const { return link.index() < gone_.size() && gone_[link.index()] != 0; }
+  [[nodiscard]] bool is_gone(const Actuator& actuator) const;
   [[nodiscard]] const std::vector<std::uint8_t>& gone() const { return gone_; }  ///< (some links) 1 where removed
   /// Puts a link that is welded to the world elsewhere, once the core is rebuilt (`World::rebuild`).
   void place_root(LinkId link, const Transform<double>& X_WL) {
@@ -63,7 +64,8 @@ struct WorldCore : WorldBlock<double> {
   [[nodiscard]] GeomId hidden(GeomId shown_id) const;
   /// Whether two links may touch, as far as exclusions go.
   void set_excluded(LinkId a, LinkId b, bool excluded);
-  /// Makes the numbers of q, v, tau or ctrl those of the parts that are there: in `shown`, where some were removed.
+  /// Makes the numbers of q, v, tau, ctrl or act those of the parts that are there: in `shown`, where some were
+  /// removed.
   [[nodiscard]] std::span<const double> living(const double* numbers, Each each, std::vector<double>& shown) const;
 
   [[nodiscard]] std::vector<CachedContact> cached_contacts() const;

@@ -1,4 +1,4 @@
-// <equality>, <actuator> and <keyframe>.
+// <equality> and <keyframe>.
 #include <algorithm>
 #include <cmath>
 
@@ -142,49 +142,6 @@ bool is_written(const MjcfWriter& writer, const EqualityConstraint& e) {
   return has_name(e.joint_a) && has_name(e.joint_b) && has_body(e.link_a) && has_body(e.link_b);
 }
 
-/// The law of an actuator whose command is scaled: gain ctrl + bias.
-void write_law(pugi::xml_node node, const Actuator& actuator) {
-  const bool is_position = actuator.type == ActuatorType::kPosition;
-  const double k = actuator.type == ActuatorType::kForce ? 1 : is_position ? actuator.kp : actuator.kd;
-  const auto read = [&](double x) { return x / k; };
-  set(node, "gainprm", number_for(k * actuator.ctrl_scale, actuator.ctrl_scale, read, 1 / k));
-  set(node, "biastype", "affine");
-  const double offset = number_for(k * actuator.ctrl_offset, actuator.ctrl_offset, read, 1 / k);
-  set(node, "biasprm", std::array{offset, is_position ? -actuator.kp : 0.0, -actuator.kd});
-}
-
-void write_actuator(MjcfWriter& writer, pugi::xml_node section, const Actuator& actuator) {
-  const bool is_force = actuator.type == ActuatorType::kForce, is_velocity = actuator.type == ActuatorType::kVelocity;
-  const bool is_general = actuator.ctrl_scale != 1 || actuator.ctrl_offset != 0;
-  pugi::xml_node node = section.append_child(is_general    ? "general"
-                                             : is_force    ? "motor"
-                                             : is_velocity ? "velocity"
-                                                           : "position");
-  const std::string name = writer.names.claim("actuator", actuator.name, "actuator", writer.notes);
-  set(node, "name", name);
-  if (actuator.tendon.is_valid()) {
-    set(node, "tendon", writer.model.tendons()[actuator.tendon.index()].name);
-  } else {
-    set(node, "joint", writer.model.joint(actuator.joint).name);
-  }
-  set_unless(node, "gear", actuator.gear, 1);
-  if (is_general) write_law(node, actuator);
-  if (!is_general && actuator.type == ActuatorType::kPosition) set(node, "kp", actuator.kp);
-  if (!is_general && !is_force) set(node, "kv", actuator.kd);
-  const double gain = is_force ? 1 : is_velocity ? actuator.kd : actuator.kp;
-  if (gain == 0)
-    writer.notes.loss(LoadAction::kRepaired, part("actuator", name), "its gain is 0, which readers leave out");
-  if (std::isfinite(actuator.min_ctrl) || std::isfinite(actuator.max_ctrl)) {
-    const auto bound = [](double x) { return std::clamp(x, -kMjcfUnlimited, kMjcfUnlimited); };
-    set(node, "ctrlrange", std::array{bound(actuator.min_ctrl), bound(actuator.max_ctrl)});
-  }
-  if (!std::isfinite(actuator.max_force)) return;
-  const double gear = std::abs(actuator.gear);
-  const double most =
-      number_for(actuator.max_force / gear, actuator.max_force, [&](double x) { return gear * x; }, gear);
-  set(node, "forcerange", std::array{-most, most});
-}
-
 /// Poses of mocap bodies, in the order in which these are written: that of their joints.
 void write_mocap(const MjcfWriter& writer, pugi::xml_node node, const std::vector<double>& poses) {
   std::vector<double> positions, turns;
@@ -223,6 +180,7 @@ void write_key(MjcfWriter& writer, pugi::xml_node section, const Keyframe& key) 
   set(node, "qpos", qpos);
   if (std::ranges::any_of(qvel, [](double x) { return x != 0; })) set(node, "qvel", qvel);
   if (std::ranges::any_of(key.ctrl, [](double x) { return x != 0; })) set(node, "ctrl", key.ctrl);
+  if (std::ranges::any_of(key.act, [](double x) { return x != 0; })) set(node, "act", key.act);
   if (key.mocap != writer.model.initial_mocap()) write_mocap(writer, node, key.mocap);
 }
 
@@ -233,15 +191,6 @@ void write_equalities(MjcfWriter& writer) {
   EqualityWriter equalities(writer, writer.root.append_child("equality"));
   for (const EqualityConstraint& equality : writer.model.equalities()) {
     if (is_written(writer, equality)) equalities.write(equality);
-  }
-}
-
-void write_actuators(MjcfWriter& writer) {
-  if (writer.model.actuators().empty()) return;
-  pugi::xml_node section = writer.root.append_child("actuator");
-  for (const Actuator& actuator : writer.model.actuators()) {
-    if (!actuator.joint.is_valid() || !writer.model.joint(actuator.joint).name.empty())
-      write_actuator(writer, section, actuator);
   }
 }
 
