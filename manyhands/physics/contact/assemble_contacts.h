@@ -32,7 +32,7 @@ MANYHANDS_INLINE T gap_acceleration(const Workspace<T>& ws, const ContactPatch<T
 
 /// The law of a surface with a compliance, u_n + softness n = target, which acts once it is entered.
 template <Number T>
-MANYHANDS_INLINE T yielding_target(const CombinedSurface<T>& surface, real_t<T> h, T u_n, ContactPoint<T>& point) {
+[[gnu::noinline]] T yielding_target(const CombinedSurface<T>& surface, real_t<T> h, T u_n, ContactPoint<T>& point) {
   const T zero = constant<T>(0), phi = min(point.phi, zero);
   const T impedance = impedance_at(*surface.compliance, phi);
   const T least = constant<T>(SolverTraits<real_t<T>>::kSmallest);

@@ -78,6 +78,12 @@ MANYHANDS_INLINE T curvature_radius(const Collider<real_t<T>>& geom, const Vec3<
   return *a * *b / (*a + *b);
 }
 
+template <Real R>
+[[gnu::noinline]] std::optional<TreeCompliance<R>> compliance_between(const Collider<R>& a, const Collider<R>& b) {
+  const std::optional<Compliance> both = between(a.surface.compliance, b.surface.compliance);
+  return both ? std::optional(tree_compliance<R>(*both)) : std::nullopt;
+}
+
 }  // namespace internal
 
 /// The combined surface of a pair whose contact has the given normal. A soft surface's force k (-phi) - d u, implicit
@@ -113,10 +119,7 @@ MANYHANDS_INLINE CombinedSurface<T> combine_surfaces(const Colliders<real_t<T>>&
     surface.rolling = all(CombineRule::kMaximum, params.geom_rolling);
     stiffness = internal::in_series(a.surface.stiffness, b.surface.stiffness);
     damping = internal::in_series(a.surface.damping, b.surface.damping);
-    if (a.yields || b.yields) {
-      const std::optional<Compliance> both = between(a.surface.compliance, b.surface.compliance);
-      if (both) surface.compliance = tree_compliance<real_t<T>>(*both);
-    }
+    if (a.yields || b.yields) surface.compliance = internal::compliance_between(a, b);
   }
   if (a.surface.friction_y || b.surface.friction_y) {
     internal::tangents_along(X_WG[a.surface.friction_y ? pair.a : pair.b].R.x, normal, surface.t_1, surface.t_2);

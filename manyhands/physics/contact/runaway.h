@@ -37,6 +37,7 @@ MANYHANDS_INLINE mask_t<T> demands_much(const ContactProblem<T>& problem, const 
 /// The worlds in which mocap bodies push faster than slowly: that is demanded of all they touch, come what may.
 template <Number T>
 MANYHANDS_INLINE mask_t<T> is_pushed(const ContactProblem<T>& problem) {
+  if (problem.tree->mocap_bodies.empty()) return mask_t<T>(false);
   T fastest = constant<T>(0);
   for (const ContactPoint<T>& point : problem.points) {
     if (touches_mocap(*problem.tree, problem.patches[point.patch]))

@@ -68,8 +68,8 @@ MANYHANDS_INLINE void begin_length_drives(const Tree<real_t<T>>& tree, const Par
 /// A coupling or limits that give way: their law has a slope through the velocity at which they give no impulse. As
 /// MuJoCo's, limits act once they are passed.
 template <Number T, Number P>
-MANYHANDS_INLINE void aim_yielding_length(const Tree<real_t<T>>& tree, const Params<P>& params, real_t<T> h,
-                                          const Workspace<T>& ws, std::size_t k, JointLaws<T>& laws) {
+[[gnu::noinline]] void aim_yielding_length(const Tree<real_t<T>>& tree, const Params<P>& params, real_t<T> h,
+                                           const Workspace<T>& ws, std::size_t k, JointLaws<T>& laws) {
   const TreeLength<real_t<T>>& length = tree.lengths[k];
   const std::size_t nv = index(tree.nv), i = nv + k;
   const T zero = constant<T>(0), infinity = constant<T>(std::numeric_limits<double>::infinity());

@@ -77,8 +77,8 @@ MANYHANDS_INLINE FrameRows<T> turning_rows(const TreeEquality<real_t<T>>& equali
 
 /// Of two frames.
 template <Number T>
-MANYHANDS_INLINE void add_yielding_frames(const TreeEquality<real_t<T>>& equality, real_t<T> h, Workspace<T>& ws,
-                                          ContactProblem<T>& problem) {
+[[gnu::noinline]] void add_yielding_frames(const TreeEquality<real_t<T>>& equality, real_t<T> h, Workspace<T>& ws,
+                                           ContactProblem<T>& problem) {
   const Tree<real_t<T>>& tree = *problem.tree;
   const FramePair<T> frames = place_frames(equality, ws);
   const bool slides = equality.type == EqualityType::kPrismatic || equality.type == EqualityType::kSlider;
@@ -105,8 +105,8 @@ MANYHANDS_INLINE void add_yielding_frames(const TreeEquality<real_t<T>>& equalit
 
 /// Of two joints.
 template <Number T>
-MANYHANDS_INLINE void add_yielding_joints(const TreeEquality<real_t<T>>& equality, const State<T>& state, real_t<T> h,
-                                          Workspace<T>& ws, ContactProblem<T>& problem) {
+[[gnu::noinline]] void add_yielding_joints(const TreeEquality<real_t<T>>& equality, const State<T>& state, real_t<T> h,
+                                           Workspace<T>& ws, ContactProblem<T>& problem) {
   const Tree<real_t<T>>& tree = *problem.tree;
   const std::size_t a = equality.dof_a, b = equality.dof_b, later = a > b ? a : b, earlier = a > b ? b : a;
   const T ratio(equality.ratio), tiny = constant<T>(SolverTraits<real_t<T>>::kSmallest);

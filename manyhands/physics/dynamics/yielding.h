@@ -1,5 +1,5 @@
 // Rows that give way by their compliance: MuJoCo's law of soft constraints, as a force that is implicit in the
-// velocity.
+// velocity. Few models have any: what calls these is kept out of line, or it would slow the steps of all others.
 #pragma once
 
 #include "manyhands/math/functions.h"

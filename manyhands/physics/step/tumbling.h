@@ -40,7 +40,7 @@ MANYHANDS_INLINE Vec3<T> solve(const SymMat3<T>& I, const Vec3<T>& a) {
 
 /// The couple against which a body of that inertia turns omega in a step, and neither gains nor loses.
 template <Number T>
-MANYHANDS_INLINE Vec3<T> couple_of_tumbling(const SymMat3<T>& I, const Vec3<T>& omega, T h) {
+[[gnu::noinline]] Vec3<T> couple_of_tumbling(const SymMat3<T>& I, const Vec3<T>& omega, T h) {
   const Vec3<T> momentum = I * omega, torque = cross(omega, momentum), change = -h * solve(I, torque);
   const T twice = dot(omega, momentum), gains = -h * dot(change, torque);
   const T kept = sqrt(twice / (twice + max(gains, constant<T>(0))));
