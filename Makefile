@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
-.PHONY: help train test asan tsan bench accuracy realfiles scripted lint format build clean
+.PHONY: help train test asan tsan bench accuracy realfiles scripted absurd lint format build clean
 
 TASK ?= PandaReach
 SEED ?= 0
@@ -47,6 +47,9 @@ realfiles: $(VENV)/.test $(VENV)/.installed  ## Real robots' files beside MuJoCo
 
 scripted: $(VENV)/.test $(VENV)/.installed  ## Tasks of robosuite and metaworld, replayed here and in MuJoCo: build/scripted.json
 	python -m benchmarks.scripted
+
+absurd: $(VENV)/.test $(VENV)/.installed  ## 10,000 random scenes without reason: build/absurd.json
+	python -m benchmarks.absurd --jobs $(JOBS) $(ABSURD)
 
 lint: $(VENV)/.test $(VENV)/.installed  ## All checks that run no program, with clang-tidy (slow)
 	tools/lint.sh --tidy

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 mujoco: Any = import_module("mujoco")  # most of it has no stubs
 MjModel = Any
 MjData = Any
+Compliance = Literal["stated", "all", "none"]
 
 FREE, BALL = int(mujoco.mjtJoint.mjJNT_FREE), int(mujoco.mjtJoint.mjJNT_BALL)
 XYZW, WXYZ = [1, 2, 3, 0], [3, 0, 1, 2]
@@ -39,8 +40,8 @@ class Scene:
     report: mh.LoadReport
 
     @classmethod
-    def of_string(cls, text: str) -> "Scene":
-        return cls(mujoco.MjModel.from_xml_string(text), *mh.load_mjcf_string(text))
+    def of_string(cls, text: str, compliance: Compliance = "stated") -> "Scene":
+        return cls(mujoco.MjModel.from_xml_string(text), *mh.load_mjcf_string(text, compliance=compliance))
 
     @classmethod
     def of_file(cls, path: Path) -> "Scene":

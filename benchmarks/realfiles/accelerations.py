@@ -23,9 +23,9 @@ class Peer:
 
     def __init__(self, scene: Scene) -> None:
         self.worlds = {h / k: mh.World(scene.ours, time_step=h / k) for h in TIME_STEPS for k in (1, 2)}
-        self.command = commands(scene)
+        self.command, self.activation = commands(scene), activations(scene)
 
-    def accelerations(self, q: Array, v: Array, ctrl: Array) -> list[Array] | None:
+    def accelerations(self, q: Array, v: Array, ctrl: Array, act: Array) -> list[Array] | None:
         """(nv) at the state, extrapolated to a time step of 0, for each of TIME_STEPS; None if something touches."""
         found = []
         for h in TIME_STEPS:
@@ -33,7 +33,7 @@ class Peer:
             for step in (h, h / 2):
                 world = self.worlds[step]
                 world.q, world.v = q, v
-                world.ctrl = ctrl[self.command]
+                world.ctrl, world.act = ctrl[self.command], act[self.activation]
                 world.forget()
                 world.step()
                 if world.contacts():
@@ -49,17 +49,23 @@ def commands(scene: Scene) -> list[int]:
     return [names[actuator.name] for actuator in scene.ours.actuators]
 
 
+def activations(scene: Scene) -> list[int]:
+    """Where MuJoCo has each of our activations."""
+    driven = [i for i, ours in zip(commands(scene), scene.ours.actuators, strict=True) if ours.iact >= 0]
+    return [int(scene.mujoco.actuator_actadr[i]) for i in driven]
+
+
 def compare(scene: Scene) -> dict[str, float | int | str]:
     """At how many states, the largest difference, at which state, and of which joint."""
     peer = Peer(scene)
     found: dict[str, float | int | str] = {"states": 0, "away": 0.0, "where": "", "error": ""}
-    for name, qpos, qvel, ctrl in states(scene):
-        theirs = acceleration(scene, qpos, qvel, ctrl)
+    for name, qpos, qvel, ctrl, act in states(scene):
+        theirs = acceleration(scene, qpos, qvel, ctrl, act)
         if theirs is None:
             continue
         G = scene.velocity_map(qpos)
         try:
-            ours = peer.accelerations(scene.configuration(qpos), G @ qvel, ctrl)
+            ours = peer.accelerations(scene.configuration(qpos), G @ qvel, ctrl, act)
         except (mh.SimulationError, ValueError) as why:
             return found | {"error": f"{name}: {why}".splitlines()[0][:300]}
         if ours is None:
@@ -76,13 +82,13 @@ def compare(scene: Scene) -> dict[str, float | int | str]:
     return found
 
 
-def states(scene: Scene) -> Iterator[tuple[str, Array, Array, Array]]:
+def states(scene: Scene) -> Iterator[tuple[str, Array, Array, Array, Array]]:
     """The initial state, then random ones within limits, free bodies far apart."""
     model, rng = scene.mujoco, np.random.default_rng(0)
-    yield "initial state", np.array(model.qpos0), np.zeros(model.nv), np.zeros(model.nu)
+    yield "initial state", np.array(model.qpos0), np.zeros(model.nv), np.zeros(model.nu), np.zeros(model.na)
     for k in range(TRIES):
         qvel = rng.uniform(*SPEEDS, model.nv) * rng.choice((-1.0, 1.0), model.nv)
-        yield f"state {k}", random_qpos(model, rng), qvel, random_ctrl(model, rng)
+        yield f"state {k}", random_qpos(model, rng), qvel, random_ctrl(model, rng), rng.uniform(-1, 1, model.na)
 
 
 def random_qpos(model: MjModel, rng: np.random.Generator) -> Array:
@@ -106,11 +112,11 @@ def random_ctrl(model: MjModel, rng: np.random.Generator) -> Array:
     return rng.uniform(lower, upper)
 
 
-def acceleration(scene: Scene, qpos: Array, qvel: Array, ctrl: Array) -> Array | None:
+def acceleration(scene: Scene, qpos: Array, qvel: Array, ctrl: Array, act: Array) -> Array | None:
     """MuJoCo's (nv); None where one of its soft constraints acts."""
     model, data = scene.mujoco, scene.data
     mujoco.mj_resetData(model, data)
-    data.qpos, data.qvel, data.ctrl = qpos, qvel, ctrl
+    data.qpos, data.qvel, data.ctrl, data.act = qpos, qvel, ctrl, act
     mujoco.mj_forward(model, data)
     at_bound = np.abs(data.efc_force) >= (1 - 1e-12) * data.efc_frictionloss  # efc_state is that of an earlier iterate
     exact = np.isin(data.efc_type, FRICTIONS) & at_bound & (data.efc_force * data.efc_vel < 0)

@@ -9,7 +9,7 @@ import numpy as np
 
 import manyhands as mh
 from benchmarks.mujoco_map import Array, Scene, mujoco
-from benchmarks.realfiles.accelerations import commands, random_ctrl
+from benchmarks.realfiles.accelerations import activations, commands, random_ctrl
 from benchmarks.realfiles.statics import Difference
 
 CHUNK = 0.1  # [s] simulated by one program, then by the other
@@ -89,6 +89,7 @@ class Pair:
         self.world.q = scene.configuration(self.data.qpos)
         self.world.v = scene.velocity_map(self.data.qpos) @ self.data.qvel
         self.world.ctrl = self.data.ctrl[self.command]
+        self.world.act = self.data.act[activations(scene)]
         self.names = scene.names("body", model.nbody)[1:]
         self.mass = float(np.sum(model.body_mass[1:]))
 

@@ -1,18 +1,15 @@
 """What is known of a file, a line of JSON each, and what it means."""
 
 import hashlib
-import json
-import os
-from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
 
+from benchmarks import lines
 from benchmarks.children import Ended
+from benchmarks.lines import Result, append, ending, write
 from benchmarks.realfiles.accelerations import TOLERANCE
 from benchmarks.realfiles.examine import Task
-from manyhands.files import write_text
 
-Result = dict[str, Any]
+__all__ = ["COLUMNS", "Result", "append", "key_of", "read", "reasons", "result_of", "verdicts", "write"]
 MEASURING = ("examine", "loading", "statics", "accelerations", "motion", "../mujoco_map")
 COLUMNS = ("loads", "statics", "accelerations", "stable", "rests")
 PASS, FAIL, NONE = "pass", "fail", "-"
@@ -28,15 +25,6 @@ def result_of(ended: Ended[Task], key: str) -> Result:
             result |= said
     result["ended"] = ending(ended.status)
     return result
-
-
-def ending(status: int | None) -> str:
-    """Empty if all went well."""
-    if status is None:
-        return "hangs"
-    if status == -24:
-        return "out of processor time"
-    return "" if status == 0 else f"crashes with status {status}"
 
 
 def accepted(result: Result) -> bool:
@@ -90,30 +78,5 @@ def key_of(package: Path, seconds: float) -> str:
 
 
 def read(path: Path, key: str | None = None) -> dict[str, Result]:
-    """Results by file; a line that was cut short is passed over, and so are those of another key."""
-    found: dict[str, Result] = {}
-    if not path.is_file():
-        return found
-    for line in path.read_text().splitlines():
-        try:
-            result = json.loads(line)
-        except json.JSONDecodeError:
-            continue
-        if key is None or result["key"] == key:
-            found[result["file"]] = result
-    return found
-
-
-def append(path: Path, result: Result) -> None:
-    """One line, written whole."""
-    line = (json.dumps(result) + "\n").encode()
-    descriptor = os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o644)
-    try:
-        os.write(descriptor, line)
-    finally:
-        os.close(descriptor)
-
-
-def write(path: Path, results: Iterable[Result]) -> None:
-    """The file anew, whole or not at all."""
-    write_text(path, "".join(json.dumps(result) + "\n" for result in results))
+    """Results by file."""
+    return lines.read(path, "file", key)

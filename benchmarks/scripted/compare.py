@@ -15,6 +15,7 @@ from benchmarks.scripted.tasks import Task, outcomes
 SAME = 0.1  # of the recorded outcome
 SUBSTEPS = 8  # of MuJoCo's where it is made hard
 RECORDED, THEIRS, OURS, LED_THEIRS, LED_OURS, HARD = "recorded", "theirs", "ours", "led theirs", "led ours", "hard"
+SOFT, LED_SOFT = "soft", "led soft"
 RUNS = {
     RECORDED: "as it was recorded",
     THEIRS: "MuJoCo, the recorded commands",
@@ -22,6 +23,8 @@ RUNS = {
     LED_THEIRS: "MuJoCo, led along the recorded path",
     LED_OURS: "manyhands, led along the recorded path",
     HARD: "MuJoCo, led, with hard limits and contacts",
+    SOFT: "manyhands, the recorded commands, all giving way as in MuJoCo",
+    LED_SOFT: "manyhands, led, all giving way as in MuJoCo",
 }
 
 
@@ -75,6 +78,7 @@ def compare(task: Task, folder: Path) -> Compared:
     recording = Recording.read(folder / "motion.npz")
     scene, led, hard = scene_of(folder / "scene.xml"), led_scene(folder / "scene.xml"), led_scene(folder / "scene.xml")
     time_step = scene.mujoco.opt.timestep
+    soft, led_soft = scene_of(folder / "scene.xml", "all"), led_scene(folder / "scene.xml", "all")
     harden(hard, SUBSTEPS)
     servo = Servo(scene, recording)
     start = recording.qpos[0], recording.qvel[0]
@@ -85,6 +89,8 @@ def compare(task: Task, folder: Path) -> Compared:
         (LED_THEIRS, Theirs(led, *start), servo),
         (LED_OURS, Ours(led, *start), servo),
         (HARD, Theirs(hard, *start, SUBSTEPS), servo),
+        (SOFT, Ours(soft, *start), None),
+        (LED_SOFT, Ours(led_soft, *start), servo),
     ):
         try:
             path = replay(recording, program, lead)

@@ -5,19 +5,19 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import manyhands as mh
-from benchmarks.mujoco_map import Scene, mujoco
+from benchmarks.mujoco_map import Compliance, Scene, mujoco
 
 
-def scene_of(path: Path) -> Scene:
-    """As a user loads it."""
+def scene_of(path: Path, compliance: Compliance = "stated") -> Scene:
+    """As a user loads it; what gives way with us is up to `compliance`."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", mh.LoadWarning)
-        world = mh.World.from_file(path)
+        world = mh.World.from_file(path, compliance=compliance)
     assert world.report is not None
     return Scene(mujoco.MjModel.from_xml_path(str(path)), world.model, world.report)
 
 
-def led_scene(path: Path) -> Scene:
+def led_scene(path: Path, compliance: Compliance = "stated") -> Scene:
     """Without the welds to mocap bodies: the forces of a `Servo` take their place."""
     tree = ET.parse(path)
     mocap = {body.get("name") for body in tree.iter("body") if body.get("mocap") == "true"}
@@ -27,7 +27,7 @@ def led_scene(path: Path) -> Scene:
                 equality.remove(weld)
     beside = path.with_name("led.xml")
     tree.write(beside)
-    return scene_of(beside)
+    return scene_of(beside, compliance)
 
 
 def harden(scene: Scene, substeps: int) -> None:

@@ -118,6 +118,10 @@ void bind_model_class(nb::module_& m) {
       .def_prop_ro(
           "nu", [](const PythonModel& self) { return self.model->nu(); }, "Length of ctrl: one for each actuator.")
       .def_prop_ro(
+          "na", [](const PythonModel& self) { return self.model->na(); },
+          "Length of act: one for each actuator that has an activation.")
+      .def_prop_ro("sensors", [](const PythonModel& self) { return copy_of(self.model->sensors()); })
+      .def_prop_ro(
           "time_step", [](const PythonModel& self) { return self.model->time_step(); },
           "[s], if the description asks for one; else None.")
       .def(
@@ -212,36 +216,44 @@ void bind_sdf(nb::module_& m) {
       "those of `load_urdf`. Raises FileNotFoundError, and SdfError (a ValueError) for malformed files.");
 }
 
+MjcfOptions options_of(bool allow_outside_package, bool load_meshes, const std::string& compliance) {
+  return {.allow_outside_package = allow_outside_package,
+          .load_meshes = load_meshes,
+          .compliance = bindings::named("compliance", compliance, bindings::kCompliances)};
+}
+
 void bind_mjcf(nb::module_& m) {
   m.def(
       "load_mjcf",
-      [](const std::filesystem::path& path, bool allow_outside_package, bool load_meshes, bool bullet) {
-        return loaded_by([&] {
-          return load_mjcf(
-              path, {.allow_outside_package = allow_outside_package, .load_meshes = load_meshes, .bullet = bullet});
-        });
+      [](const std::filesystem::path& path, bool allow_outside_package, bool load_meshes, const std::string& compliance,
+         bool bullet) {
+        MjcfOptions options = options_of(allow_outside_package, load_meshes, compliance);
+        options.bullet = bullet;
+        return loaded_by([&] { return load_mjcf(path, options); });
       },
-      "path"_a, nb::kw_only(), "allow_outside_package"_a = false, "load_meshes"_a = true, "bullet"_a = false,
+      "path"_a, nb::kw_only(), "allow_outside_package"_a = false, "load_meshes"_a = true, "compliance"_a = "stated",
+      "bullet"_a = false,
       "Loads a scene from an MJCF file, and what was defaulted, repaired or ignored in it.\n\n"
       "Links, joints, geoms and actuators follow in MuJoCo's order: q is MuJoCo's qpos with quaternions turned from "
       "wxyz "
       "to xyzw, `Model.initial_configuration` its qpos0, `Model.time_step` and `Model.keyframes` the file's. "
       "allow_outside_package: whether meshes and included files may lie outside the file's package. load_meshes: False "
-      "leaves out shapes that need a mesh. bullet: Bullet's rules where they differ: global coordinates and fixed "
-      "joints "
-      "are read, bodies, joints and geoms alone count, at 1000 kg/m^3. Raises FileNotFoundError, and MjcfError (a "
-      "ValueError) for malformed "
+      "leaves out shapes that need a mesh. compliance: which constraints give way by solref and solimp: 'stated', "
+      "those "
+      "that the file makes clearly softer than MuJoCo's default; 'all', as in MuJoCo; 'none'. bullet: Bullet's rules "
+      "where they differ: global coordinates and fixed joints are read, bodies, joints and geoms alone count, at 1000 "
+      "kg/m^3, and nothing gives way. Raises FileNotFoundError, and MjcfError (a ValueError) for malformed "
       "files.");
   m.def(
       "load_mjcf_string",
-      [](const std::string& text, const std::filesystem::path& folder, bool allow_outside_package, bool load_meshes) {
-        return loaded_by([&] {
-          return load_mjcf_string(text, "mjcf", folder,
-                                  {.allow_outside_package = allow_outside_package, .load_meshes = load_meshes});
-        });
+      [](const std::string& text, const std::filesystem::path& folder, bool allow_outside_package, bool load_meshes,
+         const std::string& compliance) {
+        const MjcfOptions options = options_of(allow_outside_package, load_meshes, compliance);
+        return loaded_by([&] { return load_mjcf_string(text, "mjcf", folder, options); });
       },
       "text"_a, nb::kw_only(), "folder"_a = std::filesystem::path("."), "allow_outside_package"_a = false,
-      "load_meshes"_a = true, "The same for a text; folder is where its relative paths start.");
+      "load_meshes"_a = true, "compliance"_a = "stated",
+      "The same for a text; folder is where its relative paths start.");
 }
 
 void bind_loading(nb::module_& m) {

@@ -12,11 +12,11 @@
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
-#include <limits>
 #include <map>
 #include <tuple>
 
 #include "bindings/bindings.h"
+#include "bindings/model/builder_names.h"
 #include "bindings/model/model_values.h"
 #include "bindings/model/python_model.h"
 #include "manyhands/model/convex_parts.h"
@@ -29,16 +29,18 @@ namespace manyhands {
 
 namespace {
 
+using bindings::joint_of;
+using bindings::kInfinity;
+using bindings::link_of;
 using bindings::named;
 using bindings::NumberOrNumbers;
 using bindings::Numbers3;
 using bindings::Numbers4;
 using bindings::size_of;
+using bindings::tendon_of;
 using bindings::transform;
 using bindings::vec3;
 using Matrix3 = std::array<Numbers3, 3>;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 constexpr std::array<std::pair<const char*, JointType>, 8> kJointTypes{{{"fixed", JointType::kFixed},
                                                                         {"revolute", JointType::kRevolute},
@@ -55,27 +57,6 @@ SymMat3<double> symmetric(const std::string& what, const Matrix3& m) {
     if (m[r][c] != m[c][r]) throw ModelError(what + ": the inertia matrix must be symmetric");
   }
   return {m[0][0], m[1][1], m[2][2], m[0][1], m[0][2], m[1][2]};
-}
-
-LinkId link_of(const ModelBuilder& builder, const std::string& name) {
-  for (std::size_t i = 0; i < builder.links().size(); ++i) {
-    if (builder.links()[i].name == name) return LinkId(i);
-  }
-  throw std::out_of_range("link '" + name + "' has not been added to the builder");
-}
-
-JointId joint_of(const ModelBuilder& builder, const std::string& name) {
-  for (std::size_t i = 0; i < builder.joints().size(); ++i) {
-    if (builder.joints()[i].name == name) return JointId(i);
-  }
-  throw std::out_of_range("joint '" + name + "' has not been added to the builder");
-}
-
-TendonId tendon_of(const ModelBuilder& builder, const std::string& name) {
-  for (std::size_t i = 0; i < builder.tendons().size(); ++i) {
-    if (builder.tendons()[i].name == name) return TendonId(i);
-  }
-  throw std::out_of_range("tendon '" + name + "' has not been added to the builder");
 }
 
 /// A row of three numbers for each vertex or triangle.
@@ -124,34 +105,38 @@ nb::class_<ModelBuilder> bind_tree(nb::module_& m) {
              const std::string& child, const Numbers3& position, const Numbers4& orientation, const Numbers3& axis,
              double lower, double upper, double effort, double velocity, double damping, double friction,
              double armature, const std::vector<double>& initial, double stiffness,
-             const std::vector<double>& spring_reference) {
-            self.add_joint({.name = name,
-                            .type = named("joint type", type, kJointTypes),
-                            .parent = link_of(self, parent),
-                            .child = link_of(self, child),
-                            .X_PF = transform("joint '" + name + "'", position, orientation),
-                            .axis = vec3(axis),
-                            .limits = {.lower = lower, .upper = upper, .effort = effort, .velocity = velocity},
-                            .damping = damping,
-                            .friction = friction,
-                            .armature = armature,
-                            .stiffness = stiffness,
-                            .initial = initial,
-                            .spring_reference = spring_reference});
+             const std::vector<double>& spring_reference, const std::optional<Compliance>& compliance) {
+            self.add_joint(
+                {.name = name,
+                 .type = named("joint type", type, kJointTypes),
+                 .parent = link_of(self, parent),
+                 .child = link_of(self, child),
+                 .X_PF = transform("joint '" + name + "'", position, orientation),
+                 .axis = vec3(axis),
+                 .limits =
+                     {.lower = lower, .upper = upper, .effort = effort, .velocity = velocity, .compliance = compliance},
+                 .damping = damping,
+                 .friction = friction,
+                 .armature = armature,
+                 .stiffness = stiffness,
+                 .initial = initial,
+                 .spring_reference = spring_reference});
           },
           "name"_a, "type"_a, "parent"_a, "child"_a, nb::kw_only(), "position"_a = Numbers3{},
           "quaternion"_a = Numbers4{0, 0, 0, 1}, "axis"_a = Numbers3{0, 0, 1}, "lower"_a = -kInfinity,
           "upper"_a = kInfinity, "effort"_a = kInfinity, "velocity"_a = kInfinity, "damping"_a = 0.0,
           "friction"_a = 0.0, "armature"_a = 0.0, "initial"_a = std::vector<double>{}, "stiffness"_a = 0.0,
-          "spring_reference"_a = std::vector<double>{},
+          "spring_reference"_a = std::vector<double>{}, "compliance"_a = nb::none(),
           nb::sig("def add_joint(self, name: str, type: str, parent: str, child: str, *, "
                   "position: numpy.typing.ArrayLike = (0, 0, 0), quaternion: numpy.typing.ArrayLike = (0, 0, 0, 1), "
                   "axis: numpy.typing.ArrayLike = (0, 0, 1), lower: float = ..., upper: float = ..., "
                   "effort: float = ..., velocity: float = ..., damping: float = 0.0, friction: float = 0.0, "
                   "armature: float = 0.0, initial: numpy.typing.ArrayLike = (), stiffness: float = 0.0, "
-                  "spring_reference: numpy.typing.ArrayLike = ()) -> None"),
+                  "spring_reference: numpy.typing.ArrayLike = (), compliance: Compliance | None = None) -> None"),
           "Joins two links. type: as `Joint.type`; position (3) [m] and quaternion xyzw (4): the joint frame F in the "
-          "parent; axis in F (3); initial: where it starts, in q; spring_reference: where its spring is at rest.");
+          "parent; axis in F (3); initial: where it starts, in q; spring_reference: where its spring is at rest; "
+          "compliance: of "
+          "its limits, which else hold exactly.");
 }
 
 void bind_shapes(nb::class_<ModelBuilder>& builder) {
@@ -161,7 +146,8 @@ void bind_shapes(nb::class_<ModelBuilder>& builder) {
           [](ModelBuilder& self, const std::string& link, const std::string& shape, const NumberOrNumbers& size,
              const std::string& name, const Numbers3& position, const Numbers4& orientation, int mesh, int height_field,
              double friction, double restitution, double rolling_friction, double spinning_friction,
-             std::uint32_t group, std::uint32_t mask, double margin, bool visual, const std::array<float, 4>& rgba) {
+             std::uint32_t group, std::uint32_t mask, double margin, bool visual, const std::array<float, 4>& rgba,
+             const std::optional<Compliance>& compliance) {
             const ShapeType type = named("shape", shape, bindings::kShapes);
             return self
                 .add_geom({.name = name,
@@ -176,7 +162,8 @@ void bind_shapes(nb::class_<ModelBuilder>& builder) {
                            .surface = {.lateral_friction = friction,
                                        .spinning_friction = spinning_friction,
                                        .rolling_friction = rolling_friction,
-                                       .restitution = restitution},
+                                       .restitution = restitution,
+                                       .compliance = compliance},
                            .filter = {.group = group, .mask = mask},
                            .margin = margin})
                 .value();
@@ -185,7 +172,7 @@ void bind_shapes(nb::class_<ModelBuilder>& builder) {
           "position"_a = Numbers3{}, "quaternion"_a = Numbers4{0, 0, 0, 1}, "mesh"_a = -1, "height_field"_a = -1,
           "friction"_a = 0.5, "restitution"_a = 0.0, "rolling_friction"_a = 0.0, "spinning_friction"_a = 0.0,
           "group"_a = 1u, "mask"_a = 0xffffffffu, "margin"_a = 0.0, "visual"_a = false,
-          "rgba"_a = std::array<float, 4>{0.7f, 0.7f, 0.7f, 1.0f},
+          "rgba"_a = std::array<float, 4>{0.7f, 0.7f, 0.7f, 1.0f}, "compliance"_a = nb::none(),
           nb::sig(
               "def add_geom(self, link: str, shape: typing.Literal['sphere', 'capsule', 'cylinder', 'box', 'plane', "
               "'mesh', 'convex', 'height_field'], size: float | numpy.typing.ArrayLike = (), *, name: str = '', "
@@ -193,12 +180,13 @@ void bind_shapes(nb::class_<ModelBuilder>& builder) {
               "mesh: int = -1, height_field: int = -1, friction: float = 0.5, restitution: float = 0.0, "
               "rolling_friction: float = 0.0, spinning_friction: float = 0.0, group: int = 1, "
               "mask: int = 0xffffffff, margin: float = 0.0, visual: bool = False, "
-              "rgba: numpy.typing.ArrayLike = (0.7, 0.7, 0.7, 1)) -> int"),
+              "rgba: numpy.typing.ArrayLike = (0.7, 0.7, 0.7, 1), compliance: Compliance | None = None) -> int"),
           "Adds a shape to a link and returns its index. size, position, quaternion, mesh, height_field, the "
           "frictions, "
           "group, mask and margin: as in `Geom`. Planes, height fields and meshes that are touched belong to links "
           "that "
-          "do not move. visual: seen, but touches nothing.")
+          "do not move. visual: seen, but touches nothing. compliance: of the surface, which else is hard; of "
+          "two that touch, the mean counts, where a hard one has the default.")
       .def(
           "add_mesh",
           [](ModelBuilder& self, const std::filesystem::path& path, const Numbers3& scale) {
@@ -242,7 +230,8 @@ void bind_couplings(nb::class_<ModelBuilder>& builder) {
           [](ModelBuilder& self, const std::string& name, const std::string& type, const std::string& a,
              const std::string& b, const Numbers3& position_a, const Numbers4& quaternion_a, const Numbers3& position_b,
              const Numbers4& quaternion_b, double ratio, double offset, const std::array<double, 5>& polynomial,
-             const std::pair<double, double>& references, double max_force) {
+             const std::pair<double, double>& references, double max_force, const std::optional<Compliance>& compliance,
+             double torque_scale) {
             EqualityConstraint equality{.name = name, .type = named("equality type", type, bindings::kEqualities)};
             if (equality.type == EqualityType::kJoint || equality.type == EqualityType::kGear) {
               equality.joint_a = joint_of(self, a);
@@ -261,12 +250,15 @@ void bind_couplings(nb::class_<ModelBuilder>& builder) {
             equality.ratio = ratio;
             equality.offset = offset;
             equality.max_force = max_force;
+            equality.compliance = compliance;
+            equality.torque_scale = torque_scale;
             self.add_equality(std::move(equality));
           },
           "name"_a, "type"_a, "a"_a, "b"_a, nb::kw_only(), "position_a"_a = Numbers3{},
           "quaternion_a"_a = Numbers4{0, 0, 0, 1}, "position_b"_a = Numbers3{}, "quaternion_b"_a = Numbers4{0, 0, 0, 1},
           "ratio"_a = 1.0, "offset"_a = 0.0, "polynomial"_a = std::array<double, 5>{0, 1, 0, 0, 0},
-          "references"_a = std::pair{0.0, 0.0}, "max_force"_a = kInfinity,
+          "references"_a = std::pair{0.0, 0.0}, "max_force"_a = kInfinity, "compliance"_a = nb::none(),
+          "torque_scale"_a = 1.0,
           nb::sig(
               "def add_equality(self, name: str, type: typing.Literal['point', 'hinge', 'fixed', 'prismatic', "
               "'slider', 'joint', 'gear', 'tendon'], a: str, b: str, *, position_a: numpy.typing.ArrayLike = (0, 0, "
@@ -275,18 +267,19 @@ void bind_couplings(nb::class_<ModelBuilder>& builder) {
               "quaternion_b: numpy.typing.ArrayLike = (0, 0, 0, 1), ratio: float = 1.0, offset: float = 0.0, "
               "polynomial: collections.abc.Sequence[float] = (0, 1, 0, 0, 0), references: tuple[float, float] = (0, "
               "0), "
-              "max_force: float = ...) -> None"),
+              "max_force: float = ..., compliance: Compliance | None = None, torque_scale: float = 1.0) -> None"),
           "Holds two parts together: frame B on link b coincides with frame A on link a ('point': in its origin; "
           "'hinge': may turn about z; 'fixed'; 'prismatic': may slide along z; 'slider': both); or joints a and b move "
           "as q_b = ratio q_a + offset ('joint') or v_b = ratio v_a ('gear'); or the lengths of tendons a and b, less "
           "their references, as length_b = polynomial(length_a), of powers 0 to 4 ('tendon'; without a, '', its length "
-          "counts as 0).")
+          "counts as 0). compliance: how it gives way, where it does not hold exactly; half of torque_scale [m/rad] is "
+          "how its rotation counts beside its displacement.")
       .def(
           "add_tendon",
           [](ModelBuilder& self, const std::string& name, const std::map<std::string, double>& joints,
              const std::vector<std::pair<double, std::vector<std::pair<std::string, Numbers3>>>>& branches,
              const std::pair<double, double>& limits, double damping, double friction, double armature,
-             double stiffness, const std::pair<double, double>& rest) {
+             double stiffness, const std::pair<double, double>& rest, const std::optional<Compliance>& compliance) {
             Tendon tendon{.name = name};
             for (const auto& [joint, coefficient] : joints)
               tendon.joints.push_back({joint_of(self, joint), coefficient});
@@ -300,46 +293,22 @@ void bind_couplings(nb::class_<ModelBuilder>& builder) {
             tendon.armature = armature;
             tendon.stiffness = stiffness;
             std::tie(tendon.spring_lower, tendon.spring_upper) = rest;
+            tendon.compliance = compliance;
             self.add_tendon(std::move(tendon));
           },
           "name"_a, nb::kw_only(), "joints"_a = std::map<std::string, double>(),
           "branches"_a = std::vector<std::pair<double, std::vector<std::pair<std::string, Numbers3>>>>(),
           "limits"_a = std::pair{-kInfinity, kInfinity}, "damping"_a = 0.0, "friction"_a = 0.0, "armature"_a = 0.0,
-          "stiffness"_a = 0.0, "rest"_a = std::pair{0.0, 0.0},
+          "stiffness"_a = 0.0, "rest"_a = std::pair{0.0, 0.0}, "compliance"_a = nb::none(),
           nb::sig("def add_tendon(self, name: str, *, joints: dict[str, float] = ..., branches: "
                   "list[tuple[float, list[tuple[str, numpy.typing.ArrayLike]]]] = ..., limits: tuple[float, float] = "
                   "..., damping: float = 0.0, friction: float = 0.0, armature: float = 0.0, stiffness: float = 0.0, "
-                  "rest: tuple[float, float] = (0, 0)) -> None"),
+                  "rest: tuple[float, float] = (0, 0), compliance: Compliance | None = None) -> None"),
           "A length, and the forces along it; `Tendon` says what its numbers mean. Either a fixed tendon, the sum of "
           "coefficient q over joints of one degree of freedom, or a spatial one, which runs from point to point: "
-          "branches of (divisor, [(link, point in its frame [m])]). Its spring pulls outside of `rest`.")
-      .def(
-          "add_actuator",
-          [](ModelBuilder& self, const std::string& name, const std::string& type, const std::string& joint,
-             const std::string& tendon, double gear, double kp, double kd, double ctrl_scale, double ctrl_offset,
-             const std::pair<double, double>& ctrl_range, double max_force) {
-            self.add_actuator({.name = name,
-                               .type = named("actuator type", type, bindings::kActuators),
-                               .joint = joint.empty() ? JointId() : joint_of(self, joint),
-                               .tendon = tendon.empty() ? TendonId() : tendon_of(self, tendon),
-                               .gear = gear,
-                               .ctrl_scale = ctrl_scale,
-                               .ctrl_offset = ctrl_offset,
-                               .kp = kp,
-                               .kd = kd,
-                               .min_ctrl = ctrl_range.first,
-                               .max_ctrl = ctrl_range.second,
-                               .max_force = max_force});
-          },
-          "name"_a, "type"_a, "joint"_a = "", nb::kw_only(), "tendon"_a = "", "gear"_a = 1.0, "kp"_a = 0.0,
-          "kd"_a = 0.0, "ctrl_scale"_a = 1.0, "ctrl_offset"_a = 0.0, "ctrl_range"_a = std::pair{-kInfinity, kInfinity},
-          "max_force"_a = kInfinity,
-          nb::sig("def add_actuator(self, name: str, type: typing.Literal['force', 'position', 'velocity'], joint: str "
-                  "= '', "
-                  "*, tendon: str = '', gear: float = 1.0, kp: float = 0.0, kd: float = 0.0, ctrl_scale: float = 1.0, "
-                  "ctrl_offset: float = 0.0, ctrl_range: tuple[float, float] = ..., "
-                  "max_force: float = ...) -> None"),
-          "Drives a joint of one degree of freedom, or a tendon; `Actuator` says what its numbers mean.")
+          "branches of (divisor, [(link, point in its frame [m])]). Its spring pulls outside of `rest`. compliance: of "
+          "its "
+          "limits, which else hold exactly.")
       .def(
           "exclude_contact",
           [](ModelBuilder& self, const std::string& a, const std::string& b) {
@@ -407,16 +376,20 @@ void bind_whole(nb::class_<ModelBuilder>& builder) {
       .def(
           "add_keyframe",
           [](ModelBuilder& self, const std::string& name, std::vector<double> q, std::vector<double> v,
-             std::vector<double> ctrl, double time) {
-            self.add_keyframe(
-                {.name = name, .time = time, .q = std::move(q), .v = std::move(v), .ctrl = std::move(ctrl)});
+             std::vector<double> ctrl, std::vector<double> act, double time) {
+            self.add_keyframe({.name = name,
+                               .time = time,
+                               .q = std::move(q),
+                               .v = std::move(v),
+                               .ctrl = std::move(ctrl),
+                               .act = std::move(act)});
           },
           "name"_a, nb::kw_only(), "q"_a = std::vector<double>{}, "v"_a = std::vector<double>{},
-          "ctrl"_a = std::vector<double>{}, "time"_a = 0.0,
+          "ctrl"_a = std::vector<double>{}, "act"_a = std::vector<double>{}, "time"_a = 0.0,
           nb::sig(
               "def add_keyframe(self, name: str, *, q: numpy.typing.ArrayLike = (), v: numpy.typing.ArrayLike = (), "
-              "ctrl: numpy.typing.ArrayLike = (), time: float = 0.0) -> None"),
-          "Names a state: q (nq), by default the initial one; v (nv), ctrl (nu), by default 0; time [s].")
+              "ctrl: numpy.typing.ArrayLike = (), act: numpy.typing.ArrayLike = (), time: float = 0.0) -> None"),
+          "Names a state: q (nq), by default the initial one; v (nv), ctrl (nu), act (na), by default 0; time [s].")
       .def(
           "build", [](const ModelBuilder& self) { return std::make_unique<PythonModel>(self.build()); },
           "Checks the whole and makes the model. Raises ValueError, naming the part, on a cycle or on a joint that "
@@ -430,6 +403,7 @@ void bind_model_builder(nb::module_& m) {
   auto builder = bind_tree(m);
   bind_shapes(builder);
   bind_couplings(builder);
+  bind_builder_actuators(builder);
   bind_whole(builder);
   m.def(
       "with_convex_parts",

@@ -9,6 +9,7 @@
 
 #include "bindings/bindings.h"
 #include "bindings/model/model_values.h"
+#include "manyhands/model/part_checks.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -29,6 +30,52 @@ nb::object matrix(const SymMat3<double>& m) {
 }
 
 nb::object numbers(const std::vector<double>& v) { return copied(v.data(), {v.size()}); }
+
+void bind_compliance(nb::module_& m) {
+  nb::class_<Compliance>(
+      m, "Compliance",
+      "How a constraint gives way instead of holding exactly: MuJoCo's solref and solimp. A row whose error is r and "
+      "that moves by J v meets a force f with\n\n"
+      "    d/dt (J v) + (1 - d) / d W f = -damping / d_max (J v) - stiffness / d_max^2 d r\n\n"
+      "where W = J M^-1 J^T at the model's start, and the impedance d grows with |r| from impedance[0] at 0 to d_max = "
+      "impedance[1] at `width`.")
+      .def(
+          "__init__",
+          [](Compliance* self, double time_constant, double damping_ratio, std::optional<double> stiffness,
+             std::optional<double> damping, const std::pair<double, double>& impedance, double width, double midpoint,
+             double power, double share) {
+            Compliance c = compliance_of(time_constant, damping_ratio);
+            if (stiffness || damping) c = {.stiffness = stiffness.value_or(0), .damping = damping.value_or(0)};
+            std::tie(c.impedance, c.largest_impedance) = impedance;
+            c.width = width;
+            c.midpoint = midpoint;
+            c.power = power;
+            c.share = share;
+            check_compliance("a compliance", c);
+            new (self) Compliance(c);
+          },
+          "time_constant"_a = 0.02, "damping_ratio"_a = 1.0, nb::kw_only(), "stiffness"_a = nb::none(),
+          "damping"_a = nb::none(), "impedance"_a = std::pair{0.9, 0.95}, "width"_a = 0.001, "midpoint"_a = 0.5,
+          "power"_a = 2.0, "share"_a = 1.0,
+          "time_constant [s] and damping_ratio, as which it oscillates, give stiffness [1/s^2] and damping [1/s], "
+          "where "
+          "neither of these is given. width [m or rad]; the impedance follows x^power up to the midpoint of the width, "
+          "then its mirror. share: of a surface, what it counts in the mean of two that touch. Raises ValueError.")
+      .def_ro("stiffness", &Compliance::stiffness, "[1/s^2]")
+      .def_ro("damping", &Compliance::damping, "[1/s]")
+      .def_prop_ro(
+          "impedance", [](const Compliance& c) { return std::pair(c.impedance, c.largest_impedance); },
+          "Where the error is 0, and from `width` on.")
+      .def_ro("width", &Compliance::width, "[m or rad]")
+      .def_ro("midpoint", &Compliance::midpoint)
+      .def_ro("power", &Compliance::power)
+      .def_ro("share", &Compliance::share, "Of a surface: what it counts in the mean of two that touch.")
+      .def(
+          "__eq__", [](const Compliance& a, const Compliance& b) { return a == b; }, nb::is_operator())
+      .def("__repr__", [](const Compliance& c) {
+        return "<Compliance: stiffness " + std::to_string(c.stiffness) + ", damping " + std::to_string(c.damping) + ">";
+      });
+}
 
 void bind_links(nb::module_& m) {
   nb::class_<Link>(m, "Link", "A named rigid part. Its frame L is the frame of the joint that moves it, at q = 0.")
@@ -80,6 +127,9 @@ void bind_links(nb::module_& m) {
           "effort", [](const Joint& joint) { return joint.limits.effort; }, "[N m or N]; inf without a limit.")
       .def_prop_ro(
           "velocity", [](const Joint& joint) { return joint.limits.velocity; }, "[rad/s or m/s]; inf without a limit.")
+      .def_prop_ro(
+          "compliance", [](const Joint& joint) { return joint.limits.compliance; },
+          "How its limits give way; None where they hold exactly.")
       .def_ro("damping", &Joint::damping, "[N m s/rad or N s/m]")
       .def_ro("friction", &Joint::friction, "Dry friction [N m or N].")
       .def_ro("stiffness", &Joint::stiffness, "Of its spring [N m/rad or N/m]; 0 without one.")
@@ -145,6 +195,9 @@ void bind_geom(nb::module_& m) {
           "rolling_friction", [](const Geom& geom) { return geom.surface.rolling_friction; },
           "Torque across the normal per normal force [m].")
       .def_prop_ro("restitution", [](const Geom& geom) { return geom.surface.restitution; })
+      .def_prop_ro(
+          "compliance", [](const Geom& geom) { return geom.surface.compliance; },
+          "How its surface gives way; None of a hard one.")
       .def_prop_ro(
           "group", [](const Geom& geom) { return geom.filter.group; },
           "Bits; two geoms may touch if each one's group is in the other's mask.")
@@ -214,6 +267,7 @@ void bind_couplings(nb::module_& m) {
           "[m])]).")
       .def_ro("lower", &Tendon::lower, "-inf without a limit.")
       .def_ro("upper", &Tendon::upper, "inf without a limit.")
+      .def_ro("compliance", &Tendon::compliance, "How its limits give way; None where they hold exactly.")
       .def_ro("damping", &Tendon::damping, "Force per rate of length.")
       .def_ro("friction", &Tendon::friction, "Dry friction [N].")
       .def_ro("armature", &Tendon::armature, "Inertia that moves with the length [kg].")
@@ -237,6 +291,23 @@ void bind_couplings(nb::module_& m) {
       .def_prop_ro(
           "tendon", [](const Actuator& a) { return a.tendon.value(); },
           "Index of the tendon, whose length is q above; -1 where it drives a joint.")
+      .def_prop_ro(
+          "link", [](const Actuator& a) { return a.site ? a.site->link.value() : -1; },
+          "Index of the link with the site that it pulls at; -1 where it drives a joint or tendon.")
+      .def_prop_ro(
+          "gain", [](const Actuator& a) { return a.gain; },
+          "'affine': force = gear (gain . (1, gear q, gear v) ctrl + bias . (1, gear q, gear v)).")
+      .def_prop_ro("bias", [](const Actuator& a) { return a.bias; })
+      .def_prop_ro(
+          "activation", [](const Actuator& a) { return name_of(a.activation.type, bindings::kActivations); },
+          "What the law reads in the place of ctrl: 'integrator': d act / dt = ctrl; 'filter', 'filterexact': (ctrl - "
+          "act) / time_constant; 'none': ctrl itself.")
+      .def_ro("iact", &Actuator::iact, "Index of its activation in act; -1 without one.")
+      .def_prop_ro(
+          "time_constant", [](const Actuator& a) { return a.activation.time_constant; }, "Of its activation [s].")
+      .def_prop_ro(
+          "act_range", [](const Actuator& a) { return std::pair{a.activation.lower, a.activation.upper}; },
+          "Within which its activation stays.")
       .def_ro("ctrl_scale", &Actuator::ctrl_scale, "ctrl_scale ctrl + ctrl_offset stands for ctrl above.")
       .def_ro("ctrl_offset", &Actuator::ctrl_offset)
       .def_ro("gear", &Actuator::gear)
@@ -244,7 +315,25 @@ void bind_couplings(nb::module_& m) {
       .def_ro("kd", &Actuator::kd, "[N m s/rad or N s/m]")
       .def_ro("min_ctrl", &Actuator::min_ctrl)
       .def_ro("max_ctrl", &Actuator::max_ctrl)
-      .def_ro("max_force", &Actuator::max_force, "At the joint [N m or N]; inf without a limit.");
+      .def_ro("max_force", &Actuator::max_force, "At the joint [N m or N]; inf without a limit.")
+      .def_prop_ro("min_force", &Actuator::least_force, "-max_force unless the bounds differ.");
+
+  nb::class_<Sensor>(m, "Sensor", "What a scene measures by name: MuJoCo's kinds and values, quaternions xyzw.")
+      .def_ro("name", &Sensor::name)
+      .def("__repr__", [](const Sensor& s) { return "<Sensor '" + s.name + "': " + to_string(s.type) + ">"; })
+      .def_prop_ro(
+          "type", [](const Sensor& s) { return to_string(s.type); }, "MuJoCo's name for it: 'jointpos', 'gyro' ...")
+      .def_prop_ro(
+          "size", [](const Sensor& s) { return size_of(s.type); }, "How many numbers it gives.")
+      .def_prop_ro(
+          "joint", [](const Sensor& s) { return s.joint.value(); }, "Index of the joint; -1 for others.")
+      .def_prop_ro(
+          "tendon", [](const Sensor& s) { return s.tendon.value(); }, "Index of the tendon; -1 for others.")
+      .def_prop_ro(
+          "actuator", [](const Sensor& s) { return s.actuator.value(); }, "Index of the actuator; -1 for others.")
+      .def_prop_ro(
+          "link", [](const Sensor& s) { return s.link.value(); }, "Index of the link that carries it; -1 for others.")
+      .def_ro("cutoff", &Sensor::cutoff, "Numbers stay within it; 0 where there is none.");
 
   nb::class_<EqualityConstraint>(m, "EqualityConstraint",
                                  "An equation between two links, two joints or two tendons that always holds.")
@@ -287,7 +376,10 @@ void bind_couplings(nb::module_& m) {
       .def_ro("reference_b", &EqualityConstraint::reference_b)
       .def_ro("ratio", &EqualityConstraint::ratio, "'joint': q_b = ratio q_a + offset; 'gear': v_b = ratio v_a.")
       .def_ro("offset", &EqualityConstraint::offset, "[rad or m]")
-      .def_ro("max_force", &EqualityConstraint::max_force, "Of each row [N or N m]; inf without a limit.");
+      .def_ro("max_force", &EqualityConstraint::max_force, "Of each row [N or N m]; inf without a limit.")
+      .def_ro("compliance", &EqualityConstraint::compliance, "How it gives way; None where it holds exactly.")
+      .def_ro("torque_scale", &EqualityConstraint::torque_scale,
+              "Half of it is how a rotation counts beside a displacement where it gives way [m/rad].");
 
   nb::class_<ContactPair>(m, "ContactPair", "Two geoms that may touch whatever their groups, masks and links say.")
       .def_prop_ro(
@@ -315,13 +407,15 @@ void bind_couplings(nb::module_& m) {
           "mocap", [](const Keyframe& key) { return copied(key.mocap.data(), {key.mocap.size() / 7, 7}); },
           nb::sig(returns_array("mocap").c_str()), "Of the mocap bodies: x y z [m], quaternion xyzw, (n, 7).")
       .def_prop_ro(
-          "ctrl", [](const Keyframe& key) { return numbers(key.ctrl); }, nb::sig(returns_array("ctrl").c_str()),
-          "(nu)");
+          "ctrl", [](const Keyframe& key) { return numbers(key.ctrl); }, nb::sig(returns_array("ctrl").c_str()), "(nu)")
+      .def_prop_ro(
+          "act", [](const Keyframe& key) { return numbers(key.act); }, nb::sig(returns_array("act").c_str()), "(na)");
 }
 
 }  // namespace
 
 void bind_model_parts(nb::module_& m) {
+  bind_compliance(m);
   bind_links(m);
   bind_geom(m);
   bind_couplings(m);

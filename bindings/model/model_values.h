@@ -110,8 +110,19 @@ inline constexpr std::array<std::pair<const char*, EqualityType>, 8> kEqualities
      {"gear", EqualityType::kGear},
      {"tendon", EqualityType::kTendon}}};
 
-inline constexpr std::array<std::pair<const char*, ActuatorType>, 3> kActuators{
-    {{"force", ActuatorType::kForce}, {"position", ActuatorType::kPosition}, {"velocity", ActuatorType::kVelocity}}};
+inline constexpr std::array<std::pair<const char*, MjcfCompliance>, 3> kCompliances{
+    {{"stated", MjcfCompliance::kStated}, {"all", MjcfCompliance::kAll}, {"none", MjcfCompliance::kNone}}};
+
+inline constexpr std::array<std::pair<const char*, ActuatorType>, 4> kActuators{{{"force", ActuatorType::kForce},
+                                                                                 {"position", ActuatorType::kPosition},
+                                                                                 {"velocity", ActuatorType::kVelocity},
+                                                                                 {"affine", ActuatorType::kAffine}}};
+
+inline constexpr std::array<std::pair<const char*, ActivationType>, 4> kActivations{
+    {{"none", ActivationType::kNone},
+     {"integrator", ActivationType::kIntegrator},
+     {"filter", ActivationType::kFilter},
+     {"filterexact", ActivationType::kFilterExact}}};
 
 inline constexpr std::array<std::pair<const char*, CombineRule>, 4> kCombineRules{
     {{"product", CombineRule::kProduct},

@@ -91,6 +91,8 @@ void bind_state(nb::class_<Batch>& batch) {
             "Joint forces (n, nv) [N m or N] that act until they are set again: a copy; assign the whole.");
   bind_rows(batch, "ctrl", &Model::nu, &Batch::ctrl, &Batch::set_ctrl,
             "Commands of the actuators (n, nu), each kept within its range: a copy; assign the whole.");
+  bind_rows(batch, "act", &Model::na, &Batch::act, &Batch::set_act,
+            "Activations of the actuators that have one (n, na): a copy; assign the whole.");
   batch
       .def_prop_ro(
           "mocap",
@@ -118,9 +120,12 @@ void bind_state(nb::class_<Batch>& batch) {
       .def_prop_ro(
           "flags", [](const Batch& self) { return copied(self.flags().data(), {count(self)}); },
           nb::sig("def flags(self) -> numpy.typing.NDArray[numpy.uint8]"),
-          "A byte for each world (n). 1: its numbers stopped being finite, and it stands at its last finite state "
-          "until it is reset or restored. 2: a penetration beyond 1 cm in the last call of `step`. 4: in that call the "
-          "solver left contacts that still changed by more than 5 cm/s: give it more iterations, or use a World.");
+          "A byte for each world (n). 1: its numbers stopped being finite, or a step moved it so far that it made "
+          "motion "
+          "from nothing, and it stands as it was before that step until it is reset or restored. 2: a penetration "
+          "beyond "
+          "1 cm in the last call of `step`. 4: in that call the solver left contacts that still changed by more than "
+          "5 cm/s: give it more iterations, or use a World.");
 }
 
 void bind_clock(nb::class_<Batch>& batch) {
@@ -141,8 +146,9 @@ void bind_clock(nb::class_<Batch>& batch) {
       // Keeps the interpreter's lock, so that Python's threads take turns with a batch.
       .def(
           "step", [](Batch& self, int n) { step_in_pieces(self, n, 500); }, "n"_a = 1,
-          "Advances all worlds by n steps; Ctrl-C stops between two of them. One whose numbers stop being finite stays "
-          "as it was; see `flags`.")
+          "Advances all worlds by n steps; Ctrl-C stops between two of them. One whose numbers stop being finite, or "
+          "that "
+          "makes motion from nothing, stays as it was; see `flags`.")
       .def("__len__", &Batch::num_worlds)
       .def_prop_ro("model", [](const Batch& self) { return std::make_unique<PythonModel>(self.shared_model()); })
       .def_prop_ro("num_worlds", &Batch::num_worlds)

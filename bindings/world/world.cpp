@@ -14,6 +14,7 @@
 #include "bindings/arrays.h"
 #include "bindings/bindings.h"
 #include "bindings/model/load_warning.h"
+#include "bindings/model/model_values.h"
 #include "bindings/model/python_model.h"
 #include "bindings/world/world_parts.h"
 #include "manyhands/physics/contact/contact_solver.h"
@@ -96,6 +97,37 @@ void bind_state(nb::class_<World>& world) {
           [](World& self, const Doubles& ctrl) { self.set_ctrl(ctrl); },
           nb::for_getter(nb::sig(getter("ctrl").c_str())), nb::for_setter(nb::sig(setter("ctrl").c_str())),
           "Commands of the actuators (nu), each kept within its range: a read-only copy; assign the whole.")
+      .def_prop_rw(
+          "act", [](const World& self) { return read_only(self.act()); },
+          [](World& self, const Doubles& act) { self.set_act(act); }, nb::for_getter(nb::sig(getter("act").c_str())),
+          nb::for_setter(nb::sig(setter("act").c_str())),
+          "Activations (na) of the actuators that have one, in their order: a read-only copy; assign the whole. Each "
+          "step keeps them within their bounds.")
+      .def(
+          "activation", [](const World& self, const std::string& actuator) { return self.activation(actuator); },
+          "actuator"_a, "The activation of one actuator. Raises ValueError if it has none.")
+      .def(
+          "set_activation",
+          [](World& self, const std::string& actuator, double act) { self.set_activation(actuator, act); },
+          "actuator"_a, "act"_a, "Sets it.")
+      .def(
+          "sensor",
+          [](const World& self, const std::string& name) {
+            const Doubles numbers = self.sensor(name);
+            return copied(numbers.data(), {numbers.size()});
+          },
+          "name"_a, nb::sig("def sensor(self, name: str) -> numpy.typing.NDArray[numpy.float64]"),
+          "The numbers (size) of one of `Model.sensors`: of the present state, or of the last step where it needs "
+          "forces or accelerations. Where there was no step in this world, what the next would find. Raises "
+          "RuntimeError with 'rk4', which finds none.")
+      .def(
+          "sensor_data",
+          [](const World& self) {
+            const Doubles numbers = self.sensor_data();
+            return copied(numbers.data(), {numbers.size()});
+          },
+          nb::sig("def sensor_data(self) -> numpy.typing.NDArray[numpy.float64]"),
+          "Of all sensors, one after the other in the order of `Model.sensors`.")
       .def_prop_ro(
           "tendon_lengths", [](const World& self) { return read_only(self.tendon_lengths()); },
           nb::sig(getter("tendon_lengths").c_str()),
@@ -105,16 +137,16 @@ void bind_state(nb::class_<World>& world) {
           nb::sig(getter("tendon_velocities").c_str()), "Their rates (tendons).")
       .def(
           "set_keyframe", [](World& self, const std::string& name) { self.set_keyframe(name); }, "name"_a,
-          "Sets q, v, ctrl and the poses of mocap bodies as the model's keyframe has them. Raises KeyError where there "
+          "Sets q, v, ctrl, act and the poses of mocap bodies as the model's keyframe has them. Raises KeyError where "
+          "there "
           "is none of that name; a world has none any more when parts have come or gone.")
       .def(
           "snapshot", [](const World& self) { return bindings::as_bytes(self.snapshot()); },
           "All that a run continues from, bit for bit, in the middle of contact too: state, contact cache, "
           "commands, forces applied, parameters and clock; not the solver's settings.")
       .def("forget", &World::forget,
-           "Starts the clock anew and forgets the solver's warm start: what follows depends on q, v, forces and "
-           "commands "
-           "alone.")
+           "Starts the clock anew and forgets the solver's warm start: what follows depends on q, v, act, forces and "
+           "commands alone.")
       .def(
           "restore", [](World& self, const nb::bytes& snapshot) { self.restore(bindings::as_bytes(snapshot)); },
           "snapshot"_a,
@@ -177,7 +209,8 @@ void bind_making(nb::class_<World>& world) {
                                   kIntegrator + ") -> None";
   static const std::string from_file =
       std::string("def from_file(path: str | os.PathLike, time_step: float | None = None, ") + kIntegrator +
-      ", *, allow_outside_package: bool = False) -> World";
+      ", *, allow_outside_package: bool = False, compliance: typing.Literal['stated', 'all', 'none'] = 'stated') -> "
+      "World";
   world
       .def(
           "__init__",
@@ -198,19 +231,21 @@ void bind_making(nb::class_<World>& world) {
       .def_static(
           "from_file",
           [](const std::filesystem::path& path, std::optional<double> time_step, const std::string& integrator,
-             bool allow_outside_package) {
+             bool allow_outside_package, const std::string& compliance) {
             auto loaded = std::make_unique<World>(
-                World::from_file(path, time_step, integrator_named(integrator), allow_outside_package));
+                World::from_file(path, time_step, integrator_named(integrator), allow_outside_package,
+                                 bindings::named("compliance", compliance, bindings::kCompliances)));
             bindings::warn_of(loaded->report().notes, "the world's `report`");
             return loaded;
           },
           "path"_a, "time_step"_a = nb::none(), "integrator"_a = "semi_implicit", nb::kw_only(),
-          "allow_outside_package"_a = false, nb::sig(from_file.c_str()),
+          "allow_outside_package"_a = false, "compliance"_a = "stated", nb::sig(from_file.c_str()),
           "A world of a URDF file, its base fixed, or of an MJCF file; what the loader changed is in `report`, and it "
           "warns of parts that it had to leave out. "
           "time_step [s]: None for the file's own, or 0.002. allow_outside_package: whether the files that it names "
           "may "
-          "lie outside its package. Raises FileNotFoundError, UrdfError, MjcfError.")
+          "lie outside its package. compliance: which constraints of an MJCF file give way, as for `load_mjcf`. Raises "
+          "FileNotFoundError, UrdfError, MjcfError.")
       .def(
           "copy", [](const World& self) { return std::make_unique<World>(self); }, "Another world in the same state.")
       .def("__copy__", [](const World& self) { return std::make_unique<World>(self); })
@@ -234,7 +269,8 @@ void bind_making(nb::class_<World>& world) {
 
 void bind_world(nb::module_& m) {
   nb::exception<SimulationError>(m, "SimulationError", PyExc_RuntimeError).doc() =
-      "A step led to numbers that are not finite; the world is as it was before that step.";
+      "A step led to numbers that are not finite, or moved things so far that it made motion from nothing: the message "
+      "names joints, time and cause. The world is as it was before that step.";
   auto world = nb::class_<World>(
       m, "World",
       "A model in motion, in double precision: parts with names, contact, motors and actuators.\n\n"
@@ -246,7 +282,9 @@ void bind_world(nb::module_& m) {
       .def(
           "step", [](World& self, int n) { step_in_pieces(self, n, 1000); }, "n"_a = 1,
           "Advances by n steps; Ctrl-C stops between two of them. Raises SimulationError, naming a joint, if a step "
-          "leads to numbers that are not finite: the world is then as it was before that step. With 'rk4' raises "
+          "leads to numbers that are not finite, or moves things so far that it makes motion from nothing: the world "
+          "is "
+          "then as it was before that step. With 'rk4' raises "
           "RuntimeError if a motor is on, something touches or a joint leaves its limits.")
       .def(
           "set_motors", &set_motors, nb::kw_only(), "target_q"_a = 0.0, "target_v"_a = 0.0, "kp"_a = 0.1, "kd"_a = 1.0,

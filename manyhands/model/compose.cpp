@@ -37,6 +37,7 @@ class Appender {
     add_tendons();
     add_equalities();
     add_actuators();
+    add_sensors();
     add_contact_exceptions();
     add_frames();
     return std::move(map_);
@@ -184,12 +185,44 @@ class Appender {
     }
   }
 
+  /// A frame on a link, in the new model; false if the link is left out.
+  [[nodiscard]] bool place(LinkId& id, Transform<double>& X_LF) const {
+    if (!has(id)) return false;
+    if (id.value() == 0) X_LF = moved() * X_LF;
+    id = link(id);
+    return true;
+  }
+
+  [[nodiscard]] bool place_site(ActuatorSite& site) const {
+    return place(site.link, site.X_LS) && (!site.reference.is_valid() || place(site.reference, site.X_LR));
+  }
+
+  /// Sensors of which every part is there.
+  void add_sensors() {
+    for (Sensor sensor : model_.sensors()) {
+      const auto mapped = [](auto& id, const std::vector<int>& map) {
+        using Id = std::remove_reference_t<decltype(id)>;
+        if (!id.is_valid()) return true;
+        id = Id(map[id.index()]);
+        return id.is_valid();
+      };
+      const bool whole = mapped(sensor.joint, map_.joints) && mapped(sensor.tendon, map_.tendons) &&
+                         mapped(sensor.actuator, map_.actuators) &&
+                         (!sensor.link.is_valid() || place(sensor.link, sensor.X_LF)) &&
+                         (!sensor.reference.is_valid() || place(sensor.reference, sensor.X_LR));
+      if (!whole) continue;
+      sensor.name = named(sensor.name);
+      builder_.add_sensor(std::move(sensor));
+    }
+  }
+
   void add_actuators() {
     for (std::size_t i = 0; i < model_.actuators().size(); ++i) {
       Actuator actuator = model_.actuators()[i];
       if (actuator.joint.is_valid()) actuator.joint = JointId(map_.joints[actuator.joint.index()]);
       actuator.tendon = tendon(actuator.tendon);
-      if (!actuator.joint.is_valid() && !actuator.tendon.is_valid()) continue;
+      if (actuator.site && !place_site(*actuator.site)) continue;
+      if (!actuator.joint.is_valid() && !actuator.tendon.is_valid() && !actuator.site) continue;
       actuator.name = named(actuator.name);
       map_.actuators[i] = builder_.add_actuator(std::move(actuator)).value();
     }

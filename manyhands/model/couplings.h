@@ -1,5 +1,4 @@
-// What acts between parts beyond joints: tendons, equality constraints, actuators, and exceptions to the rules of
-// collision.
+// What acts between parts beyond joints: tendons, equality constraints, and exceptions to the rules of collision.
 #pragma once
 
 #include <array>
@@ -37,10 +36,11 @@ struct Tendon {
   std::vector<TendonBranch> branches{};  ///< a spatial one: the way through points [m]; either of the two is empty
   double lower = -std::numeric_limits<double>::infinity();
   double upper = std::numeric_limits<double>::infinity();
-  double damping = 0;    ///< force per rate of length
-  double friction = 0;   ///< dry friction
-  double armature = 0;   ///< inertia that moves with the length
-  double stiffness = 0;  ///< of a spring that pulls below spring_lower and above spring_upper
+  std::optional<Compliance> compliance{};  ///< of lower and upper, which else hold exactly
+  double damping = 0;                      ///< force per rate of length
+  double friction = 0;                     ///< dry friction
+  double armature = 0;                     ///< inertia that moves with the length
+  double stiffness = 0;                    ///< of a spring that pulls below spring_lower and above spring_upper
   double spring_lower = 0, spring_upper = 0;
 };
 
@@ -55,8 +55,8 @@ enum class EqualityType {
   kTendon,     ///< tendons: length_b - reference_b = polynomial(length_a - reference_a)
 };
 
-/// An equation between two links, two joints or two tendons that always holds: it closes a loop of the tree, or couples
-/// joints.
+/// An equation between two links, two joints or two tendons that always holds, or gives way by its compliance: it
+/// closes a loop of the tree, or couples joints.
 struct EqualityConstraint {
   std::string name{};
   EqualityType type = EqualityType::kPoint;
@@ -69,29 +69,9 @@ struct EqualityConstraint {
   double reference_a = 0, reference_b = 0;
   double ratio = 1;
   double offset = 0;                                           ///< [rad or m]
-  double max_force = std::numeric_limits<double>::infinity();  ///< of each row [N or N m]
-};
-
-enum class ActuatorType {
-  kForce,     ///< force = gear ctrl
-  kPosition,  ///< force = gear (kp (ctrl - gear q) - kd gear v)
-  kVelocity,  ///< force = gear kd (ctrl - gear v)
-};
-
-/// A drive on a joint of one degree of freedom, or on a tendon, whose length is its q; commanded by one number, `ctrl`.
-/// Drives of one joint or tendon add up, and so do their bounds.
-struct Actuator {
-  std::string name{};
-  ActuatorType type = ActuatorType::kForce;
-  JointId joint{};
-  TendonId tendon{};  ///< either of the two
-  double gear = 1;
-  double ctrl_scale = 1, ctrl_offset = 0;  ///< ctrl_scale ctrl + ctrl_offset stands where laws say ctrl
-  double kp = 0;                           ///< [N m/rad or N/m]
-  double kd = 0;                           ///< [N m s/rad or N s/m]
-  double min_ctrl = -std::numeric_limits<double>::infinity();
-  double max_ctrl = std::numeric_limits<double>::infinity();
-  double max_force = std::numeric_limits<double>::infinity();  ///< at the joint [N m or N]
+  double max_force = std::numeric_limits<double>::infinity();  ///< of each row [N or N m]; of what holds exactly
+  std::optional<Compliance> compliance{};
+  double torque_scale = 1;  ///< of what gives way: half of it is how a rotation counts beside a displacement [m/rad]
 };
 
 /// Two links whose geoms never touch, whatever their filters say.

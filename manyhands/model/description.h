@@ -12,6 +12,7 @@
 
 #include "manyhands/base/ids.h"
 #include "manyhands/math/spatial.h"
+#include "manyhands/model/compliance.h"
 
 namespace manyhands {
 
@@ -72,6 +73,7 @@ struct JointLimits {
   double upper = std::numeric_limits<double>::infinity();     ///< [rad or m]
   double effort = std::numeric_limits<double>::infinity();    ///< [N m or N]
   double velocity = std::numeric_limits<double>::infinity();  ///< [rad/s or m/s]
+  std::optional<Compliance> compliance{};                     ///< of lower and upper, which else hold exactly
 };
 
 /// A joint between a parent link P and a child link. Frame F is fixed in P; at q = 0 the child's frame is F.
@@ -139,8 +141,10 @@ struct SurfaceMaterial {
   double restitution = 0;
   std::optional<double> stiffness{};  ///< [N/m]; only where somebody asked for softness
   std::optional<double> damping{};    ///< [N s/m]
+  std::optional<Compliance>
+      compliance{};  ///< along the normal: another softness, relative to the inertia that it meets
 
-  /// All of it, for the model's fingerprint.
+  /// All of it but its compliance, for the model's fingerprint.
   [[nodiscard]] auto fields() const {
     return std::tie(lateral_friction, friction_y, spinning_friction, rolling_friction, restitution, stiffness, damping);
   }
@@ -184,6 +188,7 @@ struct Keyframe {
   std::vector<double> q{};      ///< (nq)
   std::vector<double> v{};      ///< (nv)
   std::vector<double> ctrl{};   ///< (nu)
+  std::vector<double> act{};    ///< (na)
   std::vector<double> mocap{};  ///< of the mocap bodies: x y z [m] and quaternion xyzw each
 };
 

@@ -40,6 +40,11 @@ class Fingerprint {
   void add(const Transform<double>& X) { add(X.R.x, X.R.y, X.R.z, X.p); }
   void add(const SurfaceMaterial& surface) {
     std::apply([this](const auto&... fields) { add(fields...); }, surface.fields());
+    add_given(surface.compliance);
+  }
+  /// Nothing of what holds exactly.
+  void add_given(const std::optional<Compliance>& compliance) {
+    if (compliance) std::apply([this](const auto&... fields) { add(fields...); }, compliance->fields());
   }
   void add(const Link& link) {
     add(link.name, link.inertial.mass, link.inertial.com, link.inertial.inertia, link.parent.value(), link.body.value(),
@@ -49,6 +54,7 @@ class Fingerprint {
   void add(const Joint& joint) {
     add(joint.name, joint.type, joint.parent.value(), joint.child.value(), joint.X_PF, joint.axis, joint.iq, joint.iv);
     add(joint.limits.lower, joint.limits.upper, joint.damping, joint.friction, joint.armature, joint.stiffness);
+    add_given(joint.limits.compliance);
   }
   void add(const Geom& geom) {
     add(geom.name, geom.link.value(), geom.X_LG, geom.shape.type, geom.shape.size, geom.shape.mesh.value());
@@ -69,10 +75,13 @@ class Fingerprint {
       add(branch.divisor, branch.points.size());
       for (const TendonPoint& point : branch.points) add(point.link.value(), point.p_L);
     }
+    add_given(t.compliance);
   }
   void add(const EqualityConstraint& e) {
     add(e.name, e.type, e.link_a.value(), e.link_b.value(), e.X_LA, e.X_LB, e.joint_a.value(), e.joint_b.value());
     add(e.ratio, e.offset, e.max_force);
+    add_given(e.compliance);
+    if (e.compliance && e.torque_scale != 1) add(e.torque_scale);
     if (e.type != EqualityType::kTendon) return;
     add(e.tendon_a.value(), e.tendon_b.value(), e.reference_a, e.reference_b);
     for (const double coefficient : e.polynomial) add(coefficient);
@@ -81,6 +90,14 @@ class Fingerprint {
     add(a.name, a.type, a.joint.value(), a.gear, a.kp, a.kd, a.min_ctrl, a.max_ctrl, a.max_force);
     if (a.tendon.is_valid()) add(a.tendon.value());
     if (a.ctrl_scale != 1 || a.ctrl_offset != 0) add(a.ctrl_scale, a.ctrl_offset);
+    if (a.type == ActuatorType::kAffine) add(a.gain[0], a.gain[1], a.gain[2], a.bias[0], a.bias[1], a.bias[2]);
+    if (a.least_force() != -a.max_force) add(a.least_force());
+    if (a.has_activation()) add(a.activation);
+    if (a.site) add(*a.site);
+  }
+  void add(const Activation& a) { add(a.type, a.time_constant, a.lower, a.upper, a.early); }
+  void add(const ActuatorSite& site) {
+    add(site.link.value(), site.X_LS, site.reference.value(), site.X_LR, site.force, site.torque);
   }
   void add(const ContactExclusion& exclusion) { add(exclusion.a.value(), exclusion.b.value()); }
   void add(const ContactPair& pair) { add(pair.a.value(), pair.b.value(), pair.surface); }

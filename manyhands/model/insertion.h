@@ -35,7 +35,7 @@ struct Insertion {
   ListInsertion bodies;  ///< the world is in the first section of the old list, and in none of the new
   ListInsertion q, v;
   ListInsertion equalities;  ///< those of mimic joints are the second section
-  int links{}, joints{}, geoms{}, actuators{}, meshes{}, height_fields{}, lifts{}, mocaps{},
+  int links{}, joints{}, geoms{}, actuators{}, activations{}, meshes{}, height_fields{}, lifts{}, mocaps{},
       tendons{};  ///< how many there were
 
   [[nodiscard]] int new_body(int b) const { return b == 0 ? 0 : bodies.of_new(b - 1); }

@@ -150,6 +150,12 @@ void Model::index_parts() {
   }
 }
 
+const Sensor& Model::sensor(std::string_view name) const {
+  const auto found = std::ranges::find(sensors_, name, &Sensor::name);
+  if (found == sensors_.end()) throw_unknown(sensors_, name, name_, "sensor");
+  return *found;
+}
+
 std::size_t Model::mocap_index(std::string_view name) const {
   const Link& found = link(link_id(name));
   const auto place = std::ranges::find(mocap_bodies_, found.body);

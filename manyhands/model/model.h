@@ -10,7 +10,9 @@
 #include <string_view>
 #include <vector>
 
+#include "manyhands/model/actuator.h"
 #include "manyhands/model/couplings.h"
+#include "manyhands/model/sensor.h"
 
 namespace manyhands {
 
@@ -72,6 +74,8 @@ class Model {
   [[nodiscard]] std::span<const Tendon> tendons() const { return tendons_; }
   [[nodiscard]] std::span<const Actuator> actuators() const { return actuators_; }
   [[nodiscard]] int nu() const { return static_cast<int>(actuators_.size()); }  ///< length of ctrl
+  [[nodiscard]] int na() const { return na_; }  ///< length of act: of the actuators that have an activation, in order
+  [[nodiscard]] std::span<const Sensor> sensors() const { return sensors_; }
   [[nodiscard]] std::span<const ContactExclusion> exclusions() const { return exclusions_; }
   [[nodiscard]] std::span<const ContactPair> contact_pairs() const { return contact_pairs_; }
   [[nodiscard]] const ContactRules& contact_rules() const { return contact_rules_; }
@@ -93,6 +97,7 @@ class Model {
   [[nodiscard]] JointId joint_id(std::string_view name) const;
   [[nodiscard]] FrameId frame_id(std::string_view name) const;
   [[nodiscard]] TendonId tendon_id(std::string_view name) const;
+  [[nodiscard]] const Sensor& sensor(std::string_view name) const;
   /// The same, but invalid if there is none.
   [[nodiscard]] LinkId find_link(std::string_view name) const;
   [[nodiscard]] GeomId find_geom(std::string_view name) const;  ///< the first of several that share the name
@@ -138,7 +143,7 @@ class Model {
   void index_parts();
 
   std::string name_;
-  int nq_ = 0, nv_ = 0;
+  int nq_ = 0, nv_ = 0, na_ = 0;
   std::vector<Link> links_;
   std::vector<Joint> joints_;
   std::vector<Body> bodies_;
@@ -152,6 +157,7 @@ class Model {
   int described_equalities_ = 0;  // those that follow are of mimic joints
   std::vector<Tendon> tendons_;
   std::vector<Actuator> actuators_;
+  std::vector<Sensor> sensors_;
   std::vector<ContactExclusion> exclusions_;
   std::vector<ContactPair> contact_pairs_;
   ContactRules contact_rules_;

@@ -62,6 +62,7 @@ JointId ModelBuilder::add_joint(Joint joint) {
   const double length = norm(joint.axis);
   if (!finite(joint.axis) || length < 1e-9) throw ModelError(what + ": the axis must be a finite vector other than 0");
   joint.axis = at_unit_length(joint.axis);
+  check_compliance(what, joint.limits.compliance);
   if (!(joint.limits.lower <= joint.limits.upper)) {
     throw ModelError(what + ": lower limit " + std::to_string(joint.limits.lower) + " is above the upper limit " +
                      std::to_string(joint.limits.upper));
@@ -122,6 +123,15 @@ void ModelBuilder::add_frame(std::string name, LinkId link, const Transform<doub
   frames_.push_back({std::move(name), link, X_LF});
 }
 
+std::pair<LinkId, Transform<double>> ModelBuilder::frame(std::string_view name) const {
+  if (const auto link = link_names_.find(name); link != link_names_.end())
+    return {LinkId(link->second), Transform<double>::identity()};
+  const auto found = frame_names_.find(name);
+  if (found == frame_names_.end()) throw ModelError("there is no link or frame '" + std::string(name) + "'");
+  const NamedFrame& frame = frames_[static_cast<std::size_t>(found->second)];
+  return {frame.link, frame.X_LF};
+}
+
 void ModelBuilder::set_medium(const Medium& medium) {
   const Vec3<double>& wind = medium.wind;
   for (const double x : {medium.density, medium.viscosity})
@@ -168,6 +178,7 @@ Model ModelBuilder::compile() const {
   model.described_equalities_ = static_cast<int>(equalities_.size());
   model.tendons_ = tendons_;
   model.actuators_ = actuators_;
+  model.sensors_ = sensors_;
   model.exclusions_ = exclusions_;
   model.contact_pairs_ = contact_pairs_;
   model.contact_rules_ = contact_rules_;
@@ -188,6 +199,7 @@ Model ModelBuilder::compile() const {
     model.frames_.push_back({frame.name, link.body, link.X_BL * frame.X_LF, frame.link, frame.X_LF});
   }
   compile_dofs(model);
+  compile_activations(model);
   model.link_names_ = link_names_;
   model.joint_names_ = joint_names_;
   model.index_parts();
@@ -317,9 +329,11 @@ void ModelBuilder::add_keyframes(Model& model) const {
     if (key.q.empty()) key.q = model.initial_configuration();
     if (key.v.empty()) key.v.resize(static_cast<std::size_t>(model.nv()), 0.0);
     if (key.ctrl.empty()) key.ctrl.resize(static_cast<std::size_t>(model.nu()), 0.0);
+    if (key.act.empty()) key.act.resize(static_cast<std::size_t>(model.na()), 0.0);
     if (key.mocap.empty()) key.mocap = model.initial_mocap();
-    if (std::ssize(key.q) != model.nq() || std::ssize(key.v) != model.nv() || std::ssize(key.ctrl) != model.nu()) {
-      throw ModelError("keyframe '" + key.name + "' does not have nq, nv and nu numbers");
+    if (std::ssize(key.q) != model.nq() || std::ssize(key.v) != model.nv() || std::ssize(key.ctrl) != model.nu() ||
+        std::ssize(key.act) != model.na()) {
+      throw ModelError("keyframe '" + key.name + "' does not have nq, nv, nu and na numbers");
     }
     if (key.mocap.size() != 7 * model.mocap_bodies().size()) {
       throw ModelError("keyframe '" + key.name + "' does not have 7 numbers for each mocap body");

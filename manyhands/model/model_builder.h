@@ -39,18 +39,22 @@ class ModelBuilder {
   TendonId add_tendon(Tendon tendon);
   /// Throws ModelError unless the links, the joints of one degree of freedom, or the tendons were added before.
   EqualityId add_equality(EqualityConstraint equality);
-  /// Throws ModelError unless the tendon, or the joint of one degree of freedom, was added before.
+  /// Throws ModelError unless the tendon, the joint of one degree of freedom, or the site's link was added before.
   ActuatorId add_actuator(Actuator actuator);
+  /// Throws ModelError unless it is named, and what it measures was added before.
+  void add_sensor(Sensor sensor);
   void exclude_contact(LinkId a, LinkId b);
   void add_contact_pair(const ContactPair& pair);
   void set_contact_rules(const ContactRules& rules) { contact_rules_ = rules; }
+  /// The link that a frame lies on, which may be its own, and its pose there. Throws ModelError if there is none.
+  [[nodiscard]] std::pair<LinkId, Transform<double>> frame(std::string_view name) const;
   /// Adds a named frame on a link, besides the links' own.
   void add_frame(std::string name, LinkId link, const Transform<double>& X_LF);
   void set_gravity(const Vec3<double>& gravity) { gravity_ = gravity; }
   /// Throws ModelError unless density and viscosity are 0 or more, and all is finite.
   void set_medium(const Medium& medium);
   void set_time_step(double time_step) { time_step_ = time_step; }  ///< [s], for worlds that are not told another
-  /// Its sizes are checked by `build`; an empty q, v or ctrl becomes the initial one, or 0.
+  /// Its sizes are checked by `build`; an empty q, v, ctrl or act becomes the initial one, or 0.
   void add_keyframe(Keyframe keyframe) { keyframes_.push_back(std::move(keyframe)); }
 
   [[nodiscard]] LoadReport& report() { return report_; }
@@ -86,10 +90,12 @@ class ModelBuilder {
   void require_link(const std::string& what, LinkId link) const;
   void require_single_dof(const std::string& what, JointId joint) const;
   void require_tendon(const std::string& what, TendonId tendon) const;
+  void require_transmission(const std::string& what, const Actuator& actuator) const;
   void add_mimic_equalities(Model& model) const;
   static void compile_link(Model& model, LinkId id);
   static void compile_lift(Model& model, const Link& link);
   static void compile_dofs(Model& model);
+  static void compile_activations(Model& model);
 
   std::string name_;
   std::vector<Link> links_;
@@ -100,6 +106,7 @@ class ModelBuilder {
   std::vector<EqualityConstraint> equalities_;
   std::vector<Tendon> tendons_;
   std::vector<Actuator> actuators_;
+  std::vector<Sensor> sensors_;
   std::vector<ContactExclusion> exclusions_;
   std::vector<ContactPair> contact_pairs_;
   ContactRules contact_rules_;

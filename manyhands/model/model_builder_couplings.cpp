@@ -57,28 +57,87 @@ EqualityId ModelBuilder::add_equality(EqualityConstraint equality) {
     if (equality.link_a == equality.link_b) throw ModelError(what + " joins a link to itself");
   }
   if (!(equality.max_force >= 0)) throw ModelError(what + ": max_force must be 0 or more");
+  check_compliance(what, equality.compliance);
+  if (equality.compliance && finite(equality.max_force))
+    throw ModelError(what + ": what gives way by a compliance has no max_force; expected one of the two");
+  if (!finite(equality.torque_scale) || !(equality.torque_scale > 0))
+    throw ModelError(what + ": torque_scale must be finite and above 0");
   equalities_.push_back(std::move(equality));
   return EqualityId(equalities_.size() - 1);
 }
 
+void ModelBuilder::require_transmission(const std::string& what, const Actuator& actuator) const {
+  const int count =
+      (actuator.joint.is_valid() ? 1 : 0) + (actuator.tendon.is_valid() ? 1 : 0) + (actuator.site ? 1 : 0);
+  if (count > 1) throw ModelError(what + " drives several of a joint, a tendon and a site; expected one");
+  if (actuator.tendon.is_valid()) return require_tendon(what, actuator.tendon);
+  if (!actuator.site) return require_single_dof(what, actuator.joint);
+  const ActuatorSite& site = *actuator.site;
+  require_link(what, site.link);
+  if (site.reference.is_valid()) require_link(what, site.reference);
+  if (!finite(site.force) || !finite(site.torque))
+    throw ModelError(what + ": force and torque of its site must be finite");
+}
+
 ActuatorId ModelBuilder::add_actuator(Actuator actuator) {
   const std::string what = "actuator '" + actuator.name + "'";
-  if (actuator.joint.is_valid() && actuator.tendon.is_valid())
-    throw ModelError(what + " drives a joint and a tendon; expected one");
-  if (actuator.tendon.is_valid()) {
-    require_tendon(what, actuator.tendon);
-  } else {
-    require_single_dof(what, actuator.joint);
-  }
+  require_transmission(what, actuator);
   if (!finite(actuator.ctrl_scale) || !finite(actuator.ctrl_offset))
     throw ModelError(what + ": ctrl_scale and ctrl_offset must be finite");
+  if (!std::ranges::all_of(actuator.gain, &is_finite<double>) ||
+      !std::ranges::all_of(actuator.bias, &is_finite<double>))
+    throw ModelError(what + ": gain and bias must be finite");
   if (!(actuator.kp >= 0) || !(actuator.kd >= 0) || !(actuator.max_force >= 0)) {
     throw ModelError(what + ": kp, kd and max_force must be 0 or more");
   }
+  const bool is_bounded = finite(actuator.max_force) && finite(actuator.least_force());
+  if (actuator.min_force && !(is_bounded && *actuator.min_force <= actuator.max_force))
+    throw ModelError(what + ": min_force and max_force must be finite and in order");
+  const Activation& activation = actuator.activation;
+  if (!(activation.time_constant >= 0) || !finite(activation.time_constant) || !(activation.lower <= activation.upper))
+    throw ModelError(what + ": its activation needs a time constant of 0 or more, and its bounds in order");
   if (!finite(actuator.gear) || actuator.gear == 0) throw ModelError(what + ": gear must be finite and not 0");
   if (!(actuator.min_ctrl <= actuator.max_ctrl)) throw ModelError(what + ": min_ctrl is above max_ctrl");
   actuators_.push_back(std::move(actuator));
   return ActuatorId(actuators_.size() - 1);
+}
+
+void ModelBuilder::add_sensor(Sensor sensor) {
+  const std::string what = "sensor '" + sensor.name + "'";
+  if (sensor.name.empty()) throw ModelError("a sensor needs a name");
+  switch (sensor.type) {
+    case SensorType::kJointPosition:
+    case SensorType::kJointVelocity:
+      require_single_dof(what, sensor.joint);
+      break;
+    case SensorType::kBallQuaternion:
+    case SensorType::kBallAngularVelocity:
+      if (!sensor.joint.is_valid() || sensor.joint.index() >= joints_.size() ||
+          joints_[sensor.joint.index()].type != JointType::kSpherical)
+        throw ModelError(what + " needs a spherical joint added before");
+      break;
+    case SensorType::kTendonPosition:
+    case SensorType::kTendonVelocity:
+      require_tendon(what, sensor.tendon);
+      break;
+    case SensorType::kActuatorPosition:
+    case SensorType::kActuatorVelocity:
+    case SensorType::kActuatorForce:
+      if (!sensor.actuator.is_valid() || sensor.actuator.index() >= actuators_.size())
+        throw ModelError(what + " needs an actuator added before");
+      break;
+    case SensorType::kClock:
+      break;
+    default:
+      require_link(what, sensor.link);
+      if (sensor.reference.is_valid()) require_link(what, sensor.reference);
+  }
+  if (!(sensor.cutoff >= 0)) throw ModelError(what + ": its cutoff must be 0 or more");
+  sensors_.push_back(std::move(sensor));
+}
+
+void ModelBuilder::compile_activations(Model& model) {
+  for (Actuator& actuator : model.actuators_) actuator.iact = actuator.has_activation() ? model.na_++ : -1;
 }
 
 void ModelBuilder::exclude_contact(LinkId a, LinkId b) {

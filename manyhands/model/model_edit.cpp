@@ -59,6 +59,7 @@ Insertion ModelEdit::places_for(const Model& part) const {
           .joints = count_of(model_.joints_),
           .geoms = count_of(model_.geoms_),
           .actuators = count_of(model_.actuators_),
+          .activations = model_.na_,
           .meshes = count_of(model_.meshes_),
           .height_fields = count_of(model_.height_fields_),
           .lifts = count_of(model_.lifts_),
@@ -75,9 +76,11 @@ Insertion ModelEdit::insert(const Model& part) {
   insert_frames(part, at);
   insert_geoms(part, at);
   insert_couplings(part, at);
+  insert_sensors(part, at);
   model_.keyframes_.clear();
   model_.nq_ += part.nq_;
   model_.nv_ += part.nv_;
+  model_.na_ += part.na_;
   return at;
 }
 
@@ -175,6 +178,18 @@ void ModelEdit::insert_frames(const Model& part, const Insertion& at) {
   }
 }
 
+/// Behind all that they measure.
+void ModelEdit::insert_sensors(const Model& part, const Insertion& at) {
+  for (Sensor sensor : part.sensors_) {
+    if (sensor.joint.is_valid()) sensor.joint = JointId(at.joints + sensor.joint.value());
+    if (sensor.tendon.is_valid()) sensor.tendon = TendonId(at.tendons + sensor.tendon.value());
+    if (sensor.actuator.is_valid()) sensor.actuator = ActuatorId(at.actuators + sensor.actuator.value());
+    sensor.link = LinkId(at.new_link(sensor.link.value()));
+    sensor.reference = LinkId(at.new_link(sensor.reference.value()));
+    model_.sensors_.push_back(std::move(sensor));
+  }
+}
+
 void ModelEdit::insert_geoms(const Model& part, const Insertion& at) {
   append<Mesh>(model_.meshes_, part.meshes_);
   append<HeightField>(model_.height_fields_, part.height_fields_);
@@ -217,6 +232,11 @@ void ModelEdit::insert_couplings(const Model& part, const Insertion& at) {
   for (Actuator actuator : part.actuators_) {
     if (actuator.joint.is_valid()) actuator.joint = JointId(at.joints + actuator.joint.value());
     if (actuator.tendon.is_valid()) actuator.tendon = TendonId(at.tendons + actuator.tendon.value());
+    if (actuator.site) {
+      actuator.site->link = LinkId(at.new_link(actuator.site->link.value()));
+      actuator.site->reference = LinkId(at.new_link(actuator.site->reference.value()));
+    }
+    if (actuator.iact >= 0) actuator.iact += at.activations;
     model_.actuators_.push_back(std::move(actuator));
   }
   for (Tendon tendon : part.tendons_) {
@@ -254,7 +274,13 @@ void ModelEdit::forget(LinkId id) {
   }
   if (link.joint.is_valid()) drop(model_.joint_names_, model_.joints_[link.joint.index()].name);
   for (Actuator& actuator : model_.actuators_) {
-    if (link.joint.is_valid() && actuator.joint == link.joint) actuator.name.clear();
+    const bool at_link = actuator.site && (actuator.site->link == id || actuator.site->reference == id);
+    if (at_link || (link.joint.is_valid() && actuator.joint == link.joint)) actuator.name.clear();
+  }
+  for (Sensor& sensor : model_.sensors_) {
+    const bool on_joint = link.joint.is_valid() && sensor.joint == link.joint;
+    const bool of_none = sensor.actuator.is_valid() && model_.actuators_[sensor.actuator.index()].name.empty();
+    if (on_joint || of_none || sensor.link == id || sensor.reference == id) sensor.name.clear();
   }
   for (const GeomId geom_id : model_.link_geoms_[id.index()]) {
     std::string& name = model_.geoms_[geom_id.index()].name;

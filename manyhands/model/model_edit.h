@@ -39,6 +39,7 @@ class ModelEdit {
   void insert_frames(const Model& part, const Insertion& at);
   void insert_geoms(const Model& part, const Insertion& at);
   void insert_couplings(const Model& part, const Insertion& at);
+  void insert_sensors(const Model& part, const Insertion& at);
 
   Model& model_;
 };

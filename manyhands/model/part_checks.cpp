@@ -55,6 +55,9 @@ void check_geom(const Geom& geom) {
       throw ModelError(what + ": frictions, restitution, stiffness, damping and margin must be finite, 0 or more");
     }
   }
+  check_compliance(what, s.compliance);
+  if (s.compliance && s.stiffness)
+    throw ModelError(what + ": its surface has a stiffness and a compliance; expected one of the two");
   if (!geom.texture) return;
   for (const float repeat : geom.texture->repeat) {
     if (!(repeat > 0 && repeat <= kMostRepeats)) {
@@ -62,6 +65,20 @@ void check_geom(const Geom& geom) {
                        " times; expected more than 0, at most 10000");
     }
   }
+}
+
+void check_compliance(const std::string& what, const std::optional<Compliance>& compliance) {
+  if (!compliance) return;
+  const Compliance& c = *compliance;
+  for (const double value : {c.stiffness, c.damping, c.width, c.power, c.share}) {
+    if (!finite(value) || value < 0)
+      throw ModelError(what + ": the numbers of its compliance must be finite, 0 or more");
+  }
+  for (const double value : {c.impedance, c.largest_impedance, c.midpoint}) {
+    if (!(value > 0 && value < 1))
+      throw ModelError(what + ": impedances and midpoint of its compliance must lie between 0 and 1");
+  }
+  if (c.power < 1) throw ModelError(what + ": the power of its compliance must be 1 or more");
 }
 
 namespace {
@@ -92,6 +109,7 @@ void check_tendon(const Tendon& tendon) {
     if (!finite(value) || value < 0)
       throw ModelError(what + ": damping, friction, armature and stiffness must be finite, 0 or more");
   }
+  check_compliance(what, tendon.compliance);
   if (!(tendon.lower <= tendon.upper)) throw ModelError(what + ": its lower limit is above the upper one");
   const bool rests = finite(tendon.spring_lower) && finite(tendon.spring_upper);
   if (!rests || tendon.spring_lower > tendon.spring_upper)

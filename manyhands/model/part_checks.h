@@ -19,6 +19,9 @@ void check_inertial(const std::string& link, const Inertial& inertial);
 /// texture that is not repeated more than 0 times.
 void check_geom(const Geom& geom);
 
+/// Throws ModelError, naming the part, on numbers that are no compliance. None is one.
+void check_compliance(const std::string& what, const std::optional<Compliance>& compliance);
+
 /// Throws ModelError unless it is either fixed, with coefficients other than 0, or spatial, with two points or more and
 /// a divisor above 0 in each branch, and on numbers that are negative, not finite, or limits out of order.
 void check_tendon(const Tendon& tendon);

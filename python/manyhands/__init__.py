@@ -9,6 +9,7 @@ from manyhands import collision, dynamics, envs
 from manyhands._core import (
     Actuator,
     Batch,
+    Compliance,
     Contact,
     ContactPair,
     ContactResiduals,
@@ -80,6 +81,7 @@ __all__ = [
     "Actuator",
     "Batch",
     "Camera",
+    "Compliance",
     "Contact",
     "ContactPair",
     "ContactResiduals",

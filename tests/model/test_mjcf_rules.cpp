@@ -41,15 +41,16 @@ std::string free_ball(const std::string& name, const std::string& attributes) {
 std::string world(const std::string& contents) { return "<worldbody>" + contents + "</worldbody>"; }
 
 TEST(MjcfRules, WhatIsNotUsedIsCountedWithItsFirstLine) {
-  const auto [model, report] = load_scene(one_body(
-      "<light/><camera/>\n<camera/><geom size=\"1\" solref=\"0.1 1\"/><geom size=\"1\" solref=\"0.1 1\" fancy=\"2\"/>",
-      "<sensor><clock/></sensor><deformable/>"));
+  const auto [model, report] =
+      load_scene(one_body("<light/><camera/>\n<camera/><geom size=\"1\" solref=\"0.01 1\"/><geom size=\"1\" "
+                          "solref=\"0.01 1\" fancy=\"2\"/>",
+                          "<custom><text/></custom><deformable/>"));
   EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "body 'b'", "<camera> in <body> is not used (and in 1 further"),
             1);
   EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "body 'b'", "<light> in <body> is not used"), 1);
   EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "geom 'geom_0'", "'solref' of <geom> is not used (and in 1"), 1);
   EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "geom 'geom_1'", "'fancy' of <geom> is not used"), 1);
-  EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "mujoco", "the section <sensor>, with 1 elements"), 1);
+  EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "mujoco", "the section <custom>, with 1 elements"), 1);
   EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "mujoco", "the section <deformable>, with 0 elements"), 1);
   const auto camera = std::ranges::find_if(
       report.notes, [](const LoadNote& note) { return contains(note.message, "<camera> in <body>"); });
@@ -244,24 +245,38 @@ TEST(MjcfRules, InertiasThatNoBodyHasAreRepaired) {
   EXPECT_LE(I.zz, I.xx + I.yy + 1e-12);
 }
 
-TEST(MjcfRules, ActuatorsThatAreNeitherMotorsNorServosAreLeftOut) {
+TEST(MjcfRules, ActuatorsOfOtherKindsAreLeftOut) {
   const auto [model, report] =
       load_scene(one_body("<joint name=\"j\"/>",
                           "<tendon><spatial name=\"t\"><geom geom=\"g\"/></spatial></tendon><actuator>"
                           "<muscle name=\"a\" joint=\"j\"/><motor name=\"b\" tendon=\"t\"/>"
-                          "<general name=\"c\" joint=\"j\" dyntype=\"filter\"/>"
+                          "<general name=\"c\" joint=\"j\" dyntype=\"muscle\"/>"
                           "<general name=\"d\" joint=\"j\" gainprm=\"2\" biastype=\"affine\" biasprm=\"0 3 0\"/>"
-                          "<motor name=\"e\" joint=\"j\" forcerange=\"-1 2\" gear=\"3\"/></actuator>"
-                          "<keyframe><key ctrl=\"1 2 3 4 5\"/></keyframe>"));
-  ASSERT_EQ(model.actuators().size(), 1u);
-  EXPECT_EQ(model.actuators()[0].max_force, 6);
-  EXPECT_EQ(count_notes(report, LoadAction::kRepaired, "actuator 'e'", "'forcerange' is not symmetric"), 1);
+                          "<motor name=\"e\" joint=\"j\" forcerange=\"-1 2\" gear=\"-3\"/>"
+                          "<general name=\"f\" joint=\"j\" dyntype=\"filter\"/></actuator>"
+                          "<keyframe><key ctrl=\"1 2 3 4 5 6\" act=\"7 8 9\"/></keyframe>"));
+  ASSERT_EQ(model.actuators().size(), 3u);
+  EXPECT_EQ(model.actuators()[0].type, ActuatorType::kAffine);
+  EXPECT_EQ(model.actuators()[1].max_force, 3);
+  EXPECT_EQ(model.actuators()[1].least_force(), -6);
+  EXPECT_EQ(model.actuators()[2].iact, 0);
   EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "actuator 'a'", "of kind <muscle> is not read"), 1);
   EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "actuator 'b'", "tendon 't' was left out"), 1);
   EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "tendon 't'", "wraps around a geom"), 1);
-  EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "actuator 'c'", "dyntype 'filter' is not read"), 1);
-  EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "actuator 'd'", "neither a motor's nor a servo's"), 1);
-  EXPECT_EQ(model.keyframes()[0].ctrl, std::vector<double>{5});
+  EXPECT_EQ(count_notes(report, LoadAction::kIgnored, "actuator 'c'", "dyntype 'muscle' is not read"), 1);
+  EXPECT_EQ(model.keyframes()[0].ctrl, (std::vector<double>{4, 5, 6}));
+  EXPECT_EQ(model.keyframes()[0].act, std::vector<double>{9});
+}
+
+/// A joint's bound of all its actuators.
+TEST(MjcfRules, JointsBoundTheirActuator) {
+  const auto [model, report] =
+      load_scene(one_body("<joint name=\"j\" actuatorfrcrange=\"-4 4\"/><joint name=\"k\" axis=\"1 0 0\"/>",
+                          "<actuator><motor name=\"a\" joint=\"j\" gear=\"2\" forcerange=\"-1 9\"/>"
+                          "<motor name=\"b\" joint=\"k\"/></actuator>"));
+  EXPECT_EQ(model.actuators()[0].max_force, 4);
+  EXPECT_EQ(model.actuators()[0].least_force(), -2);
+  EXPECT_FALSE(is_finite(model.actuators()[1].max_force));
 }
 
 TEST(MjcfRules, GeneralServosMayScaleTheirCommand) {
@@ -297,27 +312,6 @@ TEST(MjcfRules, TendonsWithoutWhatTheyNeedAreErrors) {
   refused("<fixed range=\"2 1\"><joint joint=\"j\" coef=\"1\"/></fixed>");
   const std::string fixed = "<fixed name=\"t\"><joint joint=\"j\" coef=\"1\"/></fixed>";
   refused(fixed + fixed);
-}
-
-TEST(MjcfRules, BoundedServosOfOneJointAreNoted) {
-  const auto notes = [](const std::string& actuators) {
-    const LoadReport report =
-        load_scene(one_body("<joint name=\"j\"/>", "<actuator>" + actuators + "</actuator>")).report;
-    return count_notes(report, LoadAction::kRepaired, "actuator", "another servo drives its joint");
-  };
-  const std::string free = "<position joint=\"j\" kp=\"1\"/>", bounded = "<velocity joint=\"j\" forcerange=\"-1 1\"/>";
-  EXPECT_EQ(notes(free + free), 0);
-  EXPECT_EQ(notes(bounded + "<motor joint=\"j\" forcerange=\"-1 1\"/>"), 0);
-  EXPECT_EQ(notes(free + bounded), 1);
-  EXPECT_EQ(notes(bounded + bounded), 1);
-  const std::string pulls = "<position tendon=\"t\" forcerange=\"-1 1\"/>";
-  const LoadReport report = load_scene(one_body("<joint name=\"j\"/>",
-                                                "<tendon><fixed name=\"t\"><joint joint=\"j\" coef=\"1\"/></fixed>"
-                                                "</tendon><actuator>" +
-                                                    pulls + pulls + bounded + "</actuator>"))
-                                .report;
-  EXPECT_EQ(count_notes(report, LoadAction::kRepaired, "actuator", "another servo drives its tendon"), 1);
-  EXPECT_EQ(count_notes(report, LoadAction::kRepaired, "actuator", "another servo drives its joint"), 0);
 }
 
 TEST(MjcfRules, HullsThatMuJoCoWouldMakeCoarserAreNoted) {

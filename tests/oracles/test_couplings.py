@@ -73,7 +73,7 @@ class CoupledTree:
     def __init__(self, seed: int) -> None:
         rng = np.random.default_rng(seed)
         text, self.couplings = random_scene(rng)
-        self.scene = Scene.of_string(text)
+        self.scene = Scene.of_string(text, compliance="none")
         model, data = self.scene.mujoco, self.scene.data
         data.qpos[:] = self.scene.random_qpos(rng)
         data.qvel[:] = rng.uniform(-2, 2, model.nv)

@@ -126,9 +126,17 @@ def test_actuators(source: str | Path) -> None:
         on = model.actuator_trnid[i, 0]
         if a.joint >= 0:
             assert scene.names("joint", model.njnt)[on] == scene.ours.joints[a.joint].name
-        else:
+        elif a.tendon >= 0:
             assert scene.names("tendon", model.ntendon)[on] == scene.ours.tendons[a.tendon].name
-        gear, gain, bias = model.actuator_gear[i, 0], model.actuator_gainprm[i, 0], model.actuator_biasprm[i, :3]
+        else:
+            ball = model.jnt_type[on] == mujoco.mjtJoint.mjJNT_BALL
+            assert model.actuator_trntype[i] == mujoco.mjtTrn.mjTRN_SITE or ball, name
+        gear = 1.0 if a.link >= 0 else model.actuator_gear[i, 0]
+        gain, bias = model.actuator_gainprm[i, 0], model.actuator_biasprm[i, :3]
+        if a.type == "affine":
+            assert_close(np.array(a.gain), model.actuator_gainprm[i, :3], name)
+            assert_close(np.array(a.bias), bias, name)
+            continue
         k = {"force": 1, "position": a.kp, "velocity": a.kd}[a.type]
         kp, kd = (a.kp if a.type == "position" else 0), (a.kd if a.type != "force" else 0)
         found = [a.gear * k * a.ctrl_scale, a.gear * k * a.ctrl_offset, -(a.gear**2) * kp, -(a.gear**2) * kd]
@@ -136,8 +144,10 @@ def test_actuators(source: str | Path) -> None:
         assert_close(np.array(found), np.array(expected), name)
         limits = model.actuator_ctrlrange[i] if model.actuator_ctrllimited[i] else [-np.inf, np.inf]
         assert np.allclose([a.min_ctrl, a.max_ctrl], limits, rtol=0, atol=1e-12), name
-        force = np.max(np.abs(model.actuator_forcerange[i])) if model.actuator_forcelimited[i] else np.inf
-        assert a.max_force == pytest.approx(abs(gear) * force)
+        force = model.actuator_forcerange[i] if model.actuator_forcelimited[i] else np.array([-np.inf, np.inf])
+        if on >= 0 and a.joint >= 0 and model.jnt_actfrclimited[on]:  # of all actuators of the joint
+            force = np.clip(force, *(np.sort(model.jnt_actfrcrange[on] / gear)))
+        assert [a.min_force, a.max_force] == pytest.approx(sorted(gear * force)), name
 
 
 def pose_of_geom(scene: Scene, q: Array, geom: mh.Geom) -> tuple[Array, Array]:

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <tuple>
 
+#include "manyhands/physics/dynamics/start_mobility.h"
+
 namespace manyhands {
 
 namespace {
@@ -74,6 +76,16 @@ bool resists_turning(const SurfaceMaterial& surface) {
   return surface.spinning_friction > 0 || surface.rolling_friction > 0;
 }
 
+/// Fills in Collider::mobility if any surface gives way.
+template <Real R>
+void add_mobility(const Model& model, const std::vector<SurfaceMaterial>& of_pairs, std::vector<Collider<R>>& geoms) {
+  const auto yields = [](const SurfaceMaterial& surface) { return surface.compliance.has_value(); };
+  if (std::ranges::none_of(of_pairs, yields) && std::ranges::none_of(geoms, &Collider<R>::yields)) return;
+  const StartMobility start(model);
+  for (Collider<R>& collider : geoms)
+    collider.mobility = static_cast<R>(start.of_link(LinkId(static_cast<int>(collider.link))).linear);
+}
+
 }  // namespace
 
 /// Filters, exclusions, one body, joint neighbours, self-collision.
@@ -130,6 +142,7 @@ Colliders<R>::Colliders(const Model& model, PairSearch pair_search)
     collider.X_BG = broadcast<R>(X_BG);
     collider.offset = static_cast<R>(norm(X_BG.p));
     collider.surface = geom.surface;
+    collider.yields = gives_way(geom.surface.compliance);
     collider.margin = static_cast<R>(geom.margin);
     add_place(model, collider);
     add_surface(model, geom, collider);
@@ -144,6 +157,7 @@ Colliders<R>::Colliders(const Model& model, PairSearch pair_search)
                            pair.surface ? static_cast<int>(surfaces.size()) - 1 : -1);
   }
   std::ranges::sort(explicit_);
+  add_mobility(model, surfaces, geoms);
   list_pairs(pair_search);
 }
 
@@ -204,6 +218,7 @@ void Colliders<R>::insert(const Colliders& part, const Insertion& at, const Mode
                                     surface < 0 ? -1 : static_cast<int>(surfaces.size()) + surface));
   }
   surfaces.insert(surfaces.end(), part.surfaces.begin(), part.surfaces.end());
+  add_mobility(model, surfaces, geoms);
 }
 
 template <Real R>

@@ -28,6 +28,8 @@ struct Collider {
   Transform<R> X_BG = Transform<R>::identity();
   R offset{};  ///< of its origin from the body's [m]
   SurfaceMaterial surface{};
+  bool yields{};  ///< whether its surface gives way by a compliance
+  R mobility{};   ///< of its link at the model's start, where surfaces do [1/kg]
   R margin{};
   std::shared_ptr<const ConvexPolyhedron> hull{};     ///< of a convex shape
   std::shared_ptr<const TriangleMesh> mesh{};         ///< of a mesh

@@ -4,11 +4,12 @@
 #include "manyhands/physics/contact/assemble_contacts.h"
 #include "manyhands/physics/contact/assemble_equalities.h"
 #include "manyhands/physics/contact/contact_solver.h"
+#include "manyhands/physics/contact/yielding_equalities.h"
 
 namespace manyhands {
 
-/// Fills solver.problem, after bias_and_mass_matrix and collision; adds h damping to M's diagonal. `pairs`: those that
-/// the touches refer to. Uses the solver's factors as scratch.
+/// Fills solver.problem, after bias_and_mass_matrix and collision; adds what is implicit in the velocity to M. `pairs`:
+/// those that the touches refer to. Uses the solver's factors as scratch.
 template <Number T, Number P>
 MANYHANDS_INLINE void assemble(const Tree<real_t<T>>& tree, const Colliders<real_t<T>>& colliders,
                                std::span<const ColliderPair> pairs, const Params<P>& params, real_t<T> h,
@@ -23,8 +24,9 @@ MANYHANDS_INLINE void assemble(const Tree<real_t<T>>& tree, const Colliders<real
   problem.torsions.clear();
   problem.equalities.clear();
   problem.rows.clear();
+  const auto yield = [&] { assemble_yielding_equalities(state, h, dynamics, problem); };
   const auto free_change = [&](std::vector<T>& dv) { internal::unconstrained_change(problem, solver.factors, dv); };
-  assemble_joint_laws(tree, params, h, state, dynamics, problem.free_dv, free_change, problem.joints);
+  assemble_joint_laws(tree, params, h, state, dynamics, problem.free_dv, yield, free_change, problem.joints);
   assemble_contacts(colliders, pairs, params, h, collision, dynamics, free_change, problem);
   assemble_equalities(state, h, dynamics, problem);
 }

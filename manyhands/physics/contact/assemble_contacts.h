@@ -30,6 +30,19 @@ MANYHANDS_INLINE T gap_acceleration(const Workspace<T>& ws, const ContactPatch<T
   return gap;
 }
 
+/// The law of a surface with a compliance, u_n + softness n = target, which acts once it is entered.
+template <Number T>
+[[gnu::noinline]] T yielding_target(const CombinedSurface<T>& surface, real_t<T> h, T u_n, ContactPoint<T>& point) {
+  const T zero = constant<T>(0), phi = min(point.phi, zero);
+  const T impedance = impedance_at(*surface.compliance, phi);
+  const T least = constant<T>(SolverTraits<real_t<T>>::kSmallest);
+  const YieldingRow<T> row = yielding_row(*surface.compliance, h, impedance, T(surface.mobility), least, phi, u_n);
+  point.softness = constant<T>(1) / row.slope;
+  point.bounces = zero;
+  return select(point.phi < zero, fma(row.pull, point.softness, u_n),
+                constant<T>(-std::numeric_limits<real_t<T>>::max()));
+}
+
 /// The normal velocity that the point asks for at the step's end: not to go through a surface ahead, to leave one that
 /// it has entered, no faster than `fastest`, or what restitution gives back (Moreau's law, gravity acting on during the
 /// step). `arc` is what the gap's own curvature in time adds to its mean velocity. Tells the point whether it bounces.
@@ -97,7 +110,7 @@ MANYHANDS_INLINE void add_torsion(const Workspace<T>& ws, const ContactPatch<T>&
 
 /// Point k of a touch.
 template <Number T>
-MANYHANDS_INLINE void add_point(const Workspace<T>& ws, T inverse_h, const CombinedSurface<T>& surface,
+MANYHANDS_INLINE void add_point(const Workspace<T>& ws, real_t<T> h, const CombinedSurface<T>& surface,
                                 const Manifold<T>& found, std::size_t k, const ContactPatch<T>& patch,
                                 ContactProblem<T>& problem) {
   const auto exists = is_finite(found.phi[k]);
@@ -113,12 +126,13 @@ MANYHANDS_INLINE void add_point(const Workspace<T>& ws, T inverse_h, const Combi
   T free_change = constant<T>(0);
   when(surface.restitution > constant<T>(0),
        [&] { free_change = point_velocity(problem, point, problem.free_dv.data()).x; });
-  const T half_h = constant<T>(0.5) / inverse_h;
+  const T inverse_h(real_t<T>(1) / h), half_h = constant<T>(0.5) / inverse_h;
   const T curvature = gap_acceleration(ws, patch, surface, point.p, dot(patch.normal, gamma));
   const T arc = bounded_arc(half_h * curvature),
           fastest = constant<T>(touches_mocap(*problem.tree, patch) ? contact_settings::kMaxMocapRecovery
                                                                     : contact_settings::kMaxPenetrationRecovery);
-  point.target = target_velocity(surface, inverse_h, u_n, free_change, arc, fastest, point);
+  point.target = surface.compliance ? yielding_target(surface, h, u_n, point)
+                                    : target_velocity(surface, inverse_h, u_n, free_change, arc, fastest, point);
   // Points that stick shall stay together along the arcs on which the step carries them: u + h / 2 gamma = 0.
   const Vec3<T> slip =
       u + Vec3<T>{bounded_arc(half_h * gamma.x), bounded_arc(half_h * gamma.y), bounded_arc(half_h * gamma.z)};
@@ -133,7 +147,6 @@ template <Number T, Number P, class FreeChange>
 MANYHANDS_INLINE void assemble_contacts(const Colliders<real_t<T>>& colliders, std::span<const ColliderPair> pairs,
                                         const Params<P>& params, real_t<T> h, const CollisionWorkspace<T>& collision,
                                         const Workspace<T>& ws, FreeChange&& free_change, ContactProblem<T>& problem) {
-  const T inverse_h(real_t<T>(1) / h);
   bool has_free_dv = false;
   for (const Touch<T>& touch : collision.touches) {
     const ColliderPair& pair = pairs[touch.pair];
@@ -150,7 +163,7 @@ MANYHANDS_INLINE void assemble_contacts(const Colliders<real_t<T>>& colliders, s
       const auto exists = is_finite(touch.contact.phi[k]);
       if (none(exists)) continue;
       touches = touches | exists;
-      internal::add_point(ws, inverse_h, surface, touch.contact, k, patch, problem);
+      internal::add_point(ws, h, surface, touch.contact, k, patch, problem);
       if (pair.torsion) internal::add_torsion(ws, patch, problem);
     }
     internal::mark_constrained(bodies, touches, problem.joints.constrained);

@@ -140,7 +140,7 @@ template <Number T>
 MANYHANDS_INLINE mask_t<T> find_suspects(mask_t<T> near, ContactSolver<T>& solver) {
   const auto demands = demands_much(solver.problem, solver.recovery, solver.factors);
   calm_down(demands & !near, solver.iterate);
-  return demands | !near;
+  return demands | is_pushed(solver.problem) | !near;
 }
 
 /// Begins anew in the worlds of the mask, which have run away: see runaway.h.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "manyhands/physics/collision/colliders.h"
+#include "manyhands/physics/dynamics/yielding.h"
 
 namespace manyhands {
 
@@ -13,6 +14,8 @@ struct CombinedSurface {
   T restitution, spinning, rolling;
   T radius_A, radius_B;  ///< by which each side is curved at the contact [m]; 0 where it is flat or a corner
   T softness, push;      ///< of a soft surface, see `combine_surfaces`; 0 where it is hard
+  std::optional<TreeCompliance<real_t<T>>> compliance;
+  real_t<T> mobility;  ///< W of the compliance
 };
 
 namespace internal {
@@ -75,6 +78,12 @@ MANYHANDS_INLINE T curvature_radius(const Collider<real_t<T>>& geom, const Vec3<
   return *a * *b / (*a + *b);
 }
 
+template <Real R>
+[[gnu::noinline]] std::optional<TreeCompliance<R>> compliance_between(const Collider<R>& a, const Collider<R>& b) {
+  const std::optional<Compliance> both = between(a.surface.compliance, b.surface.compliance);
+  return both ? std::optional(tree_compliance<R>(*both)) : std::nullopt;
+}
+
 }  // namespace internal
 
 /// The combined surface of a pair whose contact has the given normal. A soft surface's force k (-phi) - d u, implicit
@@ -96,6 +105,7 @@ MANYHANDS_INLINE CombinedSurface<T> combine_surfaces(const Colliders<real_t<T>>&
     surface.rolling = number(own.rolling_friction);
     stiffness = own.stiffness;
     damping = own.damping;
+    if (own.compliance) surface.compliance = tree_compliance<real_t<T>>(*own.compliance);
   } else {
     const auto all = [&](CombineRule rule, const Field<P>& values) {
       return internal::combined(rule, broadcast<T>(values[a.geom]), broadcast<T>(values[b.geom]));
@@ -109,6 +119,7 @@ MANYHANDS_INLINE CombinedSurface<T> combine_surfaces(const Colliders<real_t<T>>&
     surface.rolling = all(CombineRule::kMaximum, params.geom_rolling);
     stiffness = internal::in_series(a.surface.stiffness, b.surface.stiffness);
     damping = internal::in_series(a.surface.damping, b.surface.damping);
+    if (a.yields || b.yields) surface.compliance = internal::compliance_between(a, b);
   }
   if (a.surface.friction_y || b.surface.friction_y) {
     internal::tangents_along(X_WG[a.surface.friction_y ? pair.a : pair.b].R.x, normal, surface.t_1, surface.t_2);
@@ -118,6 +129,7 @@ MANYHANDS_INLINE CombinedSurface<T> combine_surfaces(const Colliders<real_t<T>>&
   surface.radius_A = internal::curvature_radius(a, broadcast<T>(params.geom_size[a.geom]), normal, X_WG[pair.a]);
   surface.radius_B = internal::curvature_radius(b, broadcast<T>(params.geom_size[b.geom]), normal, X_WG[pair.b]);
   surface.softness = surface.push = constant<T>(0);
+  surface.mobility = a.mobility + b.mobility;
   if (stiffness) {
     const double softness = 1 / (h * (h * *stiffness + damping.value_or(0)));
     surface.softness = constant<T>(softness);

@@ -40,7 +40,8 @@ struct JointLaws {
   std::vector<T> smooth;        ///< h (tau - bias + passive forces): the impulse that acts without constraints; of
                                 ///< lengths, how large what acts along them is
   std::vector<T> max_impulse;   ///< F = h max_force
-  std::vector<T> slope;         ///< of a drive: impulse = slope (target - dv); 0 where the law is vertical
+  std::vector<T> slope;         ///< of a drive: impulse = slope (target - dv); 0 where the law is vertical. Of a length
+                                ///< that gives way the same, about where it is held
   std::vector<T> friction;      ///< h times the dry friction beside a drive; without one it is max_impulse
   std::vector<T> stop;          ///< of a drive: dv that brings the dof to rest
   std::vector<T> target;        ///< dv that brings the dof to its motor's velocity, kept within the limits
@@ -75,7 +76,7 @@ MANYHANDS_INLINE DriveState<T> drive_state(T state) {
 template <Number T>
 struct LawPiece {
   mask_t<T> saturated;  ///< the impulse is prescribed
-  mask_t<T> sloped;     ///< a drive's slope through (held_dv, impulse)
+  mask_t<T> sloped;     ///< a drive's or a compliance's slope through (held_dv, impulse)
   T impulse;
   T held_dv;  ///< at which a dof that is not saturated is held
 };
@@ -83,7 +84,7 @@ struct LawPiece {
 template <Number T>
 MANYHANDS_INLINE LawPiece<T> law_piece(bool is_drive, T state, std::size_t i, const JointLaws<T>& laws) {
   const T zero = constant<T>(0), one = constant<T>(1), F = laws.max_impulse[i];
-  if (!is_drive) return {abs(state) == one, mask_t<T>(false), state * F, held_change(state, i, laws)};
+  if (!is_drive) return {abs(state) == one, laws.slope[i] > zero, state * F, held_change(state, i, laws)};
   const DriveState<T> s = drive_state(state);
   const auto stuck = s.place == constant<T>(JointConstraintState::kStuck);
   return {abs(s.place) == one, s.place == zero, fma(s.place, F, s.push * laws.friction[i]),

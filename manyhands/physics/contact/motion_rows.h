@@ -19,20 +19,28 @@ MANYHANDS_INLINE PointMotion<T> relative_motion(const Workspace<T>& ws, std::siz
   return {of_B.velocity - of_A.velocity, of_B.acceleration - of_A.acceleration};
 }
 
-/// J of the point p (world) along the three directions d: what each dof adds to the velocity of B's point against A's.
+/// J of B's point p_B against A's point p_A (world) along the three directions d: what each dof adds to its velocity.
 template <Number T>
 MANYHANDS_INLINE void fill_point_rows(const Tree<real_t<T>>& tree, const Workspace<T>& ws, const RowBlock& rows,
-                                      const Vec3<T>& p, const std::array<Vec3<T>, 3>& d, RowEntries<T>& entries) {
+                                      const Vec3<T>& p_A, const Vec3<T>& p_B, const std::array<Vec3<T>, 3>& d,
+                                      RowEntries<T>& entries) {
   // d . (v + w x r) = d . v + (r x d) . w, the r being that of the tree the dof is in.
   std::array<Force<T>, 3> along_a, along_b;
   for (std::size_t k = 0; k < 3; ++k) {
-    along_a[k] = {cross(d[k], p - ws.p_WO[rows.body_a]), -d[k]};
-    along_b[k] = {cross(p - ws.p_WO[rows.body_b], d[k]), d[k]};
+    along_a[k] = {cross(d[k], p_A - ws.p_WO[rows.body_a]), -d[k]};
+    along_b[k] = {cross(p_B - ws.p_WO[rows.body_b], d[k]), d[k]};
   }
   visit_J(tree, rows, [&](std::size_t entry, std::size_t i, real_t<T> sign) {
     const std::array<Force<T>, 3>& along = sign < 0 ? along_a : along_b;
     entries.J[entry] = {dot(ws.S[i], along[0]), dot(ws.S[i], along[1]), dot(ws.S[i], along[2])};
   });
+}
+
+/// The same of one point p that both bodies have.
+template <Number T>
+MANYHANDS_INLINE void fill_point_rows(const Tree<real_t<T>>& tree, const Workspace<T>& ws, const RowBlock& rows,
+                                      const Vec3<T>& p, const std::array<Vec3<T>, 3>& d, RowEntries<T>& entries) {
+  fill_point_rows(tree, ws, rows, p, p, d, entries);
 }
 
 /// J of the relative rotation about the three directions.

@@ -34,6 +34,18 @@ MANYHANDS_INLINE mask_t<T> demands_much(const ContactProblem<T>& problem, const 
   return recovery.asked | (fastest > constant<T>(contact_settings::kSlowCorrection));
 }
 
+/// The worlds in which mocap bodies push faster than slowly: that is demanded of all they touch, come what may.
+template <Number T>
+MANYHANDS_INLINE mask_t<T> is_pushed(const ContactProblem<T>& problem) {
+  if (problem.tree->mocap_bodies.empty()) return mask_t<T>(false);
+  T fastest = constant<T>(0);
+  for (const ContactPoint<T>& point : problem.points) {
+    if (touches_mocap(*problem.tree, problem.patches[point.patch]))
+      fastest = max(fastest, select(shall_open(point), point.target, constant<T>(0)));
+  }
+  return fastest > constant<T>(contact_settings::kSlowCorrection);
+}
+
 /// Lets overlap, open constraints and joints beyond their limits be in the worlds of the mask: what is left never
 /// contradicts itself, for nothing need move.
 template <Number T>

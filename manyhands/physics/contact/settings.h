@@ -31,6 +31,8 @@ struct SolverTraits<double> {
   static constexpr int kSlideSteps = 20;
   /// By how much a joint's impulse or velocity may contradict its state, relative to its size: rounding.
   static constexpr double kStateTolerance = 1e-12;
+  /// What gives way is no stiffer than this many times the inertia that it meets: more would leave M no digits.
+  static constexpr double kStiffest = 1e8;
   /// Passes that make a held tendon rigid, each ten thousand times as much.
   static constexpr int kLengthPasses = 3;
   /// Relative changes of an impulse that its precision cannot resolve.
@@ -53,6 +55,7 @@ struct SolverTraits<float> {
   /// One: the next visit goes on from there.
   static constexpr int kSlideSteps = 1;
   static constexpr float kStateTolerance = 1e-5F;
+  static constexpr double kStiffest = 1e4;
   static constexpr int kLengthPasses = 1;
   static constexpr float kResolution = 3e-7F;
   static constexpr float kRedundancy = 1e-4F;

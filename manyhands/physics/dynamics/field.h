@@ -28,8 +28,9 @@ enum class Each : std::uint8_t {
   kLift,           ///< see Model::lifts
   kMocapNumber,    ///< seven for every body that a user moves: x y z, quaternion xyzw
   kTendon,         ///<
+  kActivation,     ///< of actuators that have one
 };
-inline constexpr std::size_t kKindsOfEach = 12;
+inline constexpr std::size_t kKindsOfEach = 13;
 
 /// What the numbers of a field may be; a snapshot with others is refused.
 enum class Range : std::uint8_t {

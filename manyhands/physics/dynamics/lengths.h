@@ -1,4 +1,4 @@
-// The lengths of tendons, how fast they change, and the rows J that say so.
+// The lengths of tendons and of actuators at sites, how fast they change, and the rows J that say so.
 #pragma once
 
 #include <limits>
@@ -50,6 +50,27 @@ MANYHANDS_INLINE void add_segment(const TreeSegment<real_t<T>>& segment, std::si
   }
 }
 
+/// The wrench of an actuator at a site, and where the site is from its reference. Rare, and not worth its room in step.
+template <Number T>
+void place_site(const TreeSite<real_t<T>>& site, std::size_t k, T* J, Workspace<T>& ws) {
+  const std::size_t a = site.body_a, b = site.body_b;
+  const Vec3<T> r_S = ws.R_WB[a] * broadcast<T>(site.X_AS.p) + ws.p_OB[a];
+  const Mat3<T> R_WS = ws.R_WB[a] * broadcast<T>(site.X_AS.R);
+  const Vec3<T> r_R = ws.R_WB[b] * broadcast<T>(site.X_BR.p) + ws.p_OB[b];
+  const Mat3<T> R_WR = site.has_reference ? ws.R_WB[b] * broadcast<T>(site.X_BR.R) : R_WS;
+  const Vec3<T> f = R_WR * broadcast<T>(site.force), n = R_WR * broadcast<T>(site.torque);
+  if (site.has_reference) {
+    const Vec3<T> way = (r_S - r_R) + (ws.p_WO[a] - ws.p_WO[b]);
+    const Vec3<T> turn = rotation_vector(to_quat(transpose(R_WR) * R_WS));
+    ws.length[k] = dot(f, way) + dot(broadcast<T>(site.torque), turn);
+  }
+  const Force<T> on_S{n + cross(r_S, f), f}, on_R{n + cross(r_R, f), f};
+  for (const TreeLever<real_t<T>>& lever : site.levers) {
+    const T moves = dot(ws.S[lever.dof], lever.sign < 0 ? on_R : on_S);
+    J[lever.entry] = fma(T(lever.sign), moves, J[lever.entry]);
+  }
+}
+
 /// What couples two lengths: (b - reference_b) - polynomial(a - reference_a).
 template <Number T>
 MANYHANDS_INLINE void couple(const Tree<real_t<T>>& tree, std::size_t k, Workspace<T>& ws) {
@@ -76,6 +97,17 @@ MANYHANDS_INLINE void couple(const Tree<real_t<T>>& tree, std::size_t k, Workspa
 
 }  // namespace internal
 
+/// J x of length k, for x (nv).
+template <Number T>
+[[nodiscard]] MANYHANDS_INLINE T along_length(const Tree<real_t<T>>& tree, const Workspace<T>& ws, std::size_t k,
+                                              const T* x) {
+  const TreeLength<real_t<T>>& length = tree.lengths[k];
+  const T* J = ws.length_J.data() + length.J;
+  T sum = constant<T>(0);
+  for (std::size_t i = 0; i < length.dofs.size(); ++i) sum = fma(J[i], x[length.dofs[i]], sum);
+  return sum;
+}
+
 /// Lengths, their rates and rows J, and how they bend, dJ/dt v, in the state q (nq), v (nv), whose bodies are placed
 /// and moved. Bends are right after `newton_euler_pass` without accelerations.
 template <Number T>
@@ -91,23 +123,16 @@ MANYHANDS_INLINE void place_lengths(const Tree<real_t<T>>& tree, const T* q, con
     T* J = ws.length_J.data() + length.J;
     for (std::size_t i = 0; i < length.dofs.size(); ++i) J[i] = zero;
     for (const TreeSegment<real_t<T>>& segment : length.segments) internal::add_segment(segment, k, J, ws);
+    if (length.type == LengthType::kSite) {
+      internal::place_site(length.site, k, J, ws);
+      ws.length_rate[k] = along_length(tree, ws, k, v);
+    }
     for (std::size_t i = 0; i < length.q.size(); ++i) {
       J[i] = T(length.weights[i]);
       ws.length[k] = fma(J[i], q[length.q[i]], ws.length[k]);
       ws.length_rate[k] = fma(J[i], v[length.dofs[i]], ws.length_rate[k]);
     }
   }
-}
-
-/// J x of length k, for x (nv).
-template <Number T>
-[[nodiscard]] MANYHANDS_INLINE T along_length(const Tree<real_t<T>>& tree, const Workspace<T>& ws, std::size_t k,
-                                              const T* x) {
-  const TreeLength<real_t<T>>& length = tree.lengths[k];
-  const T* J = ws.length_J.data() + length.J;
-  T sum = constant<T>(0);
-  for (std::size_t i = 0; i < length.dofs.size(); ++i) sum = fma(J[i], x[length.dofs[i]], sum);
-  return sum;
 }
 
 /// x += J^T force of length k, for x (nv).

@@ -19,7 +19,8 @@ Layout::Layout(const Model& model, std::size_t contact_numbers)
               model.links().size(),
               model.lifts().size(),
               kPoseNumbers * model.mocap_bodies().size(),
-              model.tendons().size()} {}
+              model.tendons().size(),
+              static_cast<std::size_t>(model.na())} {}
 
 bool Layout::has_room(const FieldInsertion& at) const {
   for (std::size_t k = 0; k < kKindsOfEach; ++k) {
@@ -37,6 +38,10 @@ void Layout::reserve_twice(const FieldInsertion& at) {
 
 void Layout::add(const FieldInsertion& at) {
   for (std::size_t k = 0; k < kKindsOfEach; ++k) counts_[k] += static_cast<std::size_t>(at[k].new_size);
+}
+
+double middle_force(const Actuator& actuator) {
+  return actuator.min_force ? 0.5 * (*actuator.min_force + actuator.max_force) : 0;
 }
 
 template <Number T>
@@ -84,7 +89,7 @@ void Params<T>::take(const Model& model) {
     gear[i] = number(actuator.gear);
     drive_kp[i] = number(actuator.type == ActuatorType::kPosition ? actuator.kp : 0.0);
     drive_kd[i] = number(actuator.kd);
-    drive_max_force[i] = number(actuator.max_force);
+    drive_max_force[i] = number(actuator.max_force - middle_force(actuator));
   }
 }
 

@@ -38,7 +38,7 @@ namespace manyhands {
   field(gear,             T,               kActuator, kFinite)      /* see ActuatorType */                            \
   field(drive_kp,         T,               kActuator, kFinite)      /* see Actuator */                                \
   field(drive_kd,         T,               kActuator, kFinite)      /* see Actuator */                                \
-  field(drive_max_force,  T,               kActuator, kForceLimit)  /* at the joint [N m or N] */                     \
+  field(drive_max_force,  T,               kActuator, kForceLimit)  /* at the joint, about middle_force [N m or N] */  \
   field(geom_size,        Vec3<T>,         kGeom,     kNotNegative) /* see Shape [m] */                               \
   field(geom_friction,    T,               kGeom,     kNotNegative) /* lateral, along the geom's x */                 \
   field(geom_friction_y,  T,               kGeom,     kNotNegative) /* along its y */                                 \
@@ -46,6 +46,9 @@ namespace manyhands {
   field(geom_rolling,     T,               kGeom,     kNotNegative) /* [m] */                                         \
   field(geom_restitution, T,               kGeom,     kNotNegative)
 // clang-format on
+
+/// About which the bounds of an actuator's force lie: 0 unless they differ [N m or N].
+[[nodiscard]] double middle_force(const Actuator& actuator);
 
 /// Set from the model, then randomised at will. Kernels take P = T, numbers of their own for every lane, or
 /// P = real_t<T>, the same for all: that is smaller and stays in the nearest cache. A view: the numbers lie in the

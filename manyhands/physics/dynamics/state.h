@@ -20,6 +20,7 @@ namespace manyhands {
   array(target_q,         kDof,           kFinite) /* motor target [rad or m] */                                      \
   array(target_v,         kDof,           kFinite) /* motor target [rad/s or m/s] */                                  \
   array(ctrl,             kActuator,      kFinite) /* commands of the actuators */                                    \
+  array(act,              kActivation,    kFinite) /* what becomes of commands, see Activation */                      \
   array(mocap,            kMocapNumber,   kFinite) /* poses of the bodies that a user moves */                         \
   array(q_rest,           kCoordinate,    kFinite) /* what q has no room for in single precision, see accumulate */    \
   array(active_set,       kDof,           kFinite) /* where each dof is on its force law, see JointConstraintState */   \

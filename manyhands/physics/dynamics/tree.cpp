@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "manyhands/base/assert.h"
 #include "manyhands/math/instantiate.h"
 #include "manyhands/model/equivalent_box.h"
 #include "manyhands/physics/dynamics/checks.h"
+#include "manyhands/physics/dynamics/start_mobility.h"
+#include "manyhands/physics/dynamics/tree_actuators.h"
 #include "manyhands/physics/dynamics/tree_lengths.h"
 
 namespace manyhands {
@@ -62,6 +65,23 @@ TreeEquality<R> tree_equality(const Model& model, const EqualityConstraint& equa
     result.X_BB = broadcast<R>(b.X_BL * equality.X_LB);
   }
   return result;
+}
+
+/// Lets it give way. Of tendons it is a length that does.
+template <Real R>
+void give_way(const EqualityConstraint& equality, const StartMobility& start, TreeEquality<R>& result) {
+  if (equality.type == EqualityType::kTendon) return;
+  result.compliance = tree_compliance<R>(*equality.compliance);
+  if (!result.joins_bodies()) {
+    result.linear = static_cast<R>(start.of_dof(result.dof_a) + start.of_dof(result.dof_b));
+    return;
+  }
+  // MuJoCo measures a rotation by torque_scale sin(angle / 2).
+  const double arm = equality.torque_scale / 2;
+  const StartMobility::OfLink a = start.of_link(equality.link_a), b = start.of_link(equality.link_b);
+  result.linear = static_cast<R>(a.linear + b.linear);
+  result.angular = static_cast<R>((a.angular + b.angular) / (arm * arm));
+  result.arm = static_cast<R>(arm);
 }
 
 /// The square of the radius of gyration about the centre of mass [m^2].
@@ -143,17 +163,35 @@ void join_ways(int i, int j, std::vector<int>& parent) {
   }
 }
 
-/// What M needs room for: the dofs of a tree that lie on one way, and what tendons join.
+/// The dofs on which the rows of an equality constraint act.
+template <Real R>
+std::vector<int> dofs_of(const Tree<R>& tree, const TreeEquality<R>& equality) {
+  if (!equality.joins_bodies()) return {static_cast<int>(equality.dof_a), static_cast<int>(equality.dof_b)};
+  std::vector<int> dofs;
+  int a = tree.last_dof[equality.body_a], b = tree.last_dof[equality.body_b];
+  while (a != b) {  // the later of the two goes on towards the root
+    int& later = a > b ? a : b;
+    dofs.push_back(later);
+    later = tree.dof_parent[static_cast<std::size_t>(later)];
+  }
+  return dofs;
+}
+
+/// What M needs room for: the dofs of a tree that lie on one way, and what tendons and equality constraints that give
+/// way join.
 template <Real R>
 void find_pattern(Tree<R>& tree) {
   tree.M_parent = tree.dof_parent;
   std::vector<std::pair<int, int>> joined;
-  for (const TreeLength<R>& length : tree.lengths) {
-    for (std::size_t k = 1; k < length.dofs.size(); ++k) {
-      joined.emplace_back(length.dofs[k - 1], length.dofs[k]);
-      join_ways(length.dofs[k - 1], length.dofs[k], tree.M_parent);
+  const auto join = [&](const std::vector<int>& dofs) {
+    for (std::size_t k = 1; k < dofs.size(); ++k) {
+      joined.emplace_back(dofs[k - 1], dofs[k]);
+      join_ways(dofs[k - 1], dofs[k], tree.M_parent);
     }
-  }
+  };
+  for (const TreeLength<R>& length : tree.lengths) join(length.dofs);
+  for (const TreeEquality<R>& equality : tree.equalities)
+    if (equality.compliance) join(dofs_of(tree, equality));
   join_ranges(joined, tree.root_dof, tree.end_dof);
   for (int k = 0; k < tree.nv; ++k) {
     const auto i = static_cast<std::size_t>(k);
@@ -178,8 +216,29 @@ std::size_t equality_rows(const Model& model) {
   return rows;
 }
 
+namespace {
+
+template <class Parts>
+bool any_gives_way(const Parts& parts) {
+  return std::ranges::any_of(parts, [](const auto& part) { return part.compliance.has_value(); });
+}
+
+bool gives_way(const Model& model) {
+  return any_gives_way(model.equalities()) || any_gives_way(model.tendons()) || any_gives_way(model.dof_limits());
+}
+
+}  // namespace
+
 template <Real R>
 Tree<R>::Tree(const Model& model)
+    : Tree(gives_way(model) ? [&] {
+        const StartMobility start(model);
+        return Tree(model, &start);
+      }()
+                            : rigid(model)) {}
+
+template <Real R>
+Tree<R>::Tree(const Model& model, const StartMobility* start)
     : nb(model.num_bodies()),
       nq(model.nq()),
       nv(model.nv()),
@@ -218,29 +277,16 @@ Tree<R>::Tree(const Model& model)
     for (int i = last_dof.back(); i >= 0; i = dof_parent[static_cast<std::size_t>(i)]) path.push_back(i);
   }
   path_begin.push_back(path.size());
-  add_lengths(model, *this);
-  find_pattern(*this);
-  set_equalities(model);
-  set_medium(model);
-  dof_drive.assign(static_cast<std::size_t>(num_laws()), -1);
-  for (const Actuator& actuator : model.actuators()) {
-    TreeActuator<R> added{.type = actuator.type,
-                          .scale = static_cast<R>(actuator.ctrl_scale),
-                          .offset = static_cast<R>(actuator.ctrl_offset)};
-    if (actuator.tendon.is_valid()) {
-      added.q = actuator.tendon.index();
-      added.law = static_cast<std::size_t>(nv) + added.q;
-    } else {
-      const Joint& joint = model.joint(actuator.joint);
-      added.law = static_cast<std::size_t>(joint.iv);
-      added.q = static_cast<std::size_t>(joint.iq);
-    }
-    if (actuator.type != ActuatorType::kForce) dof_drive[added.law] = static_cast<int>(actuators.size());
-    actuators.push_back(added);
-  }
   for (const JointLimits& limits : model.dof_limits()) {
     dof_limited.push_back(is_finite(limits.lower) || is_finite(limits.upper));
+    dof_stops.push_back(dof_limited.back());
   }
+  add_lengths(model, start, *this);
+  add_equalities(model, start);
+  find_pattern(*this);
+  join_clusters();
+  set_medium(model);
+  add_actuators(model, *this);
   MANYHANDS_ASSERT(internal::is_topology_sound(*this));
 }
 
@@ -255,16 +301,28 @@ void Tree<R>::join_clusters() {
 }
 
 template <Real R>
+bool Tree<R>::is_plain() const {
+  return lengths.empty() && std::ranges::none_of(equalities, [](const auto& e) { return e.compliance.has_value(); });
+}
+
+template <Real R>
+void Tree<R>::add_equalities(const Model& model, const StartMobility* start) {
+  for (const EqualityConstraint& equality : model.equalities()) {
+    TreeEquality<R>& added = equalities.emplace_back(tree_equality<R>(model, equality));
+    if (!added.joins_bodies()) include_both_joints(*this, added);
+    if (equality.compliance && start != nullptr) give_way(equality, *start, added);
+    added.row = equality_rows;
+    equality_rows += rows_of(equality.type);
+  }
+}
+
+template <Real R>
 void Tree<R>::set_equalities(const Model& model) {
   equalities.clear();
   equality_rows = 0;
-  for (const EqualityConstraint& equality : model.equalities()) {
-    equalities.push_back(tree_equality<R>(model, equality));
-    if (equality.type == EqualityType::kJoint || equality.type == EqualityType::kGear)
-      include_both_joints(*this, equalities.back());
-    equalities.back().row = equality_rows;
-    equality_rows += rows_of(equality.type);
-  }
+  std::optional<StartMobility> start;
+  if (any_gives_way(model.equalities())) start.emplace(model);
+  add_equalities(model, start ? &*start : nullptr);
   join_clusters();
 }
 

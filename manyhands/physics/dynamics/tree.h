@@ -1,6 +1,7 @@
 // The model's kinematic tree in the precision of a kernel.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -8,8 +9,11 @@
 #include "manyhands/model/insertion.h"
 #include "manyhands/model/model.h"
 #include "manyhands/physics/dynamics/params.h"
+#include "manyhands/physics/dynamics/yielding.h"
 
 namespace manyhands {
+
+class StartMobility;
 
 /// Numbers of a mocap body's pose: x y z [m], quaternion xyzw.
 inline constexpr std::size_t kPoseNumbers = 7;
@@ -40,9 +44,17 @@ struct TreeBody {
 template <Real R>
 struct TreeActuator {
   ActuatorType type{};
-  std::size_t law{};        ///< the dof that it drives; of tendons nv more than the length
-  std::size_t q{};          ///< the coordinate it measures; of tendons the length
+  std::size_t law{};        ///< the dof that it drives; of tendons and sites nv more than the length
+  std::size_t q{};          ///< the coordinate it measures; of tendons and sites the length
   R scale = 1, offset = 0;  ///< scale ctrl + offset is its command
+  R period{};               ///< of a position servo whose length is an angle: its error is taken within half of it
+  R middle_force{};         ///< about which its bounds lie
+  bool is_shared{};         ///< whether another bounded drive acts on the same dof or length
+  std::array<R, 3> gain{}, bias{};  ///< of kAffine
+  ActivationType activation{};
+  int act = -1;  ///< index of its activation
+  R time_constant{}, least_act{}, most_act{};
+  bool early{};  ///< whether its command is the activation at the step's end
 
   [[nodiscard]] bool is_scaled() const { return scale != 1 || offset != 0; }
 };
@@ -51,6 +63,7 @@ enum class LengthType {
   kJoints,    ///< the sum of coefficient q over joints
   kPath,      ///< the way from point to point
   kCoupling,  ///< (b - reference_b) - polynomial(a - reference_a), of two other lengths
+  kSite,      ///< where an actuator's site is from its reference
 };
 
 /// What a dof does to one end of a segment: sign -1 where it moves the first.
@@ -69,19 +82,35 @@ struct TreeSegment {
   std::vector<TreeLever<R>> levers{};
 };
 
-/// A number that follows from q, and moves by J v: the length of a tendon, or what couples two of them.
+/// A wrench at a site S of body A, against one at R of body B, along which an actuator acts (see ActuatorSite).
+template <Real R>
+struct TreeSite {
+  std::size_t body_a{}, body_b{};
+  Transform<R> X_AS = Transform<R>::identity(), X_BR = Transform<R>::identity();
+  bool has_reference{};
+  Vec3<R> force{}, torque{};  ///< in the axes of R, without it of S
+  std::vector<TreeLever<R>> levers{};
+};
+
+/// A number that follows from q, and moves by J v: the length of a tendon, what couples two of them, what limits that
+/// give way hold in bounds, or where a site is.
 template <Real R>
 struct TreeLength {
   LengthType type{};
-  std::vector<int> dofs{};                      ///< on which it depends, ascending: the entries of J
-  std::size_t J{};                              ///< the first of them in Workspace::length_J
-  std::vector<int> q{};                         ///< of kJoints: their coordinates
-  std::vector<R> weights{};                     ///< of kJoints: their coefficients
-  std::vector<TreeSegment<R>> segments{};       ///< of kPath
-  int a = -1, b = -1;                           ///< of kCoupling: the lengths; without a it counts as 0
-  std::vector<int> in_a{}, in_b{};              ///< of kCoupling, by entry: its place among those of a and b, or -1
-  std::array<R, 5> polynomial{};                ///< of kCoupling
-  R reference_a{}, reference_b{}, max_force{};  ///< of kCoupling
+  std::vector<int> dofs{};                        ///< on which it depends, ascending: the entries of J
+  std::size_t J{};                                ///< the first of them in Workspace::length_J
+  std::vector<int> q{};                           ///< of kJoints: their coordinates
+  std::vector<R> weights{};                       ///< of kJoints: their coefficients
+  std::vector<TreeSegment<R>> segments{};         ///< of kPath
+  int a = -1, b = -1;                             ///< of kCoupling: the lengths; without a it counts as 0
+  std::vector<int> in_a{}, in_b{};                ///< of kCoupling, by entry: its place among those of a and b, or -1
+  std::array<R, 5> polynomial{};                  ///< of kCoupling
+  R reference_a{}, reference_b{}, max_force{};    ///< of kCoupling
+  std::optional<TreeCompliance<R>> compliance{};  ///< of couplings and limits that give way
+  R mobility{};                                   ///< W of the compliance
+  int limited = -1;    ///< whose limits give way by this length: a dof, or nv more than a tendon; else -1
+  bool stops = true;   ///< whether it has limits that hold exactly, as tendons may
+  TreeSite<R> site{};  ///< of kSite
 };
 
 /// An equality constraint of the model between two bodies, or two dofs, as kernels read it.
@@ -92,8 +121,13 @@ struct TreeEquality {
   Transform<R> X_BA = Transform<R>::identity(), X_BB = Transform<R>::identity();  ///< the frames on their bodies
   std::size_t dof_a{}, dof_b{}, q_a{}, q_b{};                                     ///< of kJoint and kGear
   R ratio{}, offset{}, max_force{};
-  std::size_t row{};  ///< its first row of three
-  bool turns{};       ///< whether three rows of rotation follow the first three
+  std::size_t row{};                              ///< its first row of three
+  bool turns{};                                   ///< whether three rows of rotation follow the first three
+  std::optional<TreeCompliance<R>> compliance{};  ///< what gives way is a force, and no row
+  R linear{}, angular{};                          ///< W of the compliance; of joints the first [1/kg, 1/(kg m^2)]
+  R arm{};                                        ///< of the compliance: how a rotation counts as an error [m/rad]
+
+  [[nodiscard]] bool joins_bodies() const { return type != EqualityType::kJoint && type != EqualityType::kGear; }
 };
 
 /// A link in a medium: see drag.h.
@@ -109,8 +143,12 @@ struct TreeDrag {
 template <Real R>
 struct Tree {
   explicit Tree(const Model& model);
+  /// As if no constraint gave way.
+  [[nodiscard]] static Tree rigid(const Model& model) { return Tree(model, nullptr); }
 
-  /// Takes in the tree of a part that `ModelEdit::insert` put into the model. Neither has tendons.
+  /// Whether nothing but joints fills M: then it takes in others as they are.
+  [[nodiscard]] bool is_plain() const;
+  /// Takes in the tree of a part that `ModelEdit::insert` put into the model. Both are plain.
   void insert(const Tree& part, const Insertion& at);
   /// Takes over the model's equality constraints anew.
   void set_equalities(const Model& model);
@@ -144,19 +182,26 @@ struct Tree {
   std::vector<int> dofs_from_leaves;       ///< (nv) nv - 1, ..., 0
   std::vector<int> dof_q;                  ///< (nv) the coordinate that the dof integrates, or -1
   std::vector<std::uint8_t> dof_limited;   ///< (nv) whether the joint has position limits
+  std::vector<std::uint8_t> dof_stops;     ///< (nv) whether these hold exactly; those that give way are lengths
   std::vector<TreeActuator<R>> actuators;  ///< (nu)
   std::vector<std::size_t> lifted_bodies;  ///< that gravity compensation acts on, in the order of Model::lifts
   std::vector<std::size_t> mocap_bodies;   ///< that a user moves
   std::vector<TreeDrag<R>> drags;          ///< of links that move, in a medium
   Vec3<R> wind{};                          ///< the medium's velocity [m/s]
   std::vector<TreeEquality<R>> equalities;
-  std::vector<TreeLength<R>> lengths;  ///< of tendons, then of equality constraints between them
+  std::vector<TreeLength<R>> lengths;  ///< of tendons, then of equality constraints between them, then of limits that
+                                       ///< give way, then of actuators at sites
   std::size_t length_entries{};        ///< of J, over all lengths
   std::size_t equality_rows{};         ///< three for every equality constraint, six where it holds rotations
   std::vector<int>
       cluster_begin;  ///< (nv) first dof of the trees that equality constraints join to the dof's, as one range
   std::vector<int> cluster_end;  ///< (nv) one past their last
-  std::vector<int> dof_drive;    ///< (nv, lengths) the position or velocity actuator of the dof or tendon, or -1
+  std::vector<int> dof_drive;    ///< (nv, lengths) an actuator other than a force that acts on the dof or length, or -1
+
+ private:
+  /// `start`: null where nothing gives way.
+  Tree(const Model& model, const StartMobility* start);
+  void add_equalities(const Model& model, const StartMobility* start);
 };
 
 /// Rows of all equality constraints of a model: three each, six where they hold rotations.

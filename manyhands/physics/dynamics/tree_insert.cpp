@@ -81,7 +81,7 @@ template <Real R, class Body, class Dof, class Q>
 void renumber(TreeEquality<R>& equality, const Body& body, const Dof& dof, const Q& q) {
   equality.body_a = index(body(static_cast<int>(equality.body_a)));
   equality.body_b = index(body(static_cast<int>(equality.body_b)));
-  if (equality.type != EqualityType::kJoint && equality.type != EqualityType::kGear) return;
+  if (equality.joins_bodies()) return;
   equality.dof_a = index(dof(static_cast<int>(equality.dof_a)));
   equality.dof_b = index(dof(static_cast<int>(equality.dof_b)));
   equality.q_a = index(q(static_cast<int>(equality.q_a)));
@@ -121,6 +121,7 @@ void insert_actuators(const Tree<R>& part, const Insertion& at, Tree<R>& tree) {
   for (TreeActuator<R> actuator : part.actuators) {
     actuator.law = index(at.v.of_new(static_cast<int>(actuator.law)));
     actuator.q = index(at.q.of_new(static_cast<int>(actuator.q)));
+    if (actuator.act >= 0) actuator.act += at.activations;
     tree.actuators.push_back(actuator);
   }
   std::vector<int> drives = part.dof_drive;
@@ -188,6 +189,7 @@ void Tree<R>::insert(const Tree& part, const Insertion& at) {
   for (std::size_t i = index(at.v.old_first); at.v.shifts() && i < dof_q.size(); ++i) dof_q[i] = at.q.of_old(dof_q[i]);
   at.v.apply(dof_q, coordinates);
   at.v.apply(dof_limited, part.dof_limited);
+  at.v.apply(dof_stops, part.dof_stops);
 
   std::vector<int> last;
   for (int i = nv + part.nv; i-- > nv;) last.push_back(i);

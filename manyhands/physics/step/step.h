@@ -11,6 +11,7 @@
 #include "manyhands/physics/contact/warm_start.h"
 #include "manyhands/physics/dynamics/aba.h"
 #include "manyhands/physics/dynamics/crba.h"
+#include "manyhands/physics/step/tumbling.h"
 
 namespace manyhands {
 
@@ -114,6 +115,8 @@ MANYHANDS_INLINE void find_resting(const ContactSolver<T>& contact, std::vector<
   }
   for (const EqualityRows<T>& block : contact.problem.equalities)
     resting[block.rows.body_a] = resting[block.rows.body_b] = one;
+  for (const TreeEquality<real_t<T>>& equality : contact.problem.tree->equalities)
+    if (equality.compliance) resting[equality.body_a] = resting[equality.body_b] = one;
 }
 
 /// Free bodies fall on parabolas: takes back the h^2 / 2 a by which the last velocity of a step overshoots, except for
@@ -191,7 +194,8 @@ void step(const System<real_t<T>>& system, const Params<P>& params, real_t<T> h,
   }
   const Colliders<real_t<T>>& colliders = system.colliders;
   place_mocap(tree, state.mocap(), ws.dynamics);
-  bias_and_mass_matrix(tree, params, state.q(), state.v(), ws.dynamics);                      // 1 dynamics
+  bias_and_mass_matrix(tree, params, state.q(), state.v(), ws.dynamics);  // 1 dynamics
+  bound_tumbling(tree, T(h), ws.dynamics);
   const std::span<const ColliderPair> pairs = find_touches(colliders, params, h, state, ws);  // 2 collision
   ContactSolver<T>& contact = ws.contact;
   assemble(tree, colliders, pairs, params, h, state, ws.collision, ws.dynamics, contact);  // 3 the constrained problem
@@ -201,6 +205,7 @@ void step(const System<real_t<T>>& system, const Params<P>& params, real_t<T> h,
   store_warm_start(contact.problem, contact.iterate, state);                  // 6 where the next step begins
   add_velocity_change(state, static_cast<std::size_t>(tree.nv));              // 7 velocities
   integrate_configuration(tree, state.v(), T(h), state.q(), state.q_rest());  // 8 positions
+  advance_activations(tree, h, state);                                        // 9 what becomes of commands
   correct_free_fall(tree, params, h, contact, ws.resting, state);
 }
 

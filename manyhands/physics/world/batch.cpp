@@ -146,6 +146,7 @@ std::vector<float> Batch::q() const { return impl_->rows(&StateView<float>::q); 
 std::vector<float> Batch::v() const { return impl_->rows(&StateView<float>::v); }
 std::vector<float> Batch::tau() const { return impl_->rows(&StateView<float>::tau); }
 std::vector<float> Batch::ctrl() const { return impl_->rows(&StateView<float>::ctrl); }
+std::vector<float> Batch::act() const { return impl_->rows(&StateView<float>::act); }
 std::vector<float> Batch::mocap() const { return impl_->rows(&StateView<float>::mocap); }
 
 void Batch::set_q(std::span<const float> q, std::span<const std::uint8_t> mask) {
@@ -186,6 +187,12 @@ void Batch::set_ctrl(std::span<const float> ctrl, std::span<const std::uint8_t> 
     rows[i] = clamp(rows[i], static_cast<float>(actuator.min_ctrl), static_cast<float>(actuator.max_ctrl));
   }
   impl_->set_rows(&StateView<float>::ctrl, rows, mask);
+}
+
+void Batch::set_act(std::span<const float> act, std::span<const std::uint8_t> mask) {
+  impl_->require_mask(mask);
+  require_rows("act", act, impl_->steps.size(), static_cast<std::size_t>(impl_->model->na()));
+  impl_->set_rows(&StateView<float>::act, act, mask);
 }
 
 void Batch::set_motors(const BatchMotors& commands) {

@@ -20,8 +20,9 @@ struct BatchOptions {
 
 /// Bits of `Batch::flags`.
 struct BatchFlag {
-  static constexpr std::uint8_t kNotFinite = 1;  ///< stands still at its last finite state, until reset or restored
-  static constexpr std::uint8_t kDeep = 2;       ///< penetration beyond kDeepPenetration in the last call of `step`
+  static constexpr std::uint8_t kNotFinite =
+      1;                                    ///< or made motion from nothing: stands still where it was, until reset
+  static constexpr std::uint8_t kDeep = 2;  ///< penetration beyond kDeepPenetration in the last call of `step`
   static constexpr std::uint8_t kUnsettled = 4;  ///< in the last call of `step` contacts were left as kUnsettledChange
 };
 
@@ -68,12 +69,14 @@ class Batch {
   [[nodiscard]] std::vector<float> v() const;     ///< (n, nv)
   [[nodiscard]] std::vector<float> tau() const;   ///< (n, nv) [N m or N]
   [[nodiscard]] std::vector<float> ctrl() const;  ///< (n, nu)
+  [[nodiscard]] std::vector<float> act() const;   ///< (n, na)
   /// Poses of the model's mocap bodies, in its order: x y z [m] and quaternion xyzw each, (n, mocap bodies, 7).
   [[nodiscard]] std::vector<float> mocap() const;
   void set_q(std::span<const float> q, std::span<const std::uint8_t> mask = {});
   void set_v(std::span<const float> v, std::span<const std::uint8_t> mask = {});
   void set_tau(std::span<const float> tau, std::span<const std::uint8_t> mask = {});
   void set_ctrl(std::span<const float> ctrl, std::span<const std::uint8_t> mask = {});
+  void set_act(std::span<const float> act, std::span<const std::uint8_t> mask = {});
   void set_motors(const BatchMotors& commands);
   /// Back to the start, parameters kept.
   void reset(std::span<const std::uint8_t> mask = {});

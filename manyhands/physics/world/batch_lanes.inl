@@ -1,6 +1,7 @@
 // Bodies of make_batch_lanes, included by the files that instantiate it.
 #pragma once
 
+#include "manyhands/physics/step/energy_balance.h"
 #include "manyhands/physics/world/batch_lanes.h"
 
 namespace manyhands {
@@ -18,7 +19,7 @@ class BatchLanesOf final : public BatchLanes {
     blocks_.assign((n + W - 1) / W, WorldBlock<T>(model, system_.contact_numbers()));
     for (std::size_t i = n; i < blocks_.size() * W; ++i) world(i).extras.frozen[0] = 1;  // lanes without a world rest
     for (int worker = 0; worker < num_workers; ++worker) {
-      workers_.push_back({StepWorkspace<T>(system_), {}});
+      workers_.push_back({StepWorkspace<T>(system_), Workspace<T>(system_.tree)});
       blocks_[0].keep_moved(workers_.back().kept);
     }
   }
@@ -47,7 +48,9 @@ class BatchLanesOf final : public BatchLanes {
   /// What a worker lends to the block that it steps.
   struct Worker {
     StepWorkspace<T> step;
-    std::vector<T> kept;  ///< of the state before the step
+    Workspace<T> scratch;
+    std::vector<T> kept{};  ///< of the state before the step
+    EnergyBalance<T> balance{};
   };
 
   static T zero() { return T(R(0)); }
@@ -65,20 +68,24 @@ class BatchLanesOf final : public BatchLanes {
       }
       manyhands::step(system_, block.params, time_step_, block.state, worker.step);
       if (pushed) block.restore_tau(worker.kept);
-      freeze(block, worker.kept);
+      freeze(block, worker);
       note_step(block, worker.step);
     }
     if (n > 0) sum_contacts(block, worker.step);
   }
 
-  /// Worlds whose numbers have stopped being finite go back to where they were, and stay there without a warm start.
-  void freeze(WorldBlock<T>& block, std::span<const T> kept) {
+  /// Worlds whose numbers have stopped being finite, or that make motion from nothing, go back to where they were, and
+  /// stay there without a warm start.
+  void freeze(WorldBlock<T>& block, Worker& worker) {
     T &frozen = block.extras.frozen[0], &advanced = block.extras.advanced[0];
-    const auto good = (frozen == zero()) & block.is_finite();
+    const T *const q = worker.kept.data(), *const v = q + (block.state.v() - block.state.q());
+    const auto made = makes_motion(system_.tree, block.params, time_step_, q, v, worker.step.dynamics.bias, block.state,
+                                   worker.scratch, worker.balance);
+    const auto good = (frozen == zero()) & block.is_finite() & !made;
     advanced = advanced + select(good, one(), zero());
     if (all(good)) return;
     frozen = select(good, zero(), one());
-    block.put_back(good, kept);
+    block.put_back(good, worker.kept);
   }
 
   void note_step(WorldBlock<T>& block, const StepWorkspace<T>& ws) {

@@ -73,6 +73,9 @@ void require_gains(const Actuator& actuator, double kp) {
   if (actuator.type == ActuatorType::kForce) {
     throw std::invalid_argument("actuator '" + actuator.name + "' is a motor: it has no gains");
   }
+  if (actuator.type == ActuatorType::kAffine) {
+    throw std::invalid_argument("actuator '" + actuator.name + "' is affine: its gain and bias belong to the model");
+  }
   if (actuator.type == ActuatorType::kVelocity && kp != 0) {
     throw std::invalid_argument("actuator '" + actuator.name + "' is a velocity drive: its kp must be 0");
   }

@@ -1,6 +1,8 @@
 #include "manyhands/physics/world/world.h"
 
 #include <algorithm>
+#include <array>
+#include <cstdio>
 
 #include "manyhands/base/float_environment.h"
 #include "manyhands/base/hash.h"
@@ -69,6 +71,9 @@ std::span<const double> World::tau() const { return loose().living(core_->state.
 std::span<const double> World::ctrl() const {
   return loose().living(core_->state.ctrl(), Each::kActuator, shown_->ctrl);
 }
+std::span<const double> World::act() const {
+  return loose().living(core_->state.act(), Each::kActivation, shown_->act);
+}
 int World::solver_iterations() const { return loose().has_stepped ? core_->step.contact.iterations : 0; }
 const SolverSettings& World::solver() const { return *solver_; }
 
@@ -104,7 +109,42 @@ std::string joints_without_numbers(const WorldCore& core) {
   return count > kMostNamed ? names + " and " + std::to_string(count - kMostNamed) + " more" : names;
 }
 
+/// The joint that moves farthest in the step, of the trees that have made motion, and what is wrong with it.
+std::string made_motion(const WorldCore& core, double h) {
+  const std::vector<TreeBody<double>>& bodies = core.system.tree.bodies;
+  const EnergyBalance<double>& balance = core.balance;
+  std::size_t farthest = 0, tree = 0;
+  double most = 0;
+  for (std::size_t b = 1; b < bodies.size(); ++b) {
+    if (!internal::gains(balance, balance.root[b])) continue;
+    for (int i = bodies[b].iv; i < bodies[b].iv + bodies[b].nv; ++i) {
+      const double moves = h * std::abs(core.state.v()[i]);
+      if (moves <= most) continue;
+      most = moves;
+      farthest = b;
+      tree = balance.root[b];
+    }
+  }
+  const auto text = [](double number) {
+    std::array<char, 32> digits{};
+    std::snprintf(digits.data(), digits.size(), "%.3g", number);
+    return std::string(digits.data());
+  };
+  return "moves joint '" + core.model->joint(core.model->bodies()[farthest].joint).name + "' by " + text(most) +
+         " rad or m at once, and its tree's motion grows from " + text(balance.before[tree]) + " J to " +
+         text(std::max(balance.after[tree], balance.moved[tree])) + " J from nothing";
+}
+
 }  // namespace
+
+void World::fail_step(WorldCore& core, const std::string& what) {
+  core.put_back(false, core.before);
+  core.moved();
+  core.forget_step();
+  throw SimulationError("the step at " + std::to_string(time()) + " s " + what +
+                        ": look for forces, speeds or mass ratios beyond reason, or take a smaller time_step. The "
+                        "world is as it was before this step");
+}
 
 void World::step_once(WorldCore& core) {
   core.keep_all(core.before);
@@ -125,17 +165,20 @@ void World::step_once(WorldCore& core) {
   }
   core.moved();
   if (!core.is_finite()) {
-    const std::string joints = joints_without_numbers(core);
-    core.put_back(false, core.before);
-    core.forget_step();
-    throw SimulationError("the step at " + std::to_string(time()) +
-                          " s leads to numbers that are not finite at joint " + joints +
-                          ": look for forces, speeds or mass ratios beyond reason, or take a smaller "
-                          "time_step. The world is as it was before this step");
+    fail_step(core, "leads to numbers that are not finite at joint " + joints_without_numbers(core));
   }
+  if (integrator_ == Integrator::kSemiImplicit) require_balance(core);
   if (pushed) core.restore_tau(core.before);
   core.has_stepped = integrator_ == Integrator::kSemiImplicit;
   ++steps_;
+}
+
+void World::require_balance(WorldCore& core) {
+  const double* const q = core.before.data();
+  const double* const v = q + (core.state.v() - core.state.q());
+  if (makes_motion(core.system.tree, core.params, time_step_, q, v, core.step.dynamics.bias, core.state, core.scratch,
+                   core.balance))
+    fail_step(core, made_motion(core, time_step_));
 }
 
 void World::require_within_limits(const WorldCore& core, const char* when) const {
@@ -209,11 +252,38 @@ void World::set_ctrl(std::span<const double> ctrl) {
   }
 }
 
+void World::set_act(std::span<const double> act) {
+  WorldCore& now = core();
+  require_numbers("act", act, static_cast<std::size_t>(now.model->na()));
+  std::ranges::copy(act, now.state.act());
+}
+
+namespace {
+
+/// The place in act of the actuator of that name.
+int activation_index(const Model& model, std::string_view name) {
+  const Actuator& actuator = model.actuators()[actuator_id(model, name).index()];
+  if (actuator.iact < 0) throw std::invalid_argument("actuator '" + actuator.name + "' has no activation");
+  return actuator.iact;
+}
+
+}  // namespace
+
+double World::activation(std::string_view actuator) const {
+  return loose().state.act()[activation_index(*core_->model, actuator)];
+}
+
+void World::set_activation(std::string_view actuator, double act) {
+  require_numbers("act", std::span<const double>(&act, 1), 1);
+  loose().state.act()[activation_index(*core_->model, actuator)] = act;
+}
+
 void World::set_keyframe(std::string_view name) {
   const Keyframe key = core().model->keyframe(name);
   set_q(key.q);
   set_v(key.v);
   set_ctrl(key.ctrl);
+  set_act(key.act);
   std::ranges::copy(key.mocap, core().state.mocap());
 }
 

@@ -16,6 +16,7 @@
 namespace manyhands {
 
 struct Body;
+struct Sensor;  // sensor.h
 class Model;
 struct LinkDistance;    // queries.h
 struct SolverSettings;  // contact_solver.h
@@ -41,7 +42,8 @@ struct JointMotor {
   double target_q = 0, target_v = 0, kp = 0, kd = 1, max_force = 0;
 };
 
-/// A step led to numbers that are not finite; the world is as it was before that step.
+/// A step led to numbers that are not finite, or made motion from nothing (energy_balance.h); the world is as it was
+/// before that step.
 class SimulationError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -76,14 +78,16 @@ class World {
   ~World();
   /// Loads a URDF file, base fixed, an MJCF file or an SDF file, told by its root element, and keeps its report. Of an
   /// SDF file with several models, parts are called "MODEL/part". Without time_step: the file's, or 0.002 s.
-  /// `allow_outside_package` is the loaders'. Throws what the loaders throw.
+  /// `allow_outside_package` and `compliance` are the loaders'. Throws what the loaders throw.
   [[nodiscard]] static World from_file(const std::filesystem::path& path, std::optional<double> time_step = {},
                                        Integrator integrator = Integrator::kSemiImplicit,
-                                       bool allow_outside_package = false);
+                                       bool allow_outside_package = false,
+                                       MjcfCompliance compliance = MjcfCompliance::kStated);
 
-  /// Advances by n steps. Throws SimulationError if a step leads to numbers that are not finite. With kRungeKutta4
-  /// throws std::runtime_error if a motor is on, something touches, or a joint with limits lies outside them: this
-  /// integrator would ignore these. The state stays as it was before that step; forces of `apply_force` are gone.
+  /// Advances by n steps. Throws SimulationError, which names joints, time and cause, if a step leads to numbers that
+  /// are not finite, or moves things so far that it makes motion from nothing. With kRungeKutta4 throws
+  /// std::runtime_error if a motor is on, something touches, or a joint with limits lies outside them: this integrator
+  /// would ignore these. The state stays as it was before that step; forces of `apply_force` are gone.
   void step(int n = 1);
 
   [[nodiscard]] const Model& model() const;
@@ -100,13 +104,18 @@ class World {
   [[nodiscard]] std::span<const double> v() const;     ///< (nv)
   [[nodiscard]] std::span<const double> tau() const;   ///< (nv) [N m or N]
   [[nodiscard]] std::span<const double> ctrl() const;  ///< (nu)
+  [[nodiscard]] std::span<const double> act() const;   ///< (na) of the actuators that have an activation, in order
   void set_q(std::span<const double> q);
   void set_v(std::span<const double> v);
   void set_tau(std::span<const double> tau);  ///< acts in every step until it is set again
   /// Commands of the actuators, see ActuatorType; each is kept within its actuator's range.
   void set_ctrl(std::span<const double> ctrl);
-  /// q, v, ctrl and the poses of mocap bodies as the model's keyframe has them. Throws std::out_of_range where there is
-  /// none of that name; a world loses its model's keyframes when parts come or go.
+  void set_act(std::span<const double> act);  ///< each step keeps them within their bounds
+  /// Of the actuator of that name. Throws std::invalid_argument if it has none.
+  [[nodiscard]] double activation(std::string_view actuator) const;
+  void set_activation(std::string_view actuator, double act);
+  /// q, v, ctrl, act and the poses of mocap bodies as the model's keyframe has them. Throws std::out_of_range where
+  /// there is none of that name; a world loses its model's keyframes when parts come or go.
   void set_keyframe(std::string_view name);
 
   /// Motors at the velocity level, as PyBullet's: per step a dof is driven towards the velocity
@@ -126,8 +135,8 @@ class World {
   /// Throws std::invalid_argument if the snapshot is not of a world with this model and time step, or holds numbers
   /// that cannot be; then nothing has changed. What the last step found (contacts, reactions) is forgotten.
   void restore(std::span<const std::uint8_t> snapshot);
-  /// Starts the clock anew and forgets the solver's warm start: what follows depends on q, v, forces and commands
-  /// alone.
+  /// Starts the clock anew and forgets the solver's warm start: what follows depends on q, v, act, forces and
+  /// commands alone.
   void forget();
   /// FNV-1a over the bits of what a snapshot holds.
   [[nodiscard]] std::uint64_t state_hash() const;
@@ -205,6 +214,14 @@ class World {
   /// Throws std::invalid_argument unless max_iterations is 1 or more and the tolerance 0 or more.
   void set_solver(const SolverSettings& settings);
 
+  // ---- sensors of the model (world_sensors.cpp) -----------------------------------------------------------------
+  /// The numbers of the sensor of that name, see SensorType: of the present state, or what the last step found. Where
+  /// there was none in this world, what the next step would find, taken on a copy. Throws std::runtime_error with
+  /// kRungeKutta4, which finds none.
+  [[nodiscard]] std::vector<double> sensor(std::string_view name) const;
+  /// Of all sensors, one after the other in the order of Model::sensors.
+  [[nodiscard]] std::vector<double> sensor_data() const;
+
   // ---- where geoms are in the present state (world_queries.cpp) -------------------------------------------------
   /// Between the surfaces of two links, whether or not they may touch; none if one of them has no colliding geom.
   /// Throws std::invalid_argument for one link twice.
@@ -274,8 +291,14 @@ class World {
   [[nodiscard]] WorldCore& loose() const;
   void rebuild() const;
   void step_once(WorldCore& core);
+  void require_balance(WorldCore& core);
+  [[noreturn]] void fail_step(WorldCore& core, const std::string& what);
   void runge_kutta_step_or_throw(WorldCore& core);
   void require_apart(WorldCore& core) const;
+  /// What a link and all that hangs on it got from what it hangs on in the last step, about the world's origin.
+  [[nodiscard]] Force<double> wrench_into(const WorldCore& core, LinkId link) const;
+  [[nodiscard]] std::vector<double> read_sensors(std::span<const Sensor> sensors) const;
+  void read_last_step(std::span<const Sensor> sensors, std::vector<std::vector<double>>& readings) const;
   void require_within_limits(const WorldCore& core, const char* when) const;
   [[nodiscard]] const Body& free_body(const WorldCore& core, const Link& link, const char* what) const;
   [[nodiscard]] static const Link& required_link(const WorldCore& core, LinkId link);

@@ -119,6 +119,7 @@ class WorldBlock {
   Params<T> params;  ///< without dofs, bodies and so on where the worlds share theirs
   BlockExtras<T> extras;
 
+  [[nodiscard]] const Layout& state_layout() const { return state_layout_; }
   [[nodiscard]] bool has_params() const { return parts_ != BlockParts::kState; }
   [[nodiscard]] WorldView<R> view(std::size_t lane) {
     WorldView<R> result{state.view(lane), manyhands::view(params, lane), {}};

@@ -60,6 +60,10 @@ void carry_actuators(const WorldCore& from, const std::vector<int>& actuators, W
     if (actuators[i] < 0) continue;
     copy_items(from.state, to.state, Each::kActuator, static_cast<int>(i), actuators[i], 1);
     copy_items(from.params, to.params, Each::kActuator, static_cast<int>(i), actuators[i], 1);
+    const int act = from.model->actuators()[i].iact;
+    if (act < 0) continue;
+    const int place = to.model->actuators()[static_cast<std::size_t>(actuators[i])].iact;
+    copy_items(from.state, to.state, Each::kActivation, act, place, 1);
   }
 }
 

@@ -122,7 +122,45 @@ Force<double> inertial_force(const WorldCore& core, const std::vector<std::uint8
   return sum;
 }
 
+/// What the rows of equality constraints between a part of the links and the rest did to that part in the last step,
+/// about the world's origin.
+Force<double> equality_force(const WorldCore& core, const std::vector<std::uint8_t>& inside, double inverse_h) {
+  const ContactProblem<double>& problem = core.step.contact.problem;
+  const std::span<const EqualityConstraint> equalities = core.model->equalities();
+  Force<double> sum = Force<double>::zero();
+  for (std::size_t k = 0; k < problem.equalities.size(); ++k) {
+    const EqualityRows<double>& rows = problem.equalities[k];
+    const EqualityConstraint& equality = equalities[rows.equality];
+    if (!equality.link_a.is_valid() || inside[equality.link_a.index()] == inside[equality.link_b.index()]) continue;
+    const auto pose = [&](LinkId id, const Transform<double>& X) {
+      return pose_before(core.model->link(id), core.step.dynamics) * X;
+    };
+    const Vec3<double> y = (inside[equality.link_b.index()] != 0 ? inverse_h : -inverse_h) *
+                           (pose(equality.link_a, equality.X_LA).R * core.step.contact.iterate.equalities[k]);
+    const bool turns = rows.cache != core.system.tree.equalities[rows.equality].row;
+    const Vec3<double> p = pose(equality.link_b, equality.X_LB).p;
+    sum = sum + (turns ? Force<double>{y, Vec3<double>::zero()} : Force<double>{cross(p, y), y});
+  }
+  return sum;
+}
+
 }  // namespace
+
+Force<double> World::wrench_into(const WorldCore& now, LinkId link) const {
+  const std::vector<std::uint8_t> inside = subtree_of(*now.model, link);
+  Force<double> F = inertial_force(now, inside, time_step_) - equality_force(now, inside, 1 / time_step_);
+  for (std::size_t i = 0; i < inside.size(); ++i) {
+    if (inside[i] != 0) F = F - now.external_before[i];
+  }
+  for (const Contact& contact : contacts()) {
+    const double on_subtree =
+        (inside[contact.link_b.index()] != 0 ? 1.0 : 0.0) - (inside[contact.link_a.index()] != 0 ? 1.0 : 0.0);
+    if (on_subtree == 0) continue;
+    const Force<double> on_b{cross(contact.position, contact.force) + contact.moment, contact.force};
+    F = F - on_subtree * on_b;
+  }
+  return F;
+}
 
 Force<double> World::joint_wrench(std::string_view joint_name) const {
   const WorldCore& now = loose();
@@ -140,17 +178,7 @@ Force<double> World::joint_wrench(std::string_view joint_name) const {
     throw std::runtime_error("joint '" + joint.name + "' lies within the closed loop '" + loop.name +
                              "', whose forces share its load");
   }
-  Force<double> F = inertial_force(now, inside, time_step_);
-  for (std::size_t i = 0; i < inside.size(); ++i) {
-    if (inside[i] != 0) F = F - now.external_before[i];
-  }
-  for (const Contact& contact : contacts()) {
-    const double on_subtree =
-        (inside[contact.link_b.index()] != 0 ? 1.0 : 0.0) - (inside[contact.link_a.index()] != 0 ? 1.0 : 0.0);
-    if (on_subtree == 0) continue;
-    const Force<double> on_b{cross(contact.position, contact.force) + contact.moment, contact.force};
-    F = F - on_subtree * on_b;
-  }
+  const Force<double> F = wrench_into(now, joint.child);
   const Vec3<double> origin = pose_before(now.model->link(joint.child), now.step.dynamics).p;
   return {F.n - cross(origin, F.f), F.f};
 }

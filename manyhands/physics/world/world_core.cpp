@@ -74,6 +74,7 @@ FieldInsertion places_of(const Insertion& at, const ListInsertion& rows, const M
   const auto mocaps = static_cast<int>(kPoseNumbers) * at.mocaps;
   put(Each::kMocapNumber, behind(mocaps, kPoseNumbers * part.mocap_bodies().size()));
   put(Each::kTendon, behind(at.tendons, part.tendons().size()));
+  put(Each::kActivation, behind(at.activations, static_cast<std::size_t>(part.na())));
   return places;
 }
 
@@ -157,11 +158,11 @@ void WorldCore::insert(const Model& part, ContactRules rules) {
   const ListInsertion rows{rows_before(tree, at.equalities.old_first), static_cast<int>(tree.equality_rows),
                            rows_before(alone.tree, at.equalities.new_first),
                            static_cast<int>(alone.tree.equality_rows)};
-  if (model->tendons().empty()) {
+  if (tree.is_plain() && alone.tree.is_plain()) {
     tree.insert(alone.tree, at);
     tree.set_medium(*model);
   } else {
-    tree = Tree<double>(*model);  // what tendons join may lie anywhere
+    tree = Tree<double>(*model);  // what else fills M may lie anywhere
     scratch = Workspace<double>(tree);
     is_placed = false;
   }
@@ -199,6 +200,12 @@ void WorldCore::remove(LinkId link) {
     if (is_known) geom_places_.remove(static_cast<std::size_t>(collider));
   }
   forget_topology();
+}
+
+bool WorldCore::is_gone(const Actuator& actuator) const {
+  if (actuator.joint.is_valid()) return is_gone(model->joint(actuator.joint).child);
+  const auto lacks = [&](LinkId id) { return id.is_valid() && is_gone(id); };
+  return actuator.site && (lacks(actuator.site->link) || lacks(actuator.site->reference));
 }
 
 LinkId WorldCore::shown(LinkId id) const { return LinkId(id.index() - marks_before(gone_, id.index())); }
@@ -266,12 +273,13 @@ void WorldCore::forget_step() {
 }
 
 std::span<const double> WorldCore::living(const double* numbers, Each each, std::vector<double>& shown) const {
-  if (num_gone == 0) return {numbers, each == Each::kCoordinate ? nq() : each == Each::kDof ? nv() : nu()};
+  if (num_gone == 0) return {numbers, state_layout()[each]};
   shown.clear();
-  if (each == Each::kActuator) {
+  if (each == Each::kActuator || each == Each::kActivation) {
     for (std::size_t i = 0; i < nu(); ++i) {
-      const JointId joint = model->actuators()[i].joint;
-      if (!joint.is_valid() || !is_gone(model->joint(joint).child)) shown.push_back(numbers[i]);
+      const Actuator& actuator = model->actuators()[i];
+      const int place = each == Each::kActuator ? static_cast<int>(i) : actuator.iact;
+      if (place >= 0 && !is_gone(actuator)) shown.push_back(numbers[place]);
     }
     return shown;
   }

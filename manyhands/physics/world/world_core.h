@@ -8,6 +8,7 @@
 #include "manyhands/model/model_edit.h"
 #include "manyhands/physics/collision/queries/queries.h"
 #include "manyhands/physics/dynamics/energy.h"
+#include "manyhands/physics/step/energy_balance.h"
 #include "manyhands/physics/step/runge_kutta.h"
 #include "manyhands/physics/world/parameters.h"
 #include "manyhands/physics/world/snapshot.h"
@@ -50,6 +51,7 @@ struct WorldCore : WorldBlock<double> {
   /// Removes a link, its joint and its geoms; not what hangs on it.
   void remove(LinkId link);
   [[nodiscard]] bool is_gone(LinkId link) const { return link.index() < gone_.size() && gone_[link.index()] != 0; }
+  [[nodiscard]] bool is_gone(const Actuator& actuator) const;
   [[nodiscard]] const std::vector<std::uint8_t>& gone() const { return gone_; }  ///< (some links) 1 where removed
   /// Gives a link other mass properties, in the model too.
   void set_inertial(LinkId link, const Inertial& inertial);
@@ -72,7 +74,8 @@ struct WorldCore : WorldBlock<double> {
   [[nodiscard]] GeomId hidden(GeomId shown_id) const;
   /// Whether two links may touch, as far as exclusions go.
   void set_excluded(LinkId a, LinkId b, bool excluded);
-  /// Makes the numbers of q, v, tau or ctrl those of the parts that are there: in `shown`, where some were removed.
+  /// Makes the numbers of q, v, tau, ctrl or act those of the parts that are there: in `shown`, where some were
+  /// removed.
   [[nodiscard]] std::span<const double> living(const double* numbers, Each each, std::vector<double>& shown) const;
 
   [[nodiscard]] std::vector<CachedContact> cached_contacts() const;
@@ -91,6 +94,7 @@ struct WorldCore : WorldBlock<double> {
   System<double> system;
   std::vector<double> before;  ///< the state from which the last step went, as keep_all writes it
   StepWorkspace<double> step;
+  EnergyBalance<double> balance{};
   RungeKutta<double> runge_kutta;
   std::vector<Force<double>> external_before;      ///< on links in the last step, about the world's origin
   std::map<LinkId, Transform<double>> new_places;  ///< of `place_root`

@@ -17,7 +17,8 @@ namespace manyhands {
 namespace {
 
 /// By the root element, or what stands for it near the file's beginning.
-LoadedModel load_any(const std::filesystem::path& path, bool allow_outside_package) {
+LoadedModel load_any(const std::filesystem::path& path, bool allow_outside_package,
+                     MjcfCompliance compliance = MjcfCompliance::kStated) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw FileNotFound(path);
   std::string head(1 << 16, '\0');
@@ -29,7 +30,7 @@ LoadedModel load_any(const std::filesystem::path& path, bool allow_outside_packa
   }
   const bool is_urdf = path.extension() == ".urdf" || robot < mjcf;
   if (is_urdf) return load_urdf(path, {.allow_outside_package = allow_outside_package});
-  return load_mjcf(path, {.allow_outside_package = allow_outside_package});
+  return load_mjcf(path, {.allow_outside_package = allow_outside_package, .compliance = compliance});
 }
 
 /// Mass and inertia of a solid of that shape, about the geom's origin.
@@ -89,8 +90,8 @@ void take_settings(const Model& model, ModelBuilder& builder) {
 }  // namespace
 
 World World::from_file(const std::filesystem::path& path, std::optional<double> time_step, Integrator integrator,
-                       bool allow_outside_package) {
-  LoadedModel loaded = load_any(path, allow_outside_package);
+                       bool allow_outside_package, MjcfCompliance compliance) {
+  LoadedModel loaded = load_any(path, allow_outside_package, compliance);
   const double h = time_step.value_or(loaded.model.time_step().value_or(0.002));
   World world(std::make_shared<const Model>(std::move(loaded.model)), h, integrator);
   world.report_ = std::move(loaded.report);
@@ -168,8 +169,8 @@ void World::remove(const std::string& name) {
     found.insert(found.end(), children.begin(), children.end());
     now.remove(link);
   }
-  // A tendon that has lost a part is none.
-  if (2 * now.num_gone > now.model->links().size() || !now.model->tendons().empty()) rebuild();
+  // A tendon that has lost a part is none, and neither is what gives way.
+  if (2 * now.num_gone > now.model->links().size() || !now.system.tree.is_plain()) rebuild();
 }
 
 std::vector<std::string> World::names() const {

@@ -12,7 +12,7 @@ namespace manyhands {
 
 /// What `q` and its like show while removed parts lie between the others.
 struct World::Shown {
-  std::vector<double> q, v, tau, ctrl;
+  std::vector<double> q, v, tau, ctrl, act;
 };
 
 }  // namespace manyhands

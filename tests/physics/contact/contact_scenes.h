@@ -78,9 +78,10 @@ struct SceneBuilder {
   ModelBuilder builder;
 };
 
-inline constexpr int kScenes = 5;
+inline constexpr int kScenes = 6;
 
-/// Stacked boxes; a pinched capsule; an arm among boxes; rolling, spinning and bouncing things; equality constraints.
+/// Stacked boxes; a pinched capsule; an arm among boxes; rolling, spinning and bouncing things; equality constraints;
+/// the same where everything gives way.
 inline Model contact_scene(int which) {
   SceneBuilder s("scene " + std::to_string(which));
   const LinkId world = s.builder.world();
@@ -119,7 +120,10 @@ inline Model contact_scene(int which) {
       s.add("grooved", {ShapeType::kBox, {0.03, 0.03, 0.03}}, 0.2, {0.8, 0, 0.031}, {.friction_y = 0.05});
       break;
     default: {
-      const LinkId left = s.add_hinge("left", world, {0, 0, 0.3}, 0.1, 1);
+      std::optional<Compliance> compliance;
+      if (which == 5) compliance = {.stiffness = 200, .damping = 9, .impedance = 0.3, .width = 0.05, .power = 1.5};
+      const JointLimits limits{.lower = -0.02, .upper = 0.02, .compliance = compliance};
+      const LinkId left = s.add_hinge("left", world, {0, 0, 0.3}, 0.1, 1, which == 5 ? limits : JointLimits());
       const LinkId right = s.add_hinge("right", world, {0.2, 0, 0.3}, 0.1, 1);
       const LinkId bar = s.add_hinge("bar", left, {0, 0, -0.2}, 0.1, 0.5);
       s.builder.joint(JointId(2)).X_PF.R = {{0, 0, 1}, {0, 1, 0}, {-1, 0, 0}};  // to the right
@@ -130,8 +134,9 @@ inline Model contact_scene(int which) {
                               .link_a = right,
                               .link_b = bar,
                               .X_LA = {Mat3<double>::identity(), {0, 0, -0.2}},
-                              .X_LB = {Mat3<double>::identity(), {0, 0, -0.2}}});
-      s.add("box", {ShapeType::kBox, {0.03, 0.03, 0.03}}, 0.3, {0.05, 0, 0.035});
+                              .X_LB = {Mat3<double>::identity(), {0, 0, -0.2}},
+                              .compliance = compliance});
+      s.add("box", {ShapeType::kBox, {0.03, 0.03, 0.03}}, 0.3, {0.05, 0, 0.035}, {.compliance = compliance});
       break;
     }
   }

@@ -54,7 +54,7 @@ struct JointProblem {
     const double q = state.q()[static_cast<std::size_t>(tree.dof_q[i])];
     const double near = 1e-4 + h * std::abs(v);  // what one step may reach
     const double gap = pick(rng, {1.0, near, 0.5 * near, 0.0, -0.3 * near, -0.2}), width = pick(rng, {0.0, near, 3.0});
-    tree.dof_limited[i] = true;
+    tree.dof_limited[i] = tree.dof_stops[i] = true;
     if (rng() % 2 == 0) {
       params.lower[i] = static_cast<R>(q - gap);
       params.upper[i] = rng() % 4 == 0 ? std::numeric_limits<R>::infinity() : static_cast<R>(q - gap + width);

@@ -27,7 +27,7 @@ struct JointSolver {
     problem.tree = &p.tree;
     problem.dynamics = &dynamics;
     const auto free_change = [&](std::vector<R>& dv) { internal::unconstrained_change(problem, factors, dv); };
-    assemble_joint_laws(p.tree, p.params, p.h, state, dynamics, problem.free_dv, free_change, problem.joints);
+    assemble_joint_laws(p.tree, p.params, p.h, state, dynamics, problem.free_dv, [] {}, free_change, problem.joints);
     iterate.active_set = problem.joints.first_state;
     iterate.rhs = problem.joints.smooth;
   }

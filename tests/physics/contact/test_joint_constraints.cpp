@@ -96,7 +96,7 @@ TEST(JointConstraints, DoNotDependOnTheirWarmStart) {
 TEST(JointConstraints, ForgetAMotorThatWasSwitchedOff) {
   JointProblem<double> p(5, 6);
   for (std::size_t i = 0; i < p.size(); ++i) {
-    p.tree.dof_limited[i] = false;
+    p.tree.dof_limited[i] = p.tree.dof_stops[i] = false;
     p.params.motor_max_force[i] = 0;
   }
   const std::vector<double> cold = solution_of(p).dv;

@@ -2,10 +2,13 @@
 // checked on the reference's own problem, made from masses, points and normals alone.
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <numeric>
 #include <random>
+#include <utility>
 
 #include "manyhands/model/model_builder.h"
+#include "manyhands/physics/contact/newton/law_residual.h"
 #include "manyhands/physics/contact/newton/newton_refinement.h"
 #include "manyhands/physics/step/step.h"
 #include "tests/physics/contact/reference/newton.h"
@@ -214,6 +217,21 @@ TEST(NewtonRefinement, SaturatedArmPressesAStack) {
   const double asked = kTorque + kReach * kArmMass * kGravity;
   EXPECT_NEAR(moment, -asked, 1e-4 * asked);
   EXPECT_NEAR(sim.weight_on_ground(), 5 * kGravity + force[2], 1e-4 * force[2]);
+}
+
+/// An outer step that ends in such impulses is not kept.
+TEST(NewtonRefinement, ImpulsesThatAreNoNumbersBreakTheLaw) {
+  Simulation sim(stack_of({1, 1}).build());
+  sim.advance();
+  const NewtonContext context{sim.ws.contact.problem, sim.ws.contact.factors, sim.ws.contact.iterate};
+  EXPECT_LT(internal::law_residual(context), 1e-6);
+  for (PointImpulse<double>& point : context.iterate.points) {
+    for (double* component : {&point.impulse.x, &point.impulse.y, &point.impulse.z}) {
+      const double kept = std::exchange(*component, std::numeric_limits<double>::quiet_NaN());
+      EXPECT_EQ(internal::law_residual(context), std::numeric_limits<double>::infinity());
+      *component = kept;
+    }
+  }
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Twenty scenes that between them use every part of a step: joints, motors, drives, limits, equality constraints, every
+// Scenes that between them use every part of a step: joints, motors, drives, limits, equality constraints, every
 // pair of shapes, and contacts of every kind.
 #pragma once
 
@@ -239,7 +239,7 @@ inline std::shared_ptr<const Model> second_arm() {
 
 inline std::vector<GoldenScene> golden_scenes() {
   std::vector<GoldenScene> scenes;
-  const char* names[] = {"boxes", "pinch", "arm among boxes", "surfaces", "four-bar"};
+  const char* names[] = {"boxes", "pinch", "arm among boxes", "surfaces", "four-bar", "yielding"};
   for (int i = 0; i < kScenes; ++i)
     scenes.push_back({names[i], [i] { return std::make_shared<const Model>(contact_scene(i)); }, i == 2 ? 3.0 : 0.0});
   scenes.push_back({"stack", [] { return stack(4); }, 0, 0.05});

@@ -27,12 +27,13 @@ struct Golden {
   std::uint64_t real, single;  ///< World in double; Batch in float
 };
 
-constexpr std::array<Golden, 20> kScenes{{
+constexpr std::array<Golden, 21> kScenes{{
     {"boxes", 0x5b39101e593ad3d2, 0xda3dd288e31ce28b},
     {"pinch", 0x87ec25d4e910722, 0xe396f4e6b6043f0a},
     {"arm among boxes", 0x758df329421fef0f, 0x6468a80e8e687820},
     {"surfaces", 0xeb96fe3f2130d7ff, 0x83486811f8f26a52},
     {"four-bar", 0x47e3c2999912051, 0xd6bf110e2831c8d6},
+    {"yielding", 0x60abffedc528de30, 0x89c6b0197075a95},
     {"stack", 0xff8fe397c4e518b7, 0xeb88410f69570799},
     {"panda and cube", 0xb57a9465c81d8b4e, 0x1af34e6919c9e4f6},
     {"panda falls", 0x3939597999b57896, 0x52e74c69726751be},

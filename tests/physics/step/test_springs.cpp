@@ -29,7 +29,7 @@ std::shared_ptr<const Model> block(double stiffness) {
   return std::make_shared<const Model>(builder.build());
 }
 
-/// So amplitudes neither grow nor fall, even where a step takes thousands of periods.
+/// So amplitudes neither grow nor fall, even where a step takes thousands of periods: there it turns by a right angle.
 TEST(Springs, AStepTurnsTheOscillatorAsTheTrapezoidalRule) {
   for (const double stiffness : {1.0, 1e3, 1e6, 1e12}) {
     World world(block(stiffness), kStep);
@@ -39,6 +39,18 @@ TEST(Springs, AStepTurnsTheOscillatorAsTheTrapezoidalRule) {
       world.step();
       ASSERT_NEAR(world.q()[0] - 0.3, oscillator.at(n), 1e-9 * oscillator.scale() * n)
           << stiffness << " N/m, step " << n;
+    }
+  }
+}
+
+/// Half a turn a step, to which the trapezoidal rule tends, would carry q by another 0.2 m in every one.
+TEST(Springs, HoweverStiffSwingNoFarther) {
+  for (const double stiffness : {1e3, 1e6, 4e6, 1e8, 1e12}) {
+    World world(block(stiffness), kStep);
+    world.set_q(std::array{0.4});
+    for (int n = 0; n < 500; ++n) {
+      world.step();
+      ASSERT_LT(std::abs(world.q()[0] - 0.3), 0.1 * 1.5) << stiffness << " N/m, step " << n;
     }
   }
 }

@@ -25,8 +25,9 @@ struct Worlds {
       all.emplace_back(first.model, seed + 1000 * static_cast<std::uint64_t>(k));
       all.back().h = 0.001f;
       all.back().tree.dof_limited.assign(first.size(), true);  // uniform; where there is none it is infinite
+      all.back().tree.dof_stops.assign(first.size(), true);
       for (std::size_t i = 0; i < first.size(); ++i) {
-        all.back().tree.dof_limited[i] = first.tree.dof_q[i] >= 0;
+        all.back().tree.dof_limited[i] = all.back().tree.dof_stops[i] = first.tree.dof_q[i] >= 0;
         all.back().state.v()[i] *= 0.2f;
         all.back().state.tau()[i] *= 0.1f;
       }

@@ -153,7 +153,7 @@ TEST(Tendons, DrivesBesideDryFrictionFollowTheLawOfJoints) {
   for (int k = 0; k < 60; ++k) {
     const double wanted = std::sin(2.5 * k), speed = 0.4 * std::cos(1.7 * k);
     for (World* const world : {&joint, &tendon}) world->set_ctrl(std::array{wanted, k % 3 == 0 ? 0 : speed});
-    for (int n = 0; n < 100; ++n) {
+    for (int n = 0; n < 300; ++n) {
       joint.step();
       tendon.step();
       rests += joint.v()[0] == 0 ? 1 : 0;

@@ -102,9 +102,36 @@ def test_couplings_read_back() -> None:
     assert (there.time, there.ctrl[0], there.v[1]) == (2.0, 1.0, 0.0)
 
 
+def test_compliances_read_back() -> None:
+    soft = mh.Compliance(0.05, 0.7, impedance=(0.2, 0.6), width=0.01, midpoint=0.4, power=3, share=2)
+    direct = mh.Compliance(stiffness=400.0, damping=3.0)
+    builder = two_hinges()
+    builder.add_link("c", mass=1.0, inertia=((1, 0, 0), (0, 1, 0), (0, 0, 1)))
+    builder.add_joint("slide", "prismatic", "b", "c", lower=0.0, compliance=direct)
+    builder.add_geom("c", "sphere", 0.1, compliance=soft)
+    builder.add_tendon("rope", joints={"slide": 1}, limits=(0.0, 1.0), compliance=direct)
+    builder.add_equality("weld", "fixed", "c", "world", compliance=soft, torque_scale=0.5)
+    model = builder.build()
+    (weld,) = model.equalities
+    assert (weld.compliance, weld.torque_scale) == (soft, 0.5)
+    assert [joint.compliance for joint in model.joints] == [None, None, direct]
+    assert model.geoms[-1].compliance == soft
+    assert model.tendons[0].compliance == direct
+    assert (direct.stiffness, direct.damping, direct.impedance, direct.width) == (400, 3, (0.9, 0.95), 0.001)
+    assert (soft.stiffness, soft.damping) == pytest.approx((1 / (0.05 * 0.7) ** 2, 2 / 0.05))
+    assert (soft.impedance, soft.midpoint, soft.power, soft.share) == ((0.2, 0.6), 0.4, 3, 2)
+    assert soft != direct
+
+
 @pytest.mark.parametrize(
     ("call", "message"),
     [
+        (lambda b: mh.Compliance(impedance=(0, 1)), "between 0 and 1"),
+        (lambda b: mh.Compliance(0.0), "finite"),
+        (
+            lambda b: b.add_equality("l", "fixed", "a", "b", max_force=1.0, compliance=mh.Compliance()),
+            "no max_force; expected one of the two",
+        ),
         (lambda b: b.add_geom("a", "cone", 1.0), "there is no shape 'cone'; there are 'sphere'"),
         (lambda b: b.add_geom("a", "box", 1.0), "shape 'box' has a size of 3 numbers, not 1"),
         (lambda b: b.add_geom("a", "sphere", -1.0, name="g"), "geom 'g': a size is -1"),

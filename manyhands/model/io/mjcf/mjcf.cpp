@@ -69,7 +69,7 @@ void reserve_names(const MjcfElement& around, MjcfScene& scene) {
 
 void note_unused_sections(const MjcfElement& root) {
   static const std::set<std::string_view> kUsed{"compiler", "option",   "default",  "asset",    "worldbody", "contact",
-                                                "tendon",   "equality", "actuator", "keyframe", "size"};
+                                                "tendon",   "equality", "actuator", "keyframe", "size",      "sensor"};
   static const std::set<std::string_view> kMoves{"deformable", "extension"};
   root.expect({"model"},
               {"compiler", "option", "default", "asset", "worldbody", "contact", "equality", "actuator", "keyframe",
@@ -101,6 +101,7 @@ Model read_scene(MjcfSource& source, const MjcfOptions& options) {
     root.fail("the root element is <" + std::string(root.tag()) + ">; expected <mujoco>");
   }
   MjcfScene scene(root, options.load_meshes);
+  scene.compliance = options.bullet ? MjcfCompliance::kNone : options.compliance;
   reserve_names(root, scene);
   read_world(scene);
   read_contacts(scene);
@@ -110,6 +111,7 @@ Model read_scene(MjcfSource& source, const MjcfOptions& options) {
     read_tendons(scene);
     read_equalities(scene);
     read_actuators(scene);
+    read_sensors(scene);
     read_keyframes(scene);
   }
   apply_flags(scene);

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "manyhands/model/compliance.h"
 #include "manyhands/model/io/loaded_model.h"
 
 namespace manyhands {
@@ -15,6 +16,8 @@ struct MjcfOptions {
   bool allow_outside_package = false;
   /// False leaves out all geoms that need a mesh file; masses that would follow from them are then 0.
   bool load_meshes = true;
+  /// Which constraints give way by solref and solimp; none by Bullet's rules.
+  MjcfCompliance compliance = MjcfCompliance::kStated;
   /// Bullet's rules where they differ: README.md of this layer lists them.
   bool bullet = false;
 };

@@ -3,6 +3,7 @@
 #include <set>
 #include <utility>
 
+#include "manyhands/model/io/mjcf/mjcf_compliance.h"
 #include "manyhands/model/io/mjcf/mjcf_scene.h"
 
 namespace manyhands::io {
@@ -91,7 +92,7 @@ void read_pair(MjcfScene& scene, const MjcfElement& element) {
   const MjcfElement e = element.named("pair '" + name + "'").with_defaults(scene.classes, "pair");
   e.expect(
       {"name", "class", "geom1", "geom2", "condim", "friction", "solref", "solimp", "solreffriction", "margin", "gap"});
-  e.ignore({"solref", "solimp", "solreffriction", "margin", "gap"});
+  e.ignore({"solreffriction", "margin", "gap"});
   MjcfGeom& a = scene.geoms[scene.geom(e, "geom1")];
   MjcfGeom& b = scene.geoms[scene.geom(e, "geom2")];
   if (!a.id || !b.id) {
@@ -99,7 +100,8 @@ void read_pair(MjcfScene& scene, const MjcfElement& element) {
     return;
   }
   a.is_in_pair = b.is_in_pair = true;
-  const SurfaceMaterial surface = read_surface(e);
+  SurfaceMaterial surface = read_surface(e);
+  surface.compliance = read_compliance(e, scene.compliance, "solref", "solimp");
   const auto [entry, is_new] = scene.pairs.emplace(std::minmax(*a.id, *b.id), surface);
   if (!is_new) add_surface(e, entry->second, surface);
 }
@@ -158,13 +160,18 @@ bool is_on_base(const MjcfScene& scene, const MjcfGeom& geom, const MjcfGeom& ba
 
 /// MuJoCo's surface of two geoms: the larger condim and frictions, or those of the geom of higher priority.
 SurfaceMaterial surface_between(const MjcfGeom& a, const MjcfGeom& b) {
+  SurfaceMaterial surface;
   if (a.priority != b.priority) {
     const MjcfGeom& higher = a.priority > b.priority ? a : b;
-    return surface_of(higher.friction, higher.condim);
+    surface = surface_of(higher.friction, higher.condim);
+    if (gives_way(higher.compliance)) surface.compliance = higher.compliance;
+    return surface;
   }
   std::array<double, 3> friction{};
   for (std::size_t i = 0; i < 3; ++i) friction[i] = std::max(a.friction[i], b.friction[i]);
-  return surface_of(friction, std::max(a.condim, b.condim));
+  surface = surface_of(friction, std::max(a.condim, b.condim));
+  surface.compliance = between(a.compliance, b.compliance);
+  return surface;
 }
 
 /// The file's pairs and those that say what filters and the larger friction of two surfaces cannot, in the order of
@@ -186,9 +193,10 @@ void add_pairs(MjcfScene& scene) {
       };
       const bool is_filtered_here =
           is_on_base(scene, a, b) || is_on_base(scene, b, a) || are_neighbours(scene, moving(a), moving(b));
-      if (is_largest && !is_filtered_here) continue;
+      const bool is_usual = is_largest && (a.priority == b.priority || (!a.compliance && !b.compliance));
+      if (is_usual && !is_filtered_here) continue;
       if (scene.pairs.contains({*a.id, *b.id}) || !may_touch(scene, a, b)) continue;
-      pairs.emplace(std::pair{*a.id, *b.id}, is_largest ? std::nullopt : std::optional(theirs));
+      pairs.emplace(std::pair{*a.id, *b.id}, is_usual ? std::nullopt : std::optional(theirs));
     }
   }
   for (const auto& [geoms, surface] : pairs) {

@@ -1,6 +1,7 @@
 // <equality>: connect, weld, joint and tendon as equalities.
 #include <algorithm>
 
+#include "manyhands/model/io/mjcf/mjcf_compliance.h"
 #include "manyhands/model/io/mjcf/mjcf_scene.h"
 #include "manyhands/model/io/text_numbers.h"
 
@@ -105,7 +106,6 @@ void read_equality(MjcfScene& scene, const MjcfElement& element) {
   const MjcfElement e = element.named("equality " + in_quotes(name)).with_defaults(scene.classes, "equality");
   e.expect({"name", "class", "active", "body1", "body2", "anchor", "site1", "site2", "relpose", "torquescale", "joint1",
             "joint2", "tendon1", "tendon2", "polycoef", "solref", "solimp"});
-  e.ignore({"solref", "solimp", "torquescale"});
   if (!e.boolean_or("active", true)) {
     e.note(LoadAction::kIgnored, "it is not active, and left out");
     return;
@@ -115,6 +115,12 @@ void read_equality(MjcfScene& scene, const MjcfElement& element) {
   if (kind == "weld") read_weld(scene, e, equality);
   if (kind == "joint" && !read_coupled_joints(scene, e, equality)) return;
   if (kind == "tendon" && !read_coupled_tendons(scene, e, equality)) return;
+  equality.compliance = read_compliance(e, scene.compliance, "solref", "solimp");
+  if (kind == "weld" && equality.compliance) {
+    equality.torque_scale = e.number_or("torquescale", 1);
+  } else {
+    e.ignore({"torquescale"});
+  }
   checked(e, [&] { scene.builder.add_equality(equality); });
 }
 

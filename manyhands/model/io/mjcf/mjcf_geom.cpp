@@ -4,6 +4,7 @@
 
 #include "manyhands/model/hull_mesh.h"
 #include "manyhands/model/io/ellipsoid_points.h"
+#include "manyhands/model/io/mjcf/mjcf_compliance.h"
 #include "manyhands/model/io/mjcf/mjcf_scene.h"
 #include "manyhands/model/io/text_numbers.h"
 #include "manyhands/model/principal_axes.h"
@@ -162,7 +163,7 @@ MjcfGeomMass add_geom(MjcfScene& scene, int body_index, const MjcfPlaced& placed
        "conaffinity", "rgba",  "material", "margin",     "group",     "gap",         "solref",   "solimp", "solmix",
        "priority",    "user",  "fitscale", "fluidshape", "fluidcoef", "shellinertia"},
       {});
-  e.ignore({"solref", "solimp", "solmix", "gap", "user", "fluidcoef"});
+  e.ignore({"gap", "user", "fluidcoef"});
   if (e.word_or("fluidshape", {"none", "ellipsoid"}, "none") == "ellipsoid" && scene.settings.medium.drags())
     e.note_serious(LoadAction::kRepaired, "a medium drags on the box of its body's inertia, not on an ellipsoid");
   MjcfGeom entry{.name = name, .id = {}, .source = e, .body = body_index};
@@ -171,6 +172,7 @@ MjcfGeomMass add_geom(MjcfScene& scene, int body_index, const MjcfPlaced& placed
   entry.condim = read_condim(e, 3);
   entry.priority = e.integer_or("priority", 0);
   entry.friction = read_friction(e);
+  entry.compliance = read_surface_compliance(e, scene.compliance);
 
   Part part{
       .element = e,
@@ -184,6 +186,7 @@ MjcfGeomMass add_geom(MjcfScene& scene, int body_index, const MjcfPlaced& placed
     geom.name = name;
     geom.link = body.link;
     geom.surface = surface_of(entry.friction, entry.condim);
+    geom.surface.compliance = entry.compliance;
     geom.margin = e.positive_or("margin", 0);
     geom.rgba = {0.5f, 0.5f, 0.5f, 1};
     if (e.has("material") && !(e.source().is_bullet() && !scene.assets.has_material(e.text("material")))) {

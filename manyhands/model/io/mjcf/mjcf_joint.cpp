@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "manyhands/model/io/mjcf/mjcf_compliance.h"
 #include "manyhands/model/io/mjcf/mjcf_scene.h"
 #include "manyhands/model/io/text_numbers.h"
 #include "manyhands/model/unit.h"
@@ -37,7 +38,8 @@ JointType type_of(const MjcfElement& e) {
                            : JointType::kFloating;
 }
 
-void read_range(const MjcfElement& e, const MjcfSettings& settings, Joint& joint) {
+void read_range(const MjcfScene& scene, const MjcfElement& e, Joint& joint) {
+  const MjcfSettings& settings = scene.settings_of(e);
   const std::vector<double> range = e.has("range") ? e.numbers("range", 2, 2) : std::vector<double>{0, 0};
   const std::string limited = e.word_or("limited", {"true", "false", "auto"}, "auto");
   if (limited == "auto" && e.has("range") && !settings.autolimits) {
@@ -59,6 +61,7 @@ void read_range(const MjcfElement& e, const MjcfSettings& settings, Joint& joint
   const double unit = joint.type == JointType::kRevolute ? settings.radians(1) : 1;
   if (range[0] > -kMjcfUnlimited) joint.limits.lower = unit * range[0];
   if (range[1] < kMjcfUnlimited) joint.limits.upper = unit * range[1];
+  joint.limits.compliance = read_compliance(e, scene.compliance, "solreflimit", "solimplimit");
 }
 
 void read_effort(const MjcfElement& e, Joint& joint) {
@@ -79,9 +82,27 @@ Read read_joint(const MjcfScene& scene, const MjcfElement& e, const Transform<do
     joint.type = JointType::kFloating;
     return result;
   }
-  e.expect({"name", "class", "type", "pos", "axis", "range", "limited", "ref", "damping", "armature", "frictionloss",
-            "actuatorfrcrange", "actuatorfrclimited", "stiffness", "springref", "springdamper", "align", "group"});
-  e.ignore({"solreflimit", "solimplimit", "solreffriction", "solimpfriction", "margin", "actuatorgravcomp", "user"});
+  e.expect({"name",
+            "class",
+            "type",
+            "pos",
+            "axis",
+            "range",
+            "limited",
+            "ref",
+            "damping",
+            "armature",
+            "frictionloss",
+            "solreflimit",
+            "solimplimit",
+            "actuatorfrcrange",
+            "actuatorfrclimited",
+            "stiffness",
+            "springref",
+            "springdamper",
+            "align",
+            "group"});
+  e.ignore({"solreffriction", "solimpfriction", "margin", "actuatorgravcomp", "user"});
   joint.type = type_of(e);
   joint.stiffness = linear_part(e, "stiffness");
   if (e.has("springdamper")) {
@@ -91,7 +112,7 @@ Read read_joint(const MjcfScene& scene, const MjcfElement& e, const Transform<do
   joint.damping = linear_part(e, "damping");
   joint.friction = linear_part(e, "frictionloss");
   joint.armature = e.positive_or("armature", 0);
-  read_range(e, scene.settings_of(e), joint);
+  read_range(scene, e, joint);
   read_effort(e, joint);
   if (joint.type == JointType::kFloating) return result;
   result.anchor = X_BF * e.vec3_or("pos", Vec3<double>::zero());

@@ -1,5 +1,6 @@
 // <keyframe>: states with names.
 #include <algorithm>
+#include <numeric>
 
 #include "manyhands/model/io/mjcf/mjcf_scene.h"
 
@@ -54,11 +55,21 @@ std::vector<double> read_mocap(const MjcfScene& scene, const MjcfElement& e) {
   return poses;
 }
 
+/// What the file has for actuators that were left out is passed over.
+void read_activations(const MjcfScene& scene, const MjcfElement& e, Keyframe& key) {
+  if (!e.has("act")) return;
+  const std::size_t count = std::accumulate(scene.activations.begin(), scene.activations.end(), std::size_t{0});
+  const std::vector<double> act = e.numbers("act", count, count);
+  for (std::size_t i = 0, next = 0; i < scene.actuators.size(); next += scene.activations[i++]) {
+    if (scene.activations[i] > 0 && scene.actuators[i] >= 0) key.act.push_back(act[next]);
+  }
+}
+
 void read_key(MjcfScene& scene, const MjcfElement& element, std::size_t index) {
   const std::string given = element.text_or("name", "");
   Keyframe key{.name = given.empty() ? "key_" + std::to_string(index) : given};
   const MjcfElement e = element.named("key '" + key.name + "'");
-  e.expect({"name", "time", "qpos", "qvel", "ctrl", "mpos", "mquat"});
+  e.expect({"name", "time", "qpos", "qvel", "ctrl", "act", "mpos", "mquat"});
   key.time = e.number_or("time", 0);
   std::size_t nq = 0, nv = 0;
   for (const MjcfJoint& joint : scene.joints) {
@@ -78,6 +89,7 @@ void read_key(MjcfScene& scene, const MjcfElement& element, std::size_t index) {
   for (std::size_t i = 0; i < ctrl.size(); ++i) {
     if (scene.actuators[i] >= 0) key.ctrl.push_back(ctrl[i]);
   }
+  read_activations(scene, e, key);
   key.mocap = read_mocap(scene, e);
   scene.builder.add_keyframe(std::move(key));
 }

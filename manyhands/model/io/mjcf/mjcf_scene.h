@@ -42,12 +42,14 @@ struct MjcfGeom {
   int body = 0;  ///< index
   int contype = 1, conaffinity = 1, condim = 3, priority = 0;
   std::array<double, 3> friction{};  ///< sliding, spinning, rolling, whatever condim says
+  std::optional<Compliance> compliance{};
   bool is_in_pair = false;
 };
 
 struct MjcfSite {
   LinkId link;
   Transform<double> X_LS;
+  Shape shape{};  ///< within which it feels touch; an ellipsoid is kConvex without a mesh
 };
 
 struct MjcfTendon {
@@ -66,6 +68,7 @@ struct MjcfScene {
   std::vector<MjcfElement> attached;       ///< the roots of attached models
   std::vector<MjcfSettings> all_settings;  ///< by model
   const MjcfSettings& settings;            ///< of the main one
+  MjcfCompliance compliance = MjcfCompliance::kStated;
   MjcfClasses classes;
   MjcfAssets assets;
   ModelBuilder builder;
@@ -82,6 +85,7 @@ struct MjcfScene {
   std::set<std::pair<LinkId, LinkId>> exclusions;              ///< of <contact>, the lesser id first
   std::map<std::pair<GeomId, GeomId>, SurfaceMaterial> pairs;  ///< of <contact>, the lesser id first
   std::vector<int> actuators;                                  ///< by their place in the file, the index here or -1
+  std::vector<std::size_t> activations;  ///< by their place in the file: how many numbers they have in a key's act
 
   /// Those of the model that the element is written in.
   [[nodiscard]] const MjcfSettings& settings_of(const MjcfElement& e) const { return all_settings[e.model()]; }
@@ -118,6 +122,7 @@ void read_contacts(MjcfScene& scene);  ///< filters, pairs, exclusions and rules
 void read_tendons(MjcfScene& scene);
 void read_equalities(MjcfScene& scene);
 void read_actuators(MjcfScene& scene);
+void read_sensors(MjcfScene& scene);
 void read_keyframes(MjcfScene& scene);
 void apply_flags(MjcfScene& scene);  ///< takes away what <flag> turns off
 

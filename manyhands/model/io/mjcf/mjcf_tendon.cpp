@@ -1,4 +1,5 @@
 // <tendon>: fixed tendons over joints, and spatial ones through sites.
+#include "manyhands/model/io/mjcf/mjcf_compliance.h"
 #include "manyhands/model/io/mjcf/mjcf_scene.h"
 #include "manyhands/model/io/text_numbers.h"
 
@@ -130,7 +131,7 @@ void read_tendon(MjcfScene& scene, const MjcfElement& element, const std::string
             "actuatorfrclimited",
             "actuatorfrcrange"},
            {"joint", "site", "geom", "pulley"});
-  e.ignore({"margin", "solreflimit", "solimplimit", "solreffriction", "solimpfriction"});
+  e.ignore({"margin", "solreffriction", "solimpfriction"});
   if (e.has("actuatorfrcrange"))
     e.note_serious(LoadAction::kIgnored, "the bound 'actuatorfrcrange' of its actuators is not used");
   Tendon tendon{.name = name};
@@ -151,6 +152,7 @@ void read_tendon(MjcfScene& scene, const MjcfElement& element, const std::string
     const std::vector<double> range = e.numbers("range", 2, 2);
     if (range[0] > -kMjcfUnlimited) tendon.lower = range[0];
     if (range[1] < kMjcfUnlimited) tendon.upper = range[1];
+    tendon.compliance = read_compliance(e, scene.compliance, "solreflimit", "solimplimit");
   }
   read.id = checked(e, [&] { return scene.builder.add_tendon(tendon); });
 }

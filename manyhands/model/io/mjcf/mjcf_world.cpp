@@ -245,21 +245,40 @@ class WorldReader {
     return {e.positive_or("mass", 0), X_BC.p, rotated(X_BC.R, I)};
   }
 
+  /// Where `half_length` is not 0, along z, as 'fromto' says.
+  [[nodiscard]] static Shape shape_of_site(const MjcfElement& site, double half_length) {
+    const std::string type = site.word_or("type", {"sphere", "capsule", "ellipsoid", "cylinder", "box"}, "sphere");
+    std::vector<double> size = site.has("size") ? site.numbers("size", 1, 3) : std::vector<double>{0.005};
+    size.resize(3, size.size() == 1 && !site.has("size") ? 0.005 : 0.0);
+    const bool is_round = type == "capsule" || type == "cylinder";
+    if (half_length > 0) (is_round ? size[1] : size[2]) = half_length;
+    const ShapeType shape = type == "capsule"    ? ShapeType::kCapsule
+                            : type == "cylinder" ? ShapeType::kCylinder
+                            : type == "box"      ? ShapeType::kBox
+                                                 : ShapeType::kSphere;
+    const bool is_ball = type != "ellipsoid" || (size[0] == size[1] && size[1] == size[2]);
+    return {.type = is_ball ? shape : ShapeType::kConvex, .size = {size[0], size[1], size[2]}};
+  }
+
   void add_site(std::size_t index, const MjcfPlaced& placed) {
     const std::string given = placed.element.text_or("name", "");
     const MjcfElement site = placed.element.named("site '" + given + "'").with_defaults(scene_.classes, "site");
-    site.expect({"name", "class", "pos", "quat", "axisangle", "euler", "xyaxes", "zaxis", "fromto"});
+    site.expect({"name", "class", "pos", "quat", "axisangle", "euler", "xyaxes", "zaxis", "fromto", "type", "size",
+                 "group", "rgba", "material", "user"});
     Transform<double> X_LS = placed_in(placed.X_BF, read_pose(site, scene_.settings_of(site)));
+    double half_length = 0;
     if (site.has("fromto")) {
       const std::vector<double> v = site.numbers("fromto", 6, 6);
       const Vec3<double> from{v[0], v[1], v[2]}, to{v[3], v[4], v[5]};
       if (!(norm(from - to) > 1e-10)) site.fail("the ends of 'fromto' are one point");
       X_LS = placed_in(placed.X_BF, {rotation_from_z(from - to), 0.5 * (from + to)});
+      half_length = 0.5 * norm(from - to);
     }
+    const Shape shape = shape_of_site(site, half_length);
     const MjcfBody& body = scene_.bodies[index];
     const std::size_t number = scene_.num_sites++;
     std::string name = given.empty() ? "site_" + std::to_string(number) : given;
-    const bool taken = !scene_.sites.emplace(name, MjcfSite{body.link, X_LS}).second;
+    const bool taken = !scene_.sites.emplace(name, MjcfSite{body.link, X_LS, shape}).second;
     if (taken) site.fail("the name is taken by another site; expected another name");
     // Links and sites share the names of frames here; MuJoCo keeps them apart.
     const std::string wanted = name;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "manyhands/model/io/mjcf/mjcf_compliance.h"
 #include "manyhands/model/io/mjcf/mjcf_writer.h"
 
 namespace manyhands::io {
@@ -111,6 +112,7 @@ class ContactWriter {
     surface.lateral_friction = combined(rule, A.lateral_friction, B.lateral_friction);
     surface.spinning_friction = std::max(A.spinning_friction, B.spinning_friction);
     surface.rolling_friction = std::max(A.rolling_friction, B.rolling_friction);
+    surface.compliance = between(A.compliance, B.compliance);
     return surface;
   }
 
@@ -127,8 +129,10 @@ class ContactWriter {
     pugi::xml_node node = section_.append_child("pair");
     set(node, "geom1", first);
     set(node, "geom2", second);
+    const std::string what = "the pair of " + part("geom", first) + " and " + part("geom", second);
     write_surface(node, surface, true);
-    note_surface(writer_, surface, "the pair of " + part("geom", first) + " and " + part("geom", second));
+    write_compliance(writer_, node, what, surface.compliance, "solref", "solimp");
+    note_surface(writer_, surface, what);
   }
 
   /// MJCF takes the larger friction; where the model's rule gives another, a pair says so.

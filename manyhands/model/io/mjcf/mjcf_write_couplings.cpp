@@ -1,7 +1,8 @@
-// <equality>, <actuator> and <keyframe>.
+// <equality> and <keyframe>.
 #include <algorithm>
 #include <cmath>
 
+#include "manyhands/model/io/mjcf/mjcf_compliance.h"
 #include "manyhands/model/io/mjcf/mjcf_settings.h"
 #include "manyhands/model/io/mjcf/mjcf_writer.h"
 #include "manyhands/model/unit.h"
@@ -42,9 +43,11 @@ class EqualityWriter {
   }
 
  private:
-  [[nodiscard]] pugi::xml_node add(const char* kind, const std::string& name) {
+  [[nodiscard]] pugi::xml_node add(const char* kind, const EqualityConstraint& e, const std::string& name) {
     pugi::xml_node node = section_.append_child(kind);
     set(node, "name", writer_.names.claim("equality", name, kind, writer_.notes));
+    write_compliance(writer_, node, part("equality", name), e.compliance, "solref", "solimp");
+    if (e.compliance && e.type == EqualityType::kFixed) set_unless(node, "torquescale", e.torque_scale, 1);
     return node;
   }
 
@@ -53,7 +56,7 @@ class EqualityWriter {
     const Vec3<double> p_B = inverse(writer_.place_of(e.link_b).X_WB) * (writer_.place_of(e.link_a).X_WB * e.X_LA.p);
     const bool is_turned = !same(e.X_LA.R, Mat3<double>::identity()) || !same(e.X_LB.R, Mat3<double>::identity());
     if (is_turned || !same(p_B, e.X_LB.p)) return write_poses("connect", e, e.name, e.X_LA, e.X_LB);
-    pugi::xml_node node = add("connect", e.name);
+    pugi::xml_node node = add("connect", e, e.name);
     set(node, "body1", writer_.body(e.link_a));
     set(node, "body2", writer_.body(e.link_b));
     set(node, "anchor", e.X_LA.p);
@@ -61,7 +64,7 @@ class EqualityWriter {
 
   void write_poses(const char* kind, const EqualityConstraint& e, const std::string& name, const Pose& X_LA,
                    const Pose& X_LB) {
-    pugi::xml_node node = add(kind, name);
+    pugi::xml_node node = add(kind, e, name);
     const std::string stem = node.attribute("name").value();
     set(node, "site1", site_at(writer_, e.link_a, X_LA, stem + "_a"));
     set(node, "site2", site_at(writer_, e.link_b, X_LB, stem + "_b"));
@@ -79,7 +82,7 @@ class EqualityWriter {
   /// X_LA is relpose times the anchor.
   void write_weld(const EqualityConstraint& e) {
     if (!same(e.X_LB.R, Mat3<double>::identity())) return write_poses("weld", e, e.name, e.X_LA, e.X_LB);
-    pugi::xml_node node = add("weld", e.name);
+    pugi::xml_node node = add("weld", e, e.name);
     set(node, "body1", writer_.body(e.link_a));
     set(node, "body2", writer_.body(e.link_b));
     set(node, "anchor", e.X_LB.p);
@@ -96,7 +99,7 @@ class EqualityWriter {
     const Joint &a = writer_.model.joint(e.joint_a), &b = writer_.model.joint(e.joint_b);
     const auto reference = [](const Joint& joint) { return joint.initial.empty() ? 0 : joint.initial[0]; };
     const double from = reference(a), to = reference(b);
-    pugi::xml_node node = add("joint", e.name);
+    pugi::xml_node node = add("joint", e, e.name);
     set(node, "joint1", b.name);
     set(node, "joint2", a.name);
     const auto read = [&](double c) { return to + c - e.ratio * from; };
@@ -106,7 +109,7 @@ class EqualityWriter {
 
   /// MuJoCo counts both tendons from their lengths at the start.
   void write_tendon(const EqualityConstraint& e) {
-    pugi::xml_node node = add("tendon", e.name);
+    pugi::xml_node node = add("tendon", e, e.name);
     const Tendon& b = writer_.model.tendons()[e.tendon_b.index()];
     set(node, "tendon1", b.name);
     std::array<double, 5> c = e.polynomial;
@@ -137,49 +140,6 @@ bool is_written(const MjcfWriter& writer, const EqualityConstraint& e) {
   const auto has_name = [&](JointId id) { return !id.is_valid() || !writer.model.joint(id).name.empty(); };
   const auto has_body = [&](LinkId id) { return !id.is_valid() || writer.carried_by[id.index()].is_valid(); };
   return has_name(e.joint_a) && has_name(e.joint_b) && has_body(e.link_a) && has_body(e.link_b);
-}
-
-/// The law of an actuator whose command is scaled: gain ctrl + bias.
-void write_law(pugi::xml_node node, const Actuator& actuator) {
-  const bool is_position = actuator.type == ActuatorType::kPosition;
-  const double k = actuator.type == ActuatorType::kForce ? 1 : is_position ? actuator.kp : actuator.kd;
-  const auto read = [&](double x) { return x / k; };
-  set(node, "gainprm", number_for(k * actuator.ctrl_scale, actuator.ctrl_scale, read, 1 / k));
-  set(node, "biastype", "affine");
-  const double offset = number_for(k * actuator.ctrl_offset, actuator.ctrl_offset, read, 1 / k);
-  set(node, "biasprm", std::array{offset, is_position ? -actuator.kp : 0.0, -actuator.kd});
-}
-
-void write_actuator(MjcfWriter& writer, pugi::xml_node section, const Actuator& actuator) {
-  const bool is_force = actuator.type == ActuatorType::kForce, is_velocity = actuator.type == ActuatorType::kVelocity;
-  const bool is_general = actuator.ctrl_scale != 1 || actuator.ctrl_offset != 0;
-  pugi::xml_node node = section.append_child(is_general    ? "general"
-                                             : is_force    ? "motor"
-                                             : is_velocity ? "velocity"
-                                                           : "position");
-  const std::string name = writer.names.claim("actuator", actuator.name, "actuator", writer.notes);
-  set(node, "name", name);
-  if (actuator.tendon.is_valid()) {
-    set(node, "tendon", writer.model.tendons()[actuator.tendon.index()].name);
-  } else {
-    set(node, "joint", writer.model.joint(actuator.joint).name);
-  }
-  set_unless(node, "gear", actuator.gear, 1);
-  if (is_general) write_law(node, actuator);
-  if (!is_general && actuator.type == ActuatorType::kPosition) set(node, "kp", actuator.kp);
-  if (!is_general && !is_force) set(node, "kv", actuator.kd);
-  const double gain = is_force ? 1 : is_velocity ? actuator.kd : actuator.kp;
-  if (gain == 0)
-    writer.notes.loss(LoadAction::kRepaired, part("actuator", name), "its gain is 0, which readers leave out");
-  if (std::isfinite(actuator.min_ctrl) || std::isfinite(actuator.max_ctrl)) {
-    const auto bound = [](double x) { return std::clamp(x, -kMjcfUnlimited, kMjcfUnlimited); };
-    set(node, "ctrlrange", std::array{bound(actuator.min_ctrl), bound(actuator.max_ctrl)});
-  }
-  if (!std::isfinite(actuator.max_force)) return;
-  const double gear = std::abs(actuator.gear);
-  const double most =
-      number_for(actuator.max_force / gear, actuator.max_force, [&](double x) { return gear * x; }, gear);
-  set(node, "forcerange", std::array{-most, most});
 }
 
 /// Poses of mocap bodies, in the order in which these are written: that of their joints.
@@ -220,6 +180,7 @@ void write_key(MjcfWriter& writer, pugi::xml_node section, const Keyframe& key) 
   set(node, "qpos", qpos);
   if (std::ranges::any_of(qvel, [](double x) { return x != 0; })) set(node, "qvel", qvel);
   if (std::ranges::any_of(key.ctrl, [](double x) { return x != 0; })) set(node, "ctrl", key.ctrl);
+  if (std::ranges::any_of(key.act, [](double x) { return x != 0; })) set(node, "act", key.act);
   if (key.mocap != writer.model.initial_mocap()) write_mocap(writer, node, key.mocap);
 }
 
@@ -230,15 +191,6 @@ void write_equalities(MjcfWriter& writer) {
   EqualityWriter equalities(writer, writer.root.append_child("equality"));
   for (const EqualityConstraint& equality : writer.model.equalities()) {
     if (is_written(writer, equality)) equalities.write(equality);
-  }
-}
-
-void write_actuators(MjcfWriter& writer) {
-  if (writer.model.actuators().empty()) return;
-  pugi::xml_node section = writer.root.append_child("actuator");
-  for (const Actuator& actuator : writer.model.actuators()) {
-    if (!actuator.joint.is_valid() || !writer.model.joint(actuator.joint).name.empty())
-      write_actuator(writer, section, actuator);
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include "manyhands/model/hull_mesh.h"
 #include "manyhands/model/io/mjcf/mjcf_assets.h"
+#include "manyhands/model/io/mjcf/mjcf_compliance.h"
 #include "manyhands/model/io/mjcf/mjcf_writer.h"
 
 namespace manyhands::io {
@@ -120,6 +121,8 @@ void write_geom(MjcfWriter& writer, pugi::xml_node body, GeomId id) {
   if (contype != 1) set(node, "contype", contype);
   if (conaffinity != 1) set(node, "conaffinity", conaffinity);
   write_surface(node, geom.surface, false);
+  if (collides) write_compliance(writer, node, what, geom.surface.compliance, "solref", "solimp");
+  if (collides && geom.surface.compliance) set_unless(node, "solmix", geom.surface.compliance->share, 1);
   if (collides) note_surface(writer, geom.surface, what);
   set_unless(node, "margin", geom.margin, 0);
   const std::string material = geom.texture ? material_asset(writer, geom) : "";

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 
+#include "manyhands/model/io/mjcf/mjcf_compliance.h"
 #include "manyhands/model/io/mjcf/mjcf_scene.h"
 #include "manyhands/model/io/mjcf/mjcf_writer.h"
 
@@ -86,6 +87,7 @@ void write_range(MjcfWriter& writer, pugi::xml_node node, const MjcfStep& step) 
     writer.notes.changed(what, "its limits are one number, which MJCF refuses; the upper one is the next number");
   }
   set(node, "range", std::array{lower, upper});
+  if (is_limited) write_compliance(writer, node, what, limits.compliance, "solreflimit", "solimplimit");
 }
 
 void write_effort(MjcfWriter& writer, pugi::xml_node node, const MjcfStep& step) {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "manyhands/model/io/mjcf/mjcf_compliance.h"
 #include "manyhands/model/io/mjcf/mjcf_settings.h"
 #include "manyhands/model/io/mjcf/mjcf_writer.h"
 
@@ -26,6 +27,7 @@ void write_tendon(MjcfWriter& writer, pugi::xml_node section, const Tendon& tend
   if (std::isfinite(tendon.lower) || std::isfinite(tendon.upper)) {
     const auto bound = [](double x) { return std::clamp(x, -kMjcfUnlimited, kMjcfUnlimited); };
     set(node, "range", std::array{bound(tendon.lower), bound(tendon.upper)});
+    write_compliance(writer, node, part("tendon", tendon.name), tendon.compliance, "solreflimit", "solimplimit");
   }
   set_unless(node, "damping", tendon.damping, 0);
   set_unless(node, "frictionloss", tendon.friction, 0);

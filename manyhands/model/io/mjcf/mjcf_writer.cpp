@@ -93,6 +93,7 @@ SavedText saved(const Model& model, const std::string& file, AssetFiles* files, 
   write_tendons(writer);
   write_equalities(writer);
   write_actuators(writer);
+  write_sensors(writer);
   write_keyframes(writer);
   return {text_of(writer.document), notes.take(options)};
 }

@@ -48,6 +48,7 @@ void write_contacts(MjcfWriter& writer);
 void write_tendons(MjcfWriter& writer);
 void write_equalities(MjcfWriter& writer);
 void write_actuators(MjcfWriter& writer);
+void write_sensors(MjcfWriter& writer);
 void write_keyframes(MjcfWriter& writer);
 
 /// pos and quat, where they are not those of no pose at all.

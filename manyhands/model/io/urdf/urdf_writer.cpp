@@ -107,6 +107,7 @@ class UrdfWriter {
         notes_.loss(LoadAction::kRepaired, what, "a link has one surface in URDF; that of its first geom");
       }
       if (surface == nullptr) surface = &geom.surface;
+      if (geom.surface.compliance) notes_.loss(LoadAction::kIgnored, what, "its compliance is left out");
       if (geom.margin != 0) notes_.loss(LoadAction::kIgnored, what, "its margin is left out");
       const bool has_filter = geom.filter.group != 1 || (geom.filter.mask & 1) == 0;
       if (has_filter) notes_.loss(LoadAction::kIgnored, what, "its filter of contact is left out");
@@ -237,12 +238,14 @@ class UrdfWriter {
   }
 
   /// URDF's revolute and prismatic joints have all four numbers; what is unlimited gets a number that nothing reaches.
-  static void write_limit(pugi::xml_node node, const Joint& joint) {
+  void write_limit(pugi::xml_node node, const Joint& joint) {
     constexpr double kUnlimited = 1e10;
     const JointLimits& limits = joint.limits;
     const bool has_range = joint.type == JointType::kRevolute || joint.type == JointType::kPrismatic;
     if (!has_range && !std::isfinite(limits.effort) && !std::isfinite(limits.velocity)) return;
     pugi::xml_node limit = node.append_child("limit");
+    if (has_range && limits.compliance)
+      notes_.loss(LoadAction::kIgnored, part("joint", joint.name), "the compliance of its limits is left out");
     if (has_range) {
       set(limit, "lower", std::max(limits.lower, -kUnlimited));
       set(limit, "upper", std::min(limits.upper, kUnlimited));

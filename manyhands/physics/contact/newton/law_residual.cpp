@@ -2,12 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace manyhands::internal {
 
 namespace {
 
 using Vec = Vec3<double>;
+
+/// What is not finite breaks the law beyond measure: std::max would pass over it.
+constexpr double kBeyondMeasure = std::numeric_limits<double>::infinity();
+
+bool are_finite(const Vec& a, const Vec& b) { return std::isfinite(a.x + a.y + a.z + b.x + b.y + b.z); }
 
 /// |G y - P(G y - u)|, P onto the disc of the given radius (times G).
 double disc_residual(double G, double y_1, double y_2, double u_1, double u_2, double radius) {
@@ -22,6 +28,7 @@ double torsion_residual(const NewtonContext& context, std::size_t j, const Vec& 
   const DelassusBlock<double>& rolling = context.factors.torsions[j];
   const Vec u = torsion.offset + turning;
   const Vec& m = context.iterate.torsions[j].impulse;
+  if (!are_finite(m, u)) return kBeyondMeasure;
   const double G = 1 / context.factors.spin_inverse[j], most = G * patch.spinning * n;
   const double spin = std::abs(G * m.x - std::clamp(G * m.x - u.x, -most, most));
   const double size = 0.5 * (rolling.sigma_1 + rolling.sigma_2);
@@ -37,6 +44,7 @@ double point_residual(const NewtonContext& context, std::size_t i, const Motion<
   const Vec moves = velocity_at(context.problem.patches[point.patch], point.lever, motion);
   Vec u = context.factors.offsets[i] + moves;
   u.x += G.yields(y.x, asked_opening(context.problem, context.factors, i));
+  if (!are_finite(y, u)) return kBeyondMeasure;
   const double signorini = std::abs(std::min(G.normal * y.x, u.x));
   const double worst = std::max(signorini, disc_residual(tangent_size(G), y.y, y.z, u.y, u.z, y.x));
   if (point.torsion < 0) return worst;

@@ -1,0 +1,106 @@
+// Steps that move things too far to follow: what is found, what is let be, and what a world says of it.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "manyhands/model/io/mjcf/mjcf.h"
+#include "manyhands/physics/world/batch.h"
+#include "manyhands/physics/world/world.h"
+
+namespace manyhands {
+namespace {
+
+using ModelPointer = std::shared_ptr<const Model>;
+
+ModelPointer scene(const std::string& bodies, const std::string& beside = "") {
+  return std::make_shared<const Model>(
+      load_mjcf_string("<mujoco><worldbody>" + bodies + "</worldbody>" + beside + "</mujoco>").model);
+}
+
+/// A brick and a ball, both free.
+ModelPointer brick_and_ball() {
+  return scene(
+      "<body name='brick' pos='0 0 1'><freejoint name='brick'/><geom type='box' size='.1 .2 .3'/></body>"
+      "<body name='ball' pos='3 0 1'><freejoint name='ball'/><geom size='.1'/></body>");
+}
+
+/// A pendulum of two rods.
+ModelPointer pendulum(const std::string& beside = "") {
+  const std::string rod = "<geom type='capsule' size='.02' fromto='0 0 0 .3 0 0' contype='0'/>";
+  return scene("<body><joint name='shoulder' axis='0 1 0'/>" + rod +
+                   "<body pos='.3 0 0'><joint name='elbow' axis='0 1 0'/>" + rod + "</body></body>",
+               beside);
+}
+
+/// Single bodies turn as they can: their energy stays, and that of what they do not touch.
+TEST(EnergyBalance, ABrickThatTumblesFastKeepsItsEnergy) {
+  for (const double fast : {300.0, 1000.0, 1e6}) {
+    World world(brick_and_ball(), 0.002);
+    world.set_v(std::vector<double>{fast, 0.6 * fast, 1.1 * fast, 0, 0, 0, 0, 0, 0, 0, 0, 0});
+    const double before = world.energy().kinetic;
+    world.step(300);
+    const double fallen = 0.5 * 9.81 * 9.81 * 0.36 * (24 + 4.0 / 3 * std::numbers::pi);
+    EXPECT_NEAR(world.energy().kinetic, before + fallen, 0.01 * before + fallen) << fast;
+  }
+}
+
+TEST(EnergyBalance, AnArmThatWhirlsTooFastIsNamed) {
+  World world(pendulum(), 0.002);
+  world.set_v(std::vector<double>{2000, -3000});
+  const double before = world.energy().kinetic;
+  std::uint64_t hash = 0;
+  try {
+    for (int i = 0; i < 300; ++i) {
+      hash = world.state_hash();
+      world.step();
+    }
+    FAIL() << "no error";
+  } catch (const SimulationError& error) {
+    const std::string text = error.what();
+    EXPECT_TRUE(text.find("'shoulder'") != std::string::npos || text.find("'elbow'") != std::string::npos) << text;
+    for (const char* part : {"the step at ", "from nothing", "time_step"})
+      EXPECT_NE(text.find(part), std::string::npos) << text;
+  }
+  EXPECT_EQ(world.state_hash(), hash);
+  EXPECT_LT(world.energy().kinetic, 100 * before);
+}
+
+/// Nothing turns its axes or holds it.
+TEST(EnergyBalance, WhatIsFastAndFollowedIsLetBe) {
+  World world(brick_and_ball(), 0.002);
+  world.set_v(std::vector<double>{0, 0, 0, -1e6, 0, 0, 1e5, 2e5, 1e5, 0, 1e6, 0});
+  const double before = world.energy().kinetic;
+  world.step(300);
+  EXPECT_NEAR(world.energy().kinetic / before, 1, 1e-6);
+}
+
+/// All in one step: far, and with a reason.
+TEST(EnergyBalance, WhatDrivesAndSpringsDoIsNoneOfIt) {
+  World driven(pendulum("<actuator><position joint='elbow' kp='1e6' ctrlrange='-9 9'/></actuator>"), 0.002);
+  driven.set_ctrl(std::array{2.5});
+  driven.step(50);
+  World sprung(scene("<body><joint axis='0 1 0' stiffness='1e9'/><geom size='.1' pos='.3 0 0'/></body>"), 0.002);
+  sprung.set_q(std::array{2.5});
+  sprung.step(50);
+}
+
+/// A fall of a hundred metres a step is no reason for a pendulum to turn so far.
+TEST(EnergyBalance, GravityDoesNoMoreThanItsFall) {
+  World world(pendulum(), 0.1);
+  world.set_gravity({0, 0, -1e4});
+  EXPECT_THROW(world.step(50), SimulationError);
+}
+
+TEST(EnergyBalance, ABatchFlagsIt) {
+  Batch batch(pendulum(), 3, 0.002, {.num_threads = 1});
+  batch.set_v(std::vector<float>{0, 0, 2000, -3000, 1, 1});
+  batch.step(300);
+  EXPECT_EQ(batch.flags()[0], 0);
+  EXPECT_EQ(batch.flags()[1], BatchFlag::kNotFinite);
+  EXPECT_EQ(batch.flags()[2], 0);
+  for (const float speed : batch.v()) EXPECT_LT(std::abs(speed), 1e5F);
+}
+
+}  // namespace
+}  // namespace manyhands
