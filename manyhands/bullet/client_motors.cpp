@@ -120,8 +120,8 @@ void Client::apply_ball_motor(Body& body, int joint, double h) {
   world_.set_joint_motor(in_world, motors);
 }
 
-/// PD controllers. A stable one acts on the position and velocity at the end of the step: while its force is within its
-/// bounds, its gain is a damping of the joint, which the step takes into account.
+/// PD controllers. A stable one acts on the position and velocity at the end of the step: its gain is a damping of the
+/// joint, which the step takes into account. Where its force would exceed its bounds, both gains are less.
 void Client::apply_pd(Body& body, int joint, double h) {
   const MotorMemory& motor = body.motor(joint);
   const JointId in_world = joint_id(body, joint);
@@ -142,16 +142,18 @@ void Client::apply_pd(Body& body, int joint, double h) {
     std::tie(kp, kd, is_stable) = std::tuple(s.kp, s.kd, s.mode == kStablePd);
     std::tie(e[0], target_v[0], most[0], tau[0]) = std::tuple(s.target_q - q[0], s.target_v, s.force, motor.torque);
   }
-  bool is_bounded = false;
-  for (std::size_t k = 0; k < v.size(); ++k) {
-    is_bounded = is_bounded || std::abs(kp * e[k] + kd * (target_v[k] - v[k])) > most[k];
+  if (is_stable) {
+    double share = 1;
+    for (std::size_t k = 0; k < v.size(); ++k) {
+      share = std::min(share, most[k] / std::max(std::abs(kp * e[k] + kd * (target_v[k] - v[k])), 1e-300));
+    }
+    std::tie(kp, kd) = std::pair(share * kp, share * kd);
+    world_.set_joint_damping(in_world, body.plan.link(joint).damping + kd);
   }
-  const bool damps = is_stable && !is_bounded;
   for (std::size_t k = 0; k < v.size(); ++k) {
-    const double wanted = kp * (is_stable ? e[k] - h * v[k] : e[k]) + kd * (damps ? target_v[k] : target_v[k] - v[k]);
-    tau[k] += damps ? wanted : std::clamp(wanted, -most[k], most[k]);
+    tau[k] += is_stable ? kp * (e[k] - h * v[k]) + kd * target_v[k]
+                        : std::clamp(kp * e[k] + kd * (target_v[k] - v[k]), -most[k], most[k]);
   }
-  if (is_stable) world_.set_joint_damping(in_world, body.plan.link(joint).damping + (damps ? kd : 0));
   world_.set_joint_tau(in_world, std::span(tau).first(v.size()));
   torqued_.push_back({body.id, joint});
 }

@@ -269,3 +269,26 @@ def test_a_loop_of_joints_that_are_not_quite_parallel_swings(sim: Any, tmp_path:
         lowest = min(lowest, p.getJointState(body, 0)[0])
     assert lowest < -0.3
     assert fastest < 30
+
+
+def test_closest_points_take_shapes_in_place_of_bodies(sim: Any) -> None:
+    ball = p.createCollisionShape(p.GEOM_SPHERE, radius=0.1)
+    box = p.createCollisionShape(p.GEOM_BOX, halfExtents=[0.2] * 3)
+    given = {"collisionShapeA": ball, "collisionShapePositionA": [0.5, 0, 1]}
+    (point,) = p.getClosestPoints(
+        -1, -1, 100, collisionShapeB=box, collisionShapePositionB=[1.5, 0, 1], **given
+    )  # fmt: skip
+    assert point[1:5] == (-1, -1, -2, -2)
+    assert (*point[5], *point[6], point[8]) == pytest.approx((0.6, 0, 1, 1.3, 0, 1, 0.7), abs=1e-6)
+    body = p.createMultiBody(0, box, basePosition=[1.5, 0, 1])
+    assert body == 0
+    (point,) = p.getClosestPoints(-1, body, 100, **given)
+    assert point[1:5] == (-1, body, -2, -1)
+    assert p.getNumBodies() == 1
+    assert p.createMultiBody(0, box) == 1
+
+
+def test_colours_of_lines_may_have_an_opacity(sim: Any) -> None:
+    assert p.addUserDebugLine([0, 0, 0], [1, 0, 0], [1, 0, 0, 1]) == -1
+    with pytest.raises(p.error, match="lineColorRGB needs 3 numbers"):
+        p.addUserDebugLine([0, 0, 0], [1, 0, 0], [1, 0])
