@@ -78,6 +78,8 @@ class Arguments {
 [[nodiscard]] int integer_of(PyObject* object);
 /// The numbers of any sequence; sets `ok` to false, and no exception, if it is none.
 [[nodiscard]] std::vector<double> numbers_of(PyObject* object);
+/// The numbers of a number or a sequence; none of null and None.
+[[nodiscard]] std::vector<double> one_or_more(PyObject* object);
 
 // ---- results: new references ---------------------------------------------------------------------------------------
 

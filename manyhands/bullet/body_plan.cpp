@@ -196,7 +196,7 @@ std::vector<BodyPlan> plans_of(const Model& model) {
     const bool free = root && (!link.joint.is_valid() || model.joint(link.joint).type == JointType::kFloating);
     if (free || (root && !on_world)) {
       begin(id);
-      if (free) continue;
+      continue;
     }
     const int plan = plan_of[i] = root ? static_cast<int>(plans.size()) - 1 : plan_of[link.parent.index()];
     BodyPlan& body = plans[static_cast<std::size_t>(plan)];
