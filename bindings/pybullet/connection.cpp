@@ -146,17 +146,17 @@ constexpr Function kGravity{"setGravity", "gravX, gravY, gravZ", "Gravity [m/s^2
                               return none();
                             }};
 
-constexpr FreeFunction kRealTime{
-    "setRealTimeSimulation", "enableRealTimeSimulation",
-    "1: with a GUI, the world steps by itself in real time, until 0; without, no effect.",
-    [](const Arguments& a) -> PyObject* {
-      const bool runs = a.integer(0) != 0;
-      const int id = a.integer(1, 0);
-      (*ClientLock(id)).settings().real_time = runs;
-      Connection& connection = *connection_of(id);
-      if (connection.method == kGui) runs ? start_clock(connection) : stop_clock(connection);
-      return none();
-    }};
+constexpr FreeFunction kRealTime{"setRealTimeSimulation", "enableRealTimeSimulation",
+                                 "1: with a GUI, the world steps by itself in real time, until 0; without, no effect.",
+                                 [](const Arguments& a) -> PyObject* {
+                                   const bool runs = a.integer(0) != 0;
+                                   const int id = a.integer(1, 0);
+                                   const std::shared_ptr<Connection> connection = connection_of(id);
+                                   (*ClientLock(id)).settings().real_time = runs;
+                                   if (connection->method == kGui)
+                                     runs ? start_clock(*connection) : stop_clock(*connection);
+                                   return none();
+                                 }};
 
 constexpr Function kSetParameters{
     "setPhysicsEngineParameter",

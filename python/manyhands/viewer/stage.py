@@ -31,18 +31,21 @@ class Stage:
     """A scene of viser's that follows the bodies of a model.
 
     Links with visual shapes show these, others what they collide with. `on_drag` hears of drags of bodies with the
-    control key held: the link's name and viser's event.
+    left button, a key held: the link's name and viser's event.
     """
 
-    def __init__(self, server: viser.ViserServer, on_drag: DragHandler | None = None) -> None:
-        self._scene, self._on_drag = server.scene, on_drag
+    def __init__(
+        self, server: viser.ViserServer, on_drag: DragHandler | None = None, drag_key: str | None = "cmd/ctrl"
+    ) -> None:
+        """drag_key: viser's name of the key; None: none may be held."""
+        self._scene, self._on_drag, self._drag_key = server.scene, on_drag, drag_key
         self._bodies: list[viser.FrameHandle] = []
         self._collision: list[viser.MeshHandle] = []
         self._surfaces: dict[int, viser.MeshHandle] = {}  # by numbers of geoms
         self._poses = np.zeros((0, 7))
         self._corners: list[tuple[int, Array]] = []
         self._markers: dict[str, viser.MeshHandle] = {}
-        self._shows_collision = False
+        self._shows_collision = self._wireframe = False
         self.neighbours = NeighbourStage(self._scene)
         self.index: dict[str, int] = {}
         """Of the links, by name."""
@@ -150,6 +153,17 @@ class Stage:
         self._key_light.cast_shadow = on
 
     @property
+    def wireframe(self) -> bool:
+        """Whether edges are drawn and no faces."""
+        return self._wireframe
+
+    @wireframe.setter
+    def wireframe(self, on: bool) -> None:
+        self._wireframe = on
+        for handle in self._surfaces.values():
+            handle.wireframe = on
+
+    @property
     def shows_collision(self) -> bool:
         """Whether shapes that collide are shown over those that are seen."""
         return self._shows_collision
@@ -184,7 +198,7 @@ class Stage:
             color=_COLLISION if hides else shapes.color(geom.rgba),
             opacity=0.35 if hides else _opacity(geom.rgba),
             cast_shadow=not hides, receive_shadow=not (hides or is_small),
-            side="double" if geom.shape == "height_field" else "front",
+            side="double" if geom.shape == "height_field" else "front", wireframe=self._wireframe,
             position=geom.position, wxyz=geom.quaternion[[3, 0, 1, 2]], visible=not hides or self._shows_collision,
         )  # fmt: skip
         if hides:
@@ -198,7 +212,7 @@ class Stage:
             async def dragged(event: Any) -> None:
                 on_drag(link, event)
 
-            handle.on_drag("left", modifier="cmd/ctrl")(dragged)
+            handle.on_drag("left", modifier=self._drag_key)(dragged)
         return True
 
     def _draw_ground(self, height: float) -> None:

@@ -1,10 +1,14 @@
 """Clients with a window: what they keep in software, and what their page shows."""
 
 import math
+import os
 import subprocess
 import sys
 import threading
 import time
+import urllib.error
+import urllib.request
+import webbrowser
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -59,7 +63,7 @@ def box(client: int, at: tuple[float, float, float] = (0, 0, 1), mass: float = 1
     return p.createMultiBody(mass, shape, -1, at, physicsClientId=client)
 
 
-# ---- in software -------------------------------------------------------------------------------------------------------
+# ---- in software ---------------------------------------------------------------------------------------------------
 
 
 def test_sliders_and_buttons_are_moved_and_read(window: int) -> None:
@@ -127,16 +131,64 @@ def test_the_camera_is_where_the_program_or_people_put_it(window: int) -> None:
         p.resetDebugVisualizerCamera(distance, yaw, pitch, [0, 1, 2], physicsClientId=window)
         assert orbit() == (distance, yaw, pitch, 0, 1, 2)
         frame = pybullet_gui.frame(window)
-        pybullet_gui.set_camera(window, frame.eye, frame.target)
+        pybullet_gui.set_camera(window, frame.eye, frame.target, frame.camera_moves)
         assert orbit() == (distance, yaw, pitch, 0, 1, 2)  # as it was set, not as it was computed back
         p.resetDebugVisualizerCamera(9, 9, 9, [0, 0, 0], physicsClientId=window)
-        pybullet_gui.set_camera(window, frame.eye, frame.target)
+        pybullet_gui.set_camera(window, frame.eye, frame.target, frame.camera_moves)
+        assert orbit() == (9, 9, 9, 0, 0, 0)  # the program has moved it since
+        pybullet_gui.set_camera(window, frame.eye, frame.target, frame.camera_moves + 1)
         assert orbit() == pytest.approx((distance, yaw, pitch, 0, 1, 2))
+    moves = pybullet_gui.frame(window).camera_moves
     # Yaw turns about z from looking along y, pitch lifts the view: from (0, -1, 0) everything is zero.
-    pybullet_gui.set_camera(window, (0, -1, 0), (0, 0, 0))
+    pybullet_gui.set_camera(window, (0, -1, 0), (0, 0, 0), moves)
     assert orbit() == pytest.approx((1, 0, 0, 0, 0, 0))
-    pybullet_gui.set_camera(window, (1, 0, 1), (0, 0, 0))
+    pybullet_gui.set_camera(window, (1, 0, 1), (0, 0, 0), moves)
     assert orbit() == pytest.approx((math.sqrt(2), 90, -45, 0, 0, 0))
+
+
+def test_the_first_camera_is_that_of_pybullets_window(window: int) -> None:
+    """Width, height, view and projection as bullet3's issue 2194 has them."""
+    camera = p.getDebugVisualizerCamera(physicsClientId=window)
+    assert camera[:2] == (1024, 768)
+    view = [
+        0.6427875,
+        -0.4393851,
+        0.6275070,
+        0,
+        0.7660444,
+        0.3686878,
+        -0.5265408,
+        0,
+        0,
+        0.8191522,
+        0.5735765,
+        0,
+        0,
+        0,
+        -5,
+        1,
+    ]
+    np.testing.assert_allclose(camera[2], view, atol=1e-6)
+    projection = [0.75, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1.00002, -1, 0, 0, -0.0200002, 0]
+    np.testing.assert_allclose(camera[3], projection, atol=1e-6)
+    assert camera[4] == (0, 0, 1) and camera[8:] == (50, -35, 5, (0, 0, 0))
+
+
+@pytest.mark.parametrize("width, height", [(1024, 768), (900, 300)])
+def test_programs_find_the_ray_of_a_pixel(window: int, width: int, height: int) -> None:
+    """By what is seen at 10 km, as PyBullet's examples do; by the matrices, the ray's points fall on that pixel."""
+    pybullet_gui.set_size(window, width, height)
+    p.resetDebugVisualizerCamera(3, 30, -40, [0, 1, 2], physicsClientId=window)
+    wide, high, view, projection, _, ahead, across, upwards, _, _, distance, target = (
+        np.array(part) for part in p.getDebugVisualizerCamera(physicsClientId=window)
+    )
+    assert (wide, high) == (width, height)
+    x, y = 200, 130
+    way = 1e4 * ahead + (x / wide - 0.5) * across + (0.5 - y / high) * upwards
+    point = target - distance * ahead + 3e-4 * way
+    clip = projection.reshape(4, 4).T @ view.reshape(4, 4).T @ [*point, 1]
+    seen = clip[:2] / clip[3]
+    np.testing.assert_allclose([(seen[0] + 1) / 2 * wide, (1 - seen[1]) / 2 * high], (x, y), atol=1e-6)
 
 
 def test_items_follow_their_link_and_their_life_ends(window: int) -> None:
@@ -219,19 +271,91 @@ def test_frames_leave_the_world_its_bits() -> None:
     assert fall(looks=False) == fall(looks=True)
 
 
-def test_a_pull_lifts_a_body_until_it_ends(window: int) -> None:
+def link_of(client: int, body: int) -> str:
+    """The name of a body's base in frames."""
+    model = pybullet_gui.frame(client).model
+    assert model is not None
+    return next(link.name for link in model.links if link.name.startswith(f"b{body}/"))
+
+
+def position(client: int, body: int) -> tuple[float, float, float]:
+    return p.getBasePositionAndOrientation(body, physicsClientId=client)[0]
+
+
+def test_what_is_held_goes_where_it_is_dragged_until_it_is_let_go(window: int) -> None:
+    p.setGravity(0, 0, -9.81, physicsClientId=window)
     cube = box(window, at=(0, 0, 1), mass=2)
-    p.changeDynamics(cube, -1, linearDamping=0, angularDamping=0, physicsClientId=window)
-    frame = pybullet_gui.frame(window)
-    assert frame.model is not None
-    (name,) = (link.name for link in frame.model.links if link.name.startswith(f"b{cube}/"))
-    pybullet_gui.pull(window, [(name, (0, 0, 0), (0, 0, 4)), ("no such link", (0, 0, 0), (9, 9, 9))])
+    pybullet_gui.hold(
+        window, [(link_of(window, cube), (0, 0, 0), (0.3, 0, 1.5)), ("no such link", (0, 0, 0), (9, 9, 9))]
+    )
+    p.stepSimulation(physicsClientId=window)
+    assert np.linalg.norm(np.subtract(position(window, cube), (0, 0, 1))) < 0.1  # it is led there, not put there
+    for _ in range(240):
+        p.stepSimulation(physicsClientId=window)
+    np.testing.assert_allclose(position(window, cube), (0.3, 0, 1.5), atol=1e-3)
+    assert p.getNumConstraints(physicsClientId=window) == 0  # it is none of the program's
+    pybullet_gui.hold(window, [])
     for _ in range(24):
         p.stepSimulation(physicsClientId=window)
-    assert p.getBaseVelocity(cube, physicsClientId=window)[0] == pytest.approx((0, 0, 0.2))
-    pybullet_gui.pull(window, [])
+    np.testing.assert_allclose(p.getBaseVelocity(cube, physicsClientId=window)[0], (0, 0, -0.981), atol=5e-3)
+
+
+def test_nobody_is_strong_enough_to_lift_a_ton(window: int) -> None:
+    p.setGravity(0, 0, -10, physicsClientId=window)
+    cube = box(window, at=(0, 0, 10), mass=1000)
+    p.changeDynamics(cube, -1, linearDamping=0, angularDamping=0, physicsClientId=window)
+    pybullet_gui.hold(window, [(link_of(window, cube), (0, 0, 0), (0, 0, 20))])
+    for _ in range(240):
+        p.stepSimulation(physicsClientId=window)
+    # 500 N up, 10 kN down
+    assert p.getBaseVelocity(cube, physicsClientId=window)[0][2] == pytest.approx(-9.5, rel=1e-6)
+
+
+def test_an_arm_follows_the_hand_that_drags_it(window: int) -> None:
+    arm = p.loadURDF(PANDA, useFixedBase=True, physicsClientId=window)
+    frame = pybullet_gui.frame(window)
+    assert frame.model is not None
+    names = [link.name for link in frame.model.links]
+    hand = next(name for name in names if name.endswith("panda_hand"))
+    number = next(
+        joint
+        for joint in range(p.getNumJoints(arm, physicsClientId=window))
+        if p.getJointInfo(arm, joint, physicsClientId=window)[12] == b"panda_hand"
+    )
+    for joint in range(p.getNumJoints(arm, physicsClientId=window)):
+        p.setJointMotorControl2(arm, joint, p.VELOCITY_CONTROL, force=0, physicsClientId=window)
+    start = frame.positions[names.index(hand)]
+    target = (start + np.array([0.1, 0.1, -0.2])).tolist()
+    pybullet_gui.hold(window, [(hand, (0, 0, 0), target)])
+    for _ in range(240):
+        p.stepSimulation(physicsClientId=window)
+    np.testing.assert_allclose(p.getLinkState(arm, number, physicsClientId=window)[4], target, atol=2e-3)
+
+
+def test_bodies_and_states_come_and_go_while_they_are_held(window: int) -> None:
+    cubes = [box(window, at=(k, 0, 1)) for k in range(2)]
+    before = p.saveState(physicsClientId=window)
+    held = link_of(window, cubes[0])
+    pybullet_gui.hold(window, [(held, (0, 0, 0), (0, 0, 2))])
+    for _ in range(24):
+        p.stepSimulation(physicsClientId=window)
+    during = p.saveState(physicsClientId=window)
+    raised = position(window, cubes[0])
+    assert raised[2] > 1.05
+    p.restoreState(before, physicsClientId=window)
+    assert position(window, cubes[0]) == (0, 0, 1)
     p.stepSimulation(physicsClientId=window)
-    assert p.getBaseVelocity(cube, physicsClientId=window)[0] == pytest.approx((0, 0, 0.2))
+    p.restoreState(during, physicsClientId=window)
+    assert position(window, cubes[0]) == raised
+    p.stepSimulation(physicsClientId=window)
+    p.removeBody(cubes[0], physicsClientId=window)
+    p.stepSimulation(physicsClientId=window)
+    p.resetSimulation(physicsClientId=window)
+    p.stepSimulation(physicsClientId=window)
+    again = box(window)
+    pybullet_gui.hold(window, [(held, (0, 0, 0), (0, 0, math.nan))])
+    p.stepSimulation(physicsClientId=window)
+    assert position(window, again) == pytest.approx((0, 0, 1))
 
 
 def test_real_time_passes_by_itself_until_it_is_switched_off(window: int) -> None:
@@ -265,28 +389,26 @@ def test_real_time_needs_a_window() -> None:
     p.disconnect(client)
 
 
-def test_a_missing_viewer_is_told_in_one_warning(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_viewer_is_an_error_that_says_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
     for name in [*sys.modules]:
         if name.split(".")[0] == "viser" or name.startswith(("manyhands.viewer.", "manyhands.pybullet.page")):
             monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "viser", None)
     monkeypatch.setenv(windows.SWITCH, "1")
-    with pytest.warns(UserWarning, match="needs viser: .* -m pip install") as told:
-        client = p.connect(p.GUI)
-    assert len(told) == 1
-    assert p.addUserDebugParameter("speed", physicsClientId=client) == 0
+    with pytest.raises(p.error, match=r"needs viser: .* -m pip install .*DIRECT, or set MANYHANDS_PYBULLET_GUI=0"):
+        p.connect(p.GUI)
+    client = p.connect(p.DIRECT)
+    assert p.isConnected(client)
     p.disconnect(client)
 
 
-# ---- on a page ---------------------------------------------------------------------------------------------------------
+# ---- on a page -----------------------------------------------------------------------------------------------------
 
 
 def test_the_page_shows_bodies_lines_sliders_and_colours(shown: int) -> None:
     page = page_of(shown)
     cube = box(shown, at=(1, 0, 1))
-    line = p.addUserDebugLine(
-        [0, 0, 0], [0, 0, 1], [1, 0, 0], parentObjectUniqueId=cube, physicsClientId=shown
-    )
+    line = p.addUserDebugLine([0, 0, 0], [0, 0, 1], [1, 0, 0], parentObjectUniqueId=cube, physicsClientId=shown)
     text = p.addUserDebugText("here", [0, 0, 1], physicsClientId=shown)
     points = p.addUserDebugPoints([[0, 0, 0], [1, 0, 0]], [[1, 0, 0], [0, 1, 0]], physicsClientId=shown)
     slider = p.addUserDebugParameter("speed", 0, 5, 2, physicsClientId=shown)
@@ -331,6 +453,50 @@ def test_the_pages_camera_follows_the_program(shown: int) -> None:
     p.resetDebugVisualizerCamera(2, 90, 0, [0, 0, 1], physicsClientId=shown)
     camera = page_of(shown).viewer.server.initial_camera
     until(lambda: np.allclose(camera.position, [2, 0, 1]) and np.allclose(camera.look_at, [0, 0, 1]))
+    box(shown, at=(5, 0, 0))  # who has chosen a camera keeps it
+    until(lambda: len(page_of(shown).viewer.stage.index) == 2)
+    assert np.allclose(camera.position, [2, 0, 1])
+
+
+def test_the_page_shows_all_that_there_is_until_the_program_chooses(shown: int) -> None:
+    camera = page_of(shown).viewer.server.initial_camera
+    box(shown, at=(5, 0, 1))
+    until(lambda: np.allclose(camera.look_at, [5, 0, 1]))
+    box(shown, at=(7, 0, 1))
+    until(lambda: np.allclose(camera.look_at, [6, 0, 1]))
+
+
+def test_a_background_and_wire_frames(shown: int) -> None:
+    page = page_of(shown)
+    box(shown)
+    p.configureDebugVisualizer(rgbBackground=[1, 0, 0], physicsClientId=shown)
+    p.configureDebugVisualizer(p.COV_ENABLE_WIREFRAME, 1, physicsClientId=shown)
+    p.configureDebugVisualizer(p.COV_ENABLE_SHADOWS, 0, physicsClientId=shown)
+    until(lambda: any(mesh.wireframe for mesh in page.viewer.stage._surfaces.values()))
+    assert page._background == [1, 0, 0] and not page.viewer.stage.shadows
+
+
+def test_the_page_wants_its_token(shown: int) -> None:
+    address, _, token = page_of(shown).viewer.url.partition("?token=")
+    assert len(token) > 16
+    with pytest.raises(urllib.error.HTTPError, match="403"):
+        urllib.request.urlopen(address)
+    assert urllib.request.urlopen(f"{address}?token={token}").status == 200
+
+
+@pytest.mark.parametrize("switch, opened", [("", True), ("1", True), ("page", False)])
+def test_the_browser_opens_where_there_is_a_screen(monkeypatch: pytest.MonkeyPatch, switch: str, opened: bool) -> None:
+    pytest.importorskip("viser")
+    urls: list[str] = []
+    monkeypatch.setattr(webbrowser, "open", lambda url: urls.append(url))
+    monkeypatch.setenv(windows.SWITCH, switch)
+    monkeypatch.setenv("DISPLAY", ":99")
+    client = p.connect(p.GUI)
+    url = page_of(client).viewer.url
+    if opened:
+        until(lambda: urls == [url])
+    p.disconnect(client)
+    assert bool(urls) == opened
 
 
 def test_keys_and_clicks_of_the_page_are_events(shown: int) -> None:
@@ -342,12 +508,12 @@ def test_keys_and_clicks_of_the_page_are_events(shown: int) -> None:
     told: list[int] = []
     until(lambda: told.append(p.getKeyboardEvents(physicsClientId=shown).get(p.B3G_LEFT_ARROW, 0)) or told[-1] & 4)
     assert told[0] & p.KEY_WAS_TRIGGERED
-    page._mouse.click(0.5, 0.25)
+    page._mouse.click(512, 192)
     events = p.getMouseEvents(physicsClientId=shown)
     assert [event[1:3] for event in events] == [(512, 192)] * 2
 
 
-def test_dragging_on_the_page_pulls_a_body(shown: int) -> None:
+def test_dragging_on_the_page_moves_a_body(shown: int) -> None:
     page, cube = page_of(shown), box(shown, at=(0, 0, 1))
     until(lambda: len(page.viewer.stage.index) == 2)
     link = next(name for name in page.viewer.stage.index if name.startswith(f"b{cube}/"))
@@ -358,14 +524,22 @@ def test_dragging_on_the_page_pulls_a_body(shown: int) -> None:
 
     page.viewer._on_drag(link, Drag())
 
-    def rises() -> bool:
+    def is_there() -> bool:
         p.stepSimulation(physicsClientId=shown)
-        return p.getBaseVelocity(cube, physicsClientId=shown)[0][2] > 0.1
+        return np.allclose(position(shown, cube), Drag.end_position, atol=0.01)
 
-    until(rises)
+    until(is_there)
+    p.configureDebugVisualizer(p.COV_ENABLE_MOUSE_PICKING, 0, physicsClientId=shown)
+    until(lambda: not page.viewer.source._holds)
+    p.configureDebugVisualizer(p.COV_ENABLE_MOUSE_PICKING, 1, physicsClientId=shown)
+    until(lambda: page.viewer.source._holds)
     Drag.phase = "end"
     page.viewer._on_drag(link, Drag())
-    until(lambda: not page.viewer.source.pushes and not page.viewer.source._pulls)
+    until(lambda: not page.viewer.source.pushes and not page.viewer.source._holds)
+    Drag.phase = "start"
+    page.viewer._on_drag("a link that has just gone", Drag())
+    time.sleep(0.3)
+    assert not page.viewer.source.pushes and not page.viewer.player.problem
 
 
 def test_a_program_in_threads_loads_steps_and_draws_while_it_is_shown(shown: int) -> None:
@@ -415,8 +589,6 @@ def test_a_program_that_just_ends_ends(page: str) -> None:
         "p.setRealTimeSimulation(1)\n"
         "import time; time.sleep(0.3)"
     )
-    import os
-
     environment = {**os.environ, windows.SWITCH: page, "DISPLAY": "", "WAYLAND_DISPLAY": ""}
     run = subprocess.run(
         [sys.executable, "-c", code], env=environment, capture_output=True, text=True, timeout=60, check=False
