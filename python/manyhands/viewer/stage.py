@@ -1,5 +1,6 @@
 """Bodies, ground and light in the browser."""
 
+import math
 from collections.abc import Callable, Iterator
 from itertools import product
 from typing import Any
@@ -22,6 +23,7 @@ _SKY, _HAZE = np.array([150, 168, 186]), np.array([214, 222, 230])
 _GROUND, _LINES, _SECTIONS = (150, 160, 170), (170, 180, 190), (196, 206, 214)
 _COLLISION = (255, 140, 60)
 _WIDE = 1.0  # a fixed flat box of more than this half extent [m] is ground
+_VAST = 10.0  # so is one of more than this that a user might move, but nobody does
 _SMALL = 0.06  # what is not larger [m] receives no shadows: their coarse map would draw bands along its edges
 _STILL = 1e-7  # what has moved by less [m], or of its quaternion, is not told to browsers
 _GLASS = 0.35  # opacity of goals
@@ -94,7 +96,7 @@ class Stage:
         shown: list[int] = []
         for number, geom in enumerate(model.geoms):
             hides = not geom.is_visual and geom.link in seen
-            if number != ground and self._add_geom(model, number, hides) and not hides:
+            if number not in ground and self._add_geom(model, number, hides) and not hides:
                 shown.append(number)
         self.neighbours.build(model, shown)
         self._measure(model, positions, quaternions, ground)
@@ -222,12 +224,12 @@ class Stage:
             plane_color=_GROUND, plane_opacity=1.0, position=(0.0, 0.0, height - 5e-4),
         )  # fmt: skip
 
-    def _measure(self, model: Model, positions: Array, quaternions: Array, ground: int) -> None:
+    def _measure(self, model: Model, positions: Array, quaternions: Array, ground: set[int]) -> None:
         """A ball about all that is not ground: about the shapes of what moves, and the places of what stands."""
         points = [
             positions[geom.link]
             for number, geom in enumerate(model.geoms)
-            if number != ground and geom.shape not in ("plane", "height_field")
+            if number not in ground and geom.shape not in ("plane", "height_field")
         ]
         for link, corners in self._corners:
             points += list(positions[link] + rotate(quaternions[link], corners))
@@ -242,14 +244,30 @@ def _opacity(rgba: Any) -> float | None:
     return float(rgba[3]) if rgba[3] < 1 else None
 
 
-def _ground(model: Model, positions: Array) -> tuple[float, int]:
-    """The height of the ground, and the geom that it stands for; -1 without one."""
+def _ground(model: Model, positions: Array) -> tuple[float, set[int]]:
+    """The height of the ground, and the geoms that it stands for."""
     for number, geom in enumerate(model.geoms):
-        is_still = model.links[geom.link].body == 0
         is_level = abs(abs(geom.quaternion[3]) - 1) < 1e-6
         height = float(positions[geom.link][2] + geom.position[2])
-        if is_still and is_level and geom.shape == "plane":
-            return height, number
-        if is_still and is_level and geom.shape == "box" and min(geom.size[:2]) > _WIDE:
-            return height + float(geom.size[2]), number
-    return min(0.0, float(positions[:, 2].min(initial=0.0))), -1
+        if is_level and geom.shape == "plane" and _least_ground(model, geom.link) < math.inf:
+            return height, {number} | _sheets(model, geom.link)
+        if is_level and geom.shape == "box" and min(geom.size[:2]) > _least_ground(model, geom.link):
+            return height + float(geom.size[2]), {number} | _sheets(model, geom.link)
+    return min(0.0, float(positions[:, 2].min(initial=0.0))), set()
+
+
+def _least_ground(model: Model, link: int) -> float:
+    """Half of what a box of a link must extend to be ground [m]."""
+    if model.links[link].body == 0:
+        return _WIDE
+    return _VAST if model.joints[model.links[link].joint].type == "mocap" else math.inf
+
+
+def _sheets(model: Model, link: int) -> set[int]:
+    """Squares that a link shows where its ground is: one hides the other."""
+    return {
+        number
+        for number, geom in enumerate(model.geoms)
+        if geom.link == link and geom.is_visual and geom.shape == "mesh"
+        and (surface := shapes.surface(model, geom)) is not None and len(surface.triangles) <= 2
+    }  # fmt: skip

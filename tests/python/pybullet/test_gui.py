@@ -10,10 +10,12 @@ import urllib.error
 import urllib.request
 import webbrowser
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
 import pytest
+import viewed
 
 import manyhands as mh
 import manyhands.pybullet as p
@@ -23,11 +25,7 @@ from manyhands.pybullet import gui as windows
 PANDA = str(mh.asset_path("panda/panda.urdf"))
 
 
-def until(condition: Callable[[], Any], seconds: float = 30.0) -> None:
-    deadline = time.perf_counter() + seconds
-    while not condition():
-        assert time.perf_counter() < deadline, "it did not come about"
-        time.sleep(0.01)
+until = partial(viewed.until, seconds=30.0)
 
 
 @pytest.fixture
@@ -107,7 +105,12 @@ def test_keys_are_triggered_down_and_released(window: int) -> None:
     assert keys() == {}
     p._press_key(window, key)
     p._press_key(window, key, down=False)
-    assert keys() == {key: p.KEY_WAS_TRIGGERED | p.KEY_WAS_RELEASED}
+    assert keys() == {key: p.KEY_IS_DOWN | p.KEY_WAS_TRIGGERED | p.KEY_WAS_RELEASED}
+    p._press_key(window, key)
+    p._press_key(window, key, down=False)
+    p._press_key(window, key)
+    assert keys() == {key: p.KEY_IS_DOWN | p.KEY_WAS_TRIGGERED}
+    assert keys() == {key: p.KEY_IS_DOWN}
 
 
 def test_the_mouse_moves_and_clicks(window: int) -> None:
@@ -210,7 +213,7 @@ def test_items_follow_their_link_and_their_life_ends(window: int) -> None:
     replaced = p.addUserDebugText("there", [0, 0, 3], replaceItemUniqueId=free, physicsClientId=window)
     assert replaced == free
     assert dict(pybullet_gui.frame(window, frame.serial).items)[free].text == "there"
-    until(lambda: pybullet_gui.frame(window).ids == [tied, free], 5)
+    until(lambda: pybullet_gui.frame(window).ids == [tied, free])
     p.removeBody(cube, physicsClientId=window)
     assert pybullet_gui.frame(window).ids == [free]
     p.removeUserDebugItem(free, physicsClientId=window)
