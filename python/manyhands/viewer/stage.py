@@ -1,6 +1,5 @@
 """Bodies, ground and light in the browser."""
 
-import math
 from collections.abc import Callable, Iterator
 from itertools import product
 from typing import Any
@@ -46,6 +45,7 @@ class Stage:
         self._surfaces: dict[int, viser.MeshHandle] = {}  # by numbers of geoms
         self._poses = np.zeros((0, 7))
         self._corners: list[tuple[int, Array]] = []
+        self._standing: set[int] = set()
         self._markers: dict[str, viser.MeshHandle] = {}
         self._shows_collision = self._wireframe = False
         self.neighbours = NeighbourStage(self._scene)
@@ -92,6 +92,7 @@ class Stage:
             body = self._scene.add_frame(f"/bodies/{index} {link.name.replace('/', ' ')}", show_axes=False)
             body.axes_length, body.axes_radius = 0.1, 0.003
             self._bodies.append(body)
+        self._standing = _standing(model)
         seen = {geom.link for geom in model.geoms if geom.is_visual}
         shown: list[int] = []
         for number, geom in enumerate(model.geoms):
@@ -207,7 +208,7 @@ class Stage:
             self._collision.append(handle)
             return True
         self._surfaces[number] = handle
-        if self._on_drag is not None and geom.link > 0:
+        if self._on_drag is not None and model.links[geom.link].body not in self._standing:
             link, on_drag = model.links[geom.link].name, self._on_drag
 
             # Coroutines are run in the order of the events; plain functions are not.
@@ -246,28 +247,33 @@ def _opacity(rgba: Any) -> float | None:
 
 def _ground(model: Model, positions: Array) -> tuple[float, set[int]]:
     """The height of the ground, and the geoms that it stands for."""
+    standing = _standing(model)
     for number, geom in enumerate(model.geoms):
         is_level = abs(abs(geom.quaternion[3]) - 1) < 1e-6
+        if not is_level or geom.shape not in ("plane", "box") or model.links[geom.link].body not in standing:
+            continue
         height = float(positions[geom.link][2] + geom.position[2])
-        if is_level and geom.shape == "plane" and _least_ground(model, geom.link) < math.inf:
-            return height, {number} | _sheets(model, geom.link)
-        if is_level and geom.shape == "box" and min(geom.size[:2]) > _least_ground(model, geom.link):
-            return height + float(geom.size[2]), {number} | _sheets(model, geom.link)
+        if geom.shape == "plane":
+            return height, _shown_as(model, number)
+        if min(geom.size[:2]) > (_WIDE if model.links[geom.link].body == 0 else _VAST):
+            return height + float(geom.size[2]), _shown_as(model, number)
     return min(0.0, float(positions[:, 2].min(initial=0.0))), set()
 
 
-def _least_ground(model: Model, link: int) -> float:
-    """Half of what a box of a link must extend to be ground [m]."""
-    if model.links[link].body == 0:
-        return _WIDE
-    return _VAST if model.joints[model.links[link].joint].type == "mocap" else math.inf
+def _standing(model: Model) -> set[int]:
+    """The bodies that nothing moves but a user."""
+    set_by_users = {link.body for link in model.links if link.joint >= 0 and model.joints[link.joint].type == "mocap"}
+    return {0} | set_by_users
 
 
-def _sheets(model: Model, link: int) -> set[int]:
-    """Squares that a link shows where its ground is: one hides the other."""
-    return {
-        number
-        for number, geom in enumerate(model.geoms)
-        if geom.link == link and geom.is_visual and geom.shape == "mesh"
-        and (surface := shapes.surface(model, geom)) is not None and len(surface.triangles) <= 2
-    }  # fmt: skip
+def _shown_as(model: Model, ground: int) -> set[int]:
+    """The ground, and what its link shows in its place: the same shape, or a square."""
+    held = model.geoms[ground]
+
+    def is_it(geom: Any) -> bool:
+        if geom.shape == "mesh":
+            surface = shapes.surface(model, geom)
+            return surface is not None and len(surface.triangles) <= 2
+        return geom.shape == held.shape and np.allclose(geom.size, held.size)
+
+    return {number for number, geom in enumerate(model.geoms) if geom.link == held.link and is_it(geom)}

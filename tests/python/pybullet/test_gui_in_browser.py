@@ -141,7 +141,8 @@ def test_the_camera_is_turned_by_people_and_by_the_program(shown: int, page: Any
     assert p.getDebugVisualizerCamera()[10] == pytest.approx(1, abs=1e-3)
     p.resetDebugVisualizerCamera(2, 90, 0, [0, 0, 1])
     until(lambda: np.allclose(next(iter(camera().values())).camera.position, [2, 0, 1], atol=1e-3))
-    assert p.getDebugVisualizerCamera()[8:] == pytest.approx((90, 0, 2, (0, 0, 1)), abs=1e-3)
+    yaw, pitch, distance, target = p.getDebugVisualizerCamera()[8:]
+    assert (yaw, pitch, distance, *target) == pytest.approx((90, 0, 2, 0, 0, 1), abs=1e-3)
 
 
 def test_the_program_goes_on_when_the_page_is_closed(shown: int, page: Any) -> None:
