@@ -469,6 +469,39 @@ def test_the_page_shows_all_that_there_is_until_the_program_chooses(shown: int) 
     until(lambda: np.allclose(camera.look_at, [6, 0, 1]))
 
 
+@pytest.mark.parametrize("low, high", [(1, 1), (-math.inf, math.inf), (0, math.nan), (0, 1e-300), (-1e300, 1e300)])
+def test_sliders_of_odd_ranges_do_not_disturb_the_page(shown: int, low: float, high: float) -> None:
+    odd = p.addUserDebugParameter("odd", low, high, 0.5, physicsClientId=shown)
+    plain = p.addUserDebugParameter("plain", 0, 1, 0.5, physicsClientId=shown)
+    until(lambda: {odd, plain} <= page_of(shown)._parameters.handles.keys())
+    assert p.readUserDebugParameter(odd, physicsClientId=shown) == 0.5
+
+
+def test_a_vast_floor_is_the_pages_ground_and_is_not_dragged(shown: int) -> None:
+    stage = page_of(shown).viewer.stage
+    floor = p.createCollisionShape(p.GEOM_BOX, halfExtents=[50, 50, 1], physicsClientId=shown)
+    p.createMultiBody(0, floor, -1, [0, 0, -1], physicsClientId=shown)
+    table = p.createCollisionShape(p.GEOM_BOX, halfExtents=[0.5, 0.5, 0.1], physicsClientId=shown)
+    p.createMultiBody(0, table, -1, [0, 0, 0.1], physicsClientId=shown)
+    box(shown, at=(0, 0, 0.3))
+    until(lambda: len(stage.index) == 4)
+    until(lambda: stage.radius < 1)
+    drawn = {mesh.name.split("/")[2].split()[1]: mesh for mesh in stage._surfaces.values()}
+    assert drawn.keys() == {"b1", "b2"}  # and not the floor
+    assert [bool(drawn[name]._impl.drag_cb) for name in ("b1", "b2")] == [False, True]
+
+
+def test_a_page_that_nobody_has_open_is_drawn_seldom(shown: int) -> None:
+    drawn: list[float] = []
+    viewer = page_of(shown).viewer
+    viewer.on_draw.append(lambda: drawn.append(0))
+    time.sleep(1.5)
+    assert 1 <= len(drawn) <= 8  # 4 a second
+    drawn.clear()
+    viewer.player._is_seen = lambda: True
+    until(lambda: len(drawn) > 20)
+
+
 def test_a_background_and_wire_frames(shown: int) -> None:
     page = page_of(shown)
     box(shown)
