@@ -4,7 +4,7 @@ import math
 from typing import Any
 
 from manyhands._core import pybullet_gui
-from manyhands._core.pybullet import error
+from manyhands.pybullet.errors import error
 
 
 class Parameters:

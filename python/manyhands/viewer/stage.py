@@ -13,7 +13,7 @@ from manyhands.measures import rotate
 from manyhands.viewer import shapes
 from manyhands.viewer.neighbours import NeighbourStage, places
 from manyhands.viewer.player import Frame
-from manyhands.viewer.sources import Marker
+from manyhands.viewer.sources import DragKey, Marker
 
 Array = NDArray[np.float64]
 DragHandler = Callable[[str, Any], None]
@@ -36,10 +36,11 @@ class Stage:
     """
 
     def __init__(
-        self, server: viser.ViserServer, on_drag: DragHandler | None = None, drag_key: str | None = "cmd/ctrl"
+        self, server: viser.ViserServer, on_drag: DragHandler | None = None, drag_key: DragKey = "cmd/ctrl"
     ) -> None:
         """drag_key: viser's name of the key; None: none may be held."""
-        self._scene, self._on_drag, self._drag_key = server.scene, on_drag, drag_key
+        self._scene, self._on_drag = server.scene, on_drag
+        self._drag_key: DragKey = drag_key
         self._bodies: list[viser.FrameHandle] = []
         self._collision: list[viser.MeshHandle] = []
         self._surfaces: dict[int, viser.MeshHandle] = {}  # by numbers of geoms
