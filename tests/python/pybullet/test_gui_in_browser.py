@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from browsed import number_box, on_page, pixels, show, until
+from gui_clients import page_of
 
 import manyhands.pybullet as p
 from manyhands.pybullet import gui as windows
@@ -30,10 +31,6 @@ def shown(monkeypatch: pytest.MonkeyPatch, page: Any) -> Iterator[int]:
     yield client
     page.goto("about:blank")
     p.disconnect(client)
-
-
-def page_of(client: int) -> Any:
-    return windows.page(client)
 
 
 def height() -> float:
