@@ -78,6 +78,8 @@ class Arguments {
 [[nodiscard]] int integer_of(PyObject* object);
 /// The numbers of any sequence; sets `ok` to false, and no exception, if it is none.
 [[nodiscard]] std::vector<double> numbers_of(PyObject* object);
+/// The numbers of a number or a sequence; none of null and None.
+[[nodiscard]] std::vector<double> one_or_more(PyObject* object);
 
 // ---- results: new references ---------------------------------------------------------------------------------------
 
@@ -163,6 +165,7 @@ void add_looks(Methods& methods);
 void add_debug(Methods& methods);
 void add_mathematics(Methods& methods);
 void add_extras(Methods& methods);
+void add_convex(Methods& methods);
 void add_refusals(Methods& methods);
 void add_constants(PyObject* module);
 

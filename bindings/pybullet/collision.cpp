@@ -1,4 +1,7 @@
 // Contacts, distances, rays, and what may touch.
+#include <tuple>
+#include <utility>
+
 #include "bindings/pybullet/arguments.h"
 
 namespace manyhands::pybullet {
@@ -21,22 +24,49 @@ constexpr Function kContacts{
                       contact_of);
     }};
 
+/// A body that is a collision shape, for as long as something is asked of it.
+class ShapeBody {
+ public:
+  ShapeBody(Client& client, int shape, const Transform<double>& X) : client_(client) {
+    if (shape >= 0) id_ = client.create_body({.collision_shape = shape}, X);
+  }
+  ~ShapeBody() {
+    if (id_ >= 0) client_.remove(id_);
+  }
+  ShapeBody(const ShapeBody&) = delete;
+  ShapeBody& operator=(const ShapeBody&) = delete;
+
+  [[nodiscard]] int id_or(int body) const { return id_ >= 0 ? id_ : body; }
+  [[nodiscard]] bool is(int body) const { return id_ >= 0 && id_ == body; }
+
+ private:
+  Client& client_;
+  int id_ = -1;
+};
+
+PyObject* closest_points(Client& client, const Arguments& a) {
+  const auto pose = [&](std::size_t position, std::size_t orientation) -> Transform<double> {
+    return {a.rotation(orientation, "collision shape orientations need 4 numbers."),
+            a.vec3(position, {0, 0, 0}, "collision shape positions need 3 numbers.")};
+  };
+  const ShapeBody shape_a(client, a.integer(5, -1), pose(7, 9)), shape_b(client, a.integer(6, -1), pose(8, 10));
+  std::vector<bullet::ContactReading> points = client.closest_points(
+      shape_a.id_or(a.integer(0)), shape_b.id_or(a.integer(1)), a.number(2), a.integer(3, -2), a.integer(4, -2));
+  for (bullet::ContactReading& point : points) {
+    if (shape_a.is(point.body_a)) std::tie(point.body_a, point.link_a) = std::pair(-1, a.integer(3, -2));
+    if (shape_b.is(point.body_b)) std::tie(point.body_b, point.link_b) = std::pair(-1, a.integer(4, -2));
+  }
+  return tuple_of(points, contact_of);
+}
+
 constexpr Function kClosest{
     "getClosestPoints",
     "bodyA, bodyB, distance | linkIndexA=-2, linkIndexB=-2, collisionShapeA=-1, collisionShapeB=-1, "
     "collisionShapePositionA=None, collisionShapePositionB=None, collisionShapeOrientationA=None, "
     "collisionShapeOrientationB=None",
     "The nearest points of the links of two bodies that are at most `distance` apart, where they are now; as "
-    "getContactPoints, without forces.",
-    [](Client& client, const Arguments& a) -> PyObject* {
-      if (a.integer(5, -1) >= 0 || a.integer(6, -1) >= 0) {
-        throw Error(
-            "getClosestPoints: collisionShapeA and collisionShapeB are not supported; make bodies of the shapes");
-      }
-      return tuple_of(
-          client.closest_points(a.integer(0), a.integer(1), a.number(2), a.integer(3, -2), a.integer(4, -2)),
-          contact_of);
-    }};
+    "getContactPoints, without forces. A collision shape takes the place of a body, whose id is then -1.",
+    closest_points};
 
 PyObject* ray_of(const bullet::RayReading& r) {
   return tuple(of(r.body), of(r.link), of(r.fraction), of(r.point), of(r.normal));

@@ -15,6 +15,14 @@ PyObject* drawn(Client& client, DebugItem item, int replaced) {
   return of(screen == nullptr ? -1 : screen->add(std::move(item), replaced));
 }
 
+/// Three numbers; programs also give a fourth, for an opacity that lines and texts do not have.
+Vec3<double> colour(const Arguments& a, std::size_t i, const char* error) {
+  if (!a.has(i)) return {1, 1, 1};
+  const std::vector<double> numbers = a.numbers(i);
+  if (numbers.size() != 3 && numbers.size() != 4) throw Error(error);
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
 constexpr Function kLine{
     "addUserDebugLine",
     "lineFromXYZ, lineToXYZ | lineColorRGB=[1, 1, 1], lineWidth=1, lifeTime=0, parentObjectUniqueId=-1, "
@@ -22,7 +30,7 @@ constexpr Function kLine{
     "Draws a line and returns its id; -1 without a GUI.", [](Client& client, const Arguments& a) -> PyObject* {
       DebugItem item{.kind = DebugItem::kLine};
       item.points = {a.vec3(0, "lineFromXYZ needs 3 numbers."), a.vec3(1, "lineToXYZ needs 3 numbers.")};
-      item.colours = {a.vec3(2, {1, 1, 1}, "lineColorRGB needs 3 numbers.")};
+      item.colours = {colour(a, 2, "lineColorRGB needs 3 numbers.")};
       item.size = a.number(3, 1);
       item.life = a.number(4, 0);
       item.parent = {a.integer(5, -1), a.integer(6, -1)};
@@ -36,7 +44,7 @@ constexpr Function kText{"addUserDebugText",
                          [](Client& client, const Arguments& a) -> PyObject* {
                            DebugItem item{.kind = DebugItem::kText, .text = a.text(0)};
                            item.points = {a.vec3(1, "textPosition needs 3 numbers.")};
-                           item.colours = {a.vec3(2, {1, 1, 1}, "textColorRGB needs 3 numbers.")};
+                           item.colours = {colour(a, 2, "textColorRGB needs 3 numbers.")};
                            item.size = a.number(3, 1);
                            item.life = a.number(4, 0);
                            if (a.has(5)) (void)a.quaternion(5, "textOrientation needs 4 numbers.");

@@ -119,21 +119,26 @@ constexpr Function kJacobian{
       return tuple(rows(std::span(J).first(half), half / 3), rows(std::span(J).subspan(half), half / 3));
     }};
 
-constexpr Function kMassMatrix{"calculateMassMatrix", "bodyUniqueId, objPositions | flags=0",
-                               "The mass matrix at objPositions, as rows.",
-                               [](Client& client, const Arguments& a) -> PyObject* {
-                                 const std::vector<double> M = client.mass_matrix(a.integer(0), a.numbers(1));
-                                 std::size_t n = 0;
-                                 while (n * n < M.size()) ++n;
-                                 return rows(M, n);
-                               }};
+constexpr int kPadded = 1;  // of flags
+
+constexpr Function kMassMatrix{
+    "calculateMassMatrix", "bodyUniqueId, objPositions | flags=0",
+    "The mass matrix at objPositions, as rows. With flags=1 objPositions begin with the pose of a free base, and rows "
+    "are as many as they: the base's and those of spherical joints end with one that stands for nothing.",
+    [](Client& client, const Arguments& a) -> PyObject* {
+      const std::vector<double> M = client.mass_matrix(a.integer(0), a.numbers(1), (a.integer(2, 0) & kPadded) != 0);
+      std::size_t n = 0;
+      while (n * n < M.size()) ++n;
+      return rows(M, n);
+    }};
 
 constexpr Function kInverseDynamics{
     "calculateInverseDynamics", "bodyUniqueId, objPositions, objVelocities, objAccelerations | flags=0",
-    "Joint forces that lead to these accelerations, against gravity; without damping and motors.",
+    "Joint forces that lead to these accelerations, against gravity; without damping and motors. With flags=1 all "
+    "lists are as long as objPositions, see calculateMassMatrix.",
     [](Client& client, const Arguments& a) -> PyObject* {
-      return of(
-          std::span<const double>(client.inverse_dynamics(a.integer(0), a.numbers(1), a.numbers(2), a.numbers(3))));
+      return of(std::span<const double>(client.inverse_dynamics(a.integer(0), a.numbers(1), a.numbers(2), a.numbers(3),
+                                                                (a.integer(4, 0) & kPadded) != 0)));
     }};
 
 }  // namespace

@@ -1,4 +1,6 @@
 // Motors and external forces.
+#include <memory>
+
 #include "bindings/pybullet/arguments.h"
 
 namespace manyhands::pybullet {
@@ -66,25 +68,45 @@ constexpr Function kSetMotors{
     "positionGains=None, velocityGains=None",
     "As setJointMotorControl2, for several joints: lists of one length.", set_motors};
 
-/// The only number of a number or list of one.
-double single(PyObject* object, double fallback) {
-  if (object == nullptr || object == Py_None) return fallback;
-  if (PySequence_Check(object) == 0) return number_of(object);
-  const std::vector<double> numbers = numbers_of(object);
-  if (numbers.size() == 1) return numbers[0];
-  if (numbers.empty()) return fallback;
-  throw Error("motors of spherical joints take no targets yet: expected one number");
+/// What a joint is told to do, of any number of dofs; empty lists are unset.
+struct MultiDof {
+  std::vector<double> target_q{}, target_v{}, force{}, kp{}, kd{}, max_velocity{};
+};
+
+/// Programs also give joints of one degree of freedom what spherical ones take; as in PyBullet the first number counts.
+double single(const std::vector<double>& numbers, double fallback) { return numbers.empty() ? fallback : numbers[0]; }
+
+Vec3<double> triple(const std::vector<double>& numbers, double fallback) {
+  if (numbers.empty()) return {fallback, fallback, fallback};
+  if (numbers.size() == 1) return {numbers[0], numbers[0], numbers[0]};
+  if (numbers.size() != 3)
+    throw Error("a spherical joint takes three numbers, and a quaternion as its position; got " +
+                std::to_string(numbers.size()));
+  return {numbers[0], numbers[1], numbers[2]};
 }
 
-void set_multi_dof(Client& client, int id, int joint, int mode, const std::array<PyObject*, 6>& o) {
+void set_multi_dof(Client& client, int id, int joint, int mode, const MultiDof& given) {
   if (joint < 0 || joint >= client.num_joints(id)) throw Error("Joint index out-of-range.");
-  MotorSetting s{.mode = mode_of(mode, bullet::kStablePd),
-                 .target_q = single(o[0], 0),
-                 .target_v = single(o[1], 0),
-                 .force = single(o[2], 100000),
-                 .kp = single(o[3], 0.1),
-                 .kd = single(o[4], 1)};
-  if (o[5] != nullptr && o[5] != Py_None) s.max_velocity = single(o[5], -1);
+  const bullet::ControlMode control = mode_of(mode, bullet::kStablePd);
+  const bool torque = control == bullet::kTorque;
+  if (client.is_ball(id, joint)) {
+    bullet::BallSetting s{.mode = control,
+                          .target_v = triple(given.target_v, 0),
+                          .force = triple(given.force, torque ? 0 : 100000),
+                          .kp = single(given.kp, 0.1),
+                          .kd = single(given.kd, 1)};
+    const std::vector<double>& q = given.target_q;
+    if (q.size() == 4) s.target_q = normalized(Quat<double>{q[0], q[1], q[2], q[3]});
+    client.set_ball_motor(id, joint, s);
+    return;
+  }
+  MotorSetting s{.mode = control,
+                 .target_q = single(given.target_q, 0),
+                 .target_v = single(given.target_v, 0),
+                 .force = single(given.force, torque ? 0 : 100000),
+                 .kp = single(given.kp, 0.1),
+                 .kd = single(given.kd, 1)};
+  if (!given.max_velocity.empty()) s.max_velocity = given.max_velocity[0];
   client.set_motor(id, joint, s);
 }
 
@@ -92,17 +114,51 @@ constexpr Function kSetMultiDof{
     "setJointMotorControlMultiDof",
     "bodyUniqueId, jointIndex, controlMode | targetPosition=None, targetVelocity=None, force=None, positionGain=0.1, "
     "velocityGain=1, maxVelocity=-1, damping=None",
-    "As setJointMotorControl2, with lists. Spherical joints: their default motor, or force=[0, 0, 0] without targets.",
+    "As setJointMotorControl2, with lists: of a spherical joint a quaternion, three velocities and three forces. Also "
+    "takes STABLE_PD_CONTROL, a PD that counts with the position and velocity after the step.",
     [](Client& client, const Arguments& a) -> PyObject* {
-      const int id = a.integer(0), joint = a.integer(1);
-      const bool lists_force = a.has(5) && PySequence_Check(a.object(5)) != 0;
-      const std::vector<double> force = lists_force ? numbers_of(a.object(5)) : std::vector<double>{};
-      if (force.size() > 1 && joint >= 0 && joint < client.num_joints(id)) {
-        client.set_motor(id, joint, {.mode = bullet::kVelocity, .force = force[0]});
-        return none();
+      MultiDof given{.target_q = one_or_more(a.object(3)),
+                     .target_v = one_or_more(a.object(4)),
+                     .force = one_or_more(a.object(5)),
+                     .kp = one_or_more(a.object(6)),
+                     .kd = one_or_more(a.object(7)),
+                     .max_velocity = one_or_more(a.object(8))};
+      set_multi_dof(client, a.integer(0), a.integer(1), a.integer(2), given);
+      return none();
+    }};
+
+/// Item k of a list of one item for each joint; nothing where there is no list.
+std::vector<double> item(PyObject* list, Py_ssize_t count, Py_ssize_t k, const char* what) {
+  if (list == nullptr || list == Py_None) return {};
+  if (PySequence_Size(list) != count) {
+    PyErr_Clear();
+    throw Error(std::string("setJointMotorControlMultiDofArray: ") + what + " has not as many items as jointIndices");
+  }
+  const std::unique_ptr<PyObject, decltype(&Py_DecRef)> found(PySequence_GetItem(list, k), &Py_DecRef);
+  if (found == nullptr) throw PythonError();
+  return one_or_more(found.get());
+}
+
+constexpr Function kSetMultiDofs{
+    "setJointMotorControlMultiDofArray",
+    "bodyUniqueId, jointIndices, controlMode | targetPositions=None, targetVelocities=None, forces=None, "
+    "positionGains=None, velocityGains=None, maxVelocities=None",
+    "As setJointMotorControlMultiDof, for several joints: lists of one length.",
+    [](Client& client, const Arguments& a) -> PyObject* {
+      const std::vector<int> joints = a.integers(1);
+      const auto n = static_cast<Py_ssize_t>(joints.size());
+      std::vector<MultiDof> all;
+      for (Py_ssize_t k = 0; k < n; ++k) {
+        all.push_back({.target_q = item(a.object(3), n, k, "targetPositions"),
+                       .target_v = item(a.object(4), n, k, "targetVelocities"),
+                       .force = item(a.object(5), n, k, "forces"),
+                       .kp = item(a.object(6), n, k, "positionGains"),
+                       .kd = item(a.object(7), n, k, "velocityGains"),
+                       .max_velocity = item(a.object(8), n, k, "maxVelocities")});
       }
-      set_multi_dof(client, id, joint, a.integer(2),
-                    {a.object(3), a.object(4), a.object(5), a.object(6), a.object(7), a.object(8)});
+      for (std::size_t k = 0; k < joints.size(); ++k) {
+        set_multi_dof(client, a.integer(0), joints[k], a.integer(2), all[k]);
+      }
       return none();
     }};
 
@@ -152,6 +208,7 @@ void add_motors(Methods& methods) {
   add_to<kSetMotor>(methods);
   add_to<kSetMotors>(methods);
   add_to<kSetMultiDof>(methods);
+  add_to<kSetMultiDofs>(methods);
   add_to<kSetMotorLegacy>(methods);
   add_to<kForce>(methods);
   add_to<kTorque>(methods);

@@ -30,13 +30,10 @@ constexpr const char* kSnapshot = "keep states with saveState, and worlds with m
 constexpr Refusal kLoadBullet{"loadBullet", kSnapshot}, kSaveBullet{"saveBullet", kSnapshot},
     kSaveWorld{"saveWorld", kSnapshot};
 constexpr Refusal kScaling{"unsupportedChangeScaling", "load the body again with globalScaling"};
-constexpr Refusal kMultiDofArray{"setJointMotorControlMultiDofArray",
-                                 "call setJointMotorControlMultiDof for each joint"};
 constexpr Refusal kRenderImage{"renderImage", "it is the old form of getCameraImage"};
 constexpr Refusal kIk2{"calculateInverseKinematics2", "call calculateInverseKinematics for each link"};
 constexpr Refusal kMeshData{"getMeshData", "read the mesh file that getVisualShapeData names"};
 constexpr Refusal kConstraintState{"getConstraintState", "read the forces of joints with enableJointForceTorqueSensor"};
-constexpr Refusal kVhacd{"vhacd", "use manyhands.decompose"};
 
 }  // namespace
 
@@ -49,12 +46,10 @@ void add_refusals(Methods& methods) {
   add<kSaveBullet>(methods);
   add<kSaveWorld>(methods);
   add<kScaling>(methods);
-  add<kMultiDofArray>(methods);
   add<kRenderImage>(methods);
   add<kIk2>(methods);
   add<kMeshData>(methods);
   add<kConstraintState>(methods);
-  add<kVhacd>(methods);
 }
 
 }  // namespace manyhands::pybullet

@@ -86,19 +86,14 @@ void Client::apply_damping(Body& body) {
   }
 }
 
-/// Motors whose command depends on the state: of a largest velocity, and explicit PD.
+/// Motors whose command depends on the state: of a largest velocity, of spherical joints, and PD.
 void Client::apply_motors(Body& body, double h) {
   for (int i = 0; i < body.plan.num_links(); ++i) {
     MotorMemory& motor = body.motor(i);
     if (body.dof[static_cast<std::size_t>(i)] < 0) continue;
     const JointId joint = joint_id(body, i);
-    if (!motor.pd.empty()) {
-      const double q = world_.joint_q(joint)[0], v = world_.joint_v(joint)[0], most = motor.pd[4];
-      const double wanted = motor.pd[0] * (motor.pd[2] - q) + motor.pd[1] * (motor.pd[3] - v);
-      const double tau = motor.torque + std::clamp(wanted, -most, most);
-      world_.set_joint_tau(joint, std::span(&tau, 1));
-      torqued_.push_back({body.id, i});
-    }
+    if (motor.pd || motor.ball_pd) apply_pd(body, i, h);
+    if (motor.ball) apply_ball_motor(body, i, h);
     const MotorSetting& s = motor.setting;
     if (s.mode != kPosition || !is_finite(motor.max_velocity)) continue;
     const double wanted = s.kp * (s.target_q - world_.joint_q(joint)[0]) / h + s.kd * s.target_v;
@@ -119,6 +114,7 @@ void Client::clear_torques() {
     const std::vector<double> zero(world_.joint_v(in_world).size(), 0.0);
     world_.set_joint_tau(in_world, zero);
     body->motor(joint).torque = 0;
+    body->motor(joint).ball_torque = Vec3<double>::zero();
   }
   torqued_.clear();
 }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "manyhands/bullet/body_plan.h"
+#include "manyhands/bullet/concave.h"
 #include "manyhands/bullet/records.h"
 #include "manyhands/bullet/screen.h"
 #include "manyhands/bullet/user_data.h"
@@ -53,6 +54,8 @@ class Client {
   [[nodiscard]] UserData& user_data() { return user_data_; }
   [[nodiscard]] int next_log() { return next_log_++; }
   void open_screen() { screen_ = std::make_unique<Screen>(); }
+  /// What makes convex parts of concave meshes that move; without it, or where it finds none, their hulls collide.
+  void set_decomposer(Decomposer decompose) { decompose_ = std::move(decompose); }
 
   // ---- bodies (client_bodies.cpp) ------------------------------------------------------------------------------
   int load_urdf(const std::filesystem::path& path, const Transform<double>& X_WB, const LoadOptions& options);
@@ -85,6 +88,8 @@ class Client {
   // ---- motors and forces (client_motors.cpp) -------------------------------------------------------------------
   void set_motor(int body, int joint, const MotorSetting& setting);
   void set_motors(int body, std::span<const int> joints, std::span<const MotorSetting> settings);
+  void set_ball_motor(int body, int joint, const BallSetting& setting);  ///< of a spherical joint
+  [[nodiscard]] bool is_ball(int body, int joint) const;
   void apply_force(int body, int link, const Vec3<double>& force, const Vec3<double>& point, bool in_link_frame);
   void apply_torque(int body, int link, const Vec3<double>& torque, bool in_link_frame);
 
@@ -103,9 +108,11 @@ class Client {
   [[nodiscard]] std::vector<double> inverse_kinematics(int body, const IkRequest& request);
   /// (6, n) or (6, 6 + n) of a free base: linear rows first, about a point of the link, in the axes of the base.
   [[nodiscard]] std::vector<double> jacobian(int body, int link, const Vec3<double>& point, std::span<const double> q);
-  [[nodiscard]] std::vector<double> mass_matrix(int body, std::span<const double> q);
+  /// Where `padded`, the base of a free body is part of q and comes linear before angular, and its velocities and those
+  /// of spherical joints have a last number more, which stands for nothing: v and a are as long as q.
+  [[nodiscard]] std::vector<double> mass_matrix(int body, std::span<const double> q, bool padded);
   [[nodiscard]] std::vector<double> inverse_dynamics(int body, std::span<const double> q, std::span<const double> v,
-                                                     std::span<const double> a);
+                                                     std::span<const double> a, bool padded);
 
   // ---- collision (client_collision.cpp) ------------------------------------------------------------------------
   [[nodiscard]] std::vector<ContactReading> contacts(int body_a, int body_b, int link_a, int link_b);
@@ -154,7 +161,7 @@ class Client {
   [[nodiscard]] JointId joint_id(Body& body, int joint);
   [[nodiscard]] int fresh_id() const;
   void take_notes(const LoadReport& report);
-  std::vector<int> add_all(const LoadedModel& loaded, const LoadOptions& options);
+  std::vector<int> add_all(const LoadedModel& loaded, const LoadOptions& options, bool from_mjcf);
   [[nodiscard]] Transform<double> inertial_pose(Body& body, int link);
   [[nodiscard]] Motion<double> inertial_velocity(Body& body, int link);
   void set_motor(Body& body, int joint, const MotorSetting& setting);
@@ -164,6 +171,9 @@ class Client {
   void replace(Body& body);
   void apply_damping(Body& body);
   void apply_motors(Body& body, double h);
+  void apply_pd(Body& body, int joint, double h);
+  void stop_pd(Body& body, int joint);
+  void apply_ball_motor(Body& body, int joint, double h);
   void clear_torques();
   void keep_contacts();
   void apply_filters(int body);
@@ -180,6 +190,7 @@ class Client {
 
   World world_;
   Settings settings_;
+  Decomposer decompose_;
   std::unique_ptr<Screen> screen_;
   std::int64_t scene_ = 0, looks_ = 0;  // of ScreenFrame
   bool holds_ = false;                  // whether there are constraints of grips in the world

@@ -41,10 +41,6 @@ void show_collisions(BodyPlan& plan) {
   }
 }
 
-}  // namespace
-
-namespace {
-
 /// Where a base stands in the world of its own file, or begins there.
 Transform<double> place_of(const Model& model, const BodyPlan& plan) {
   if (model.find_link(plan.base.name).value() <= 0) return Transform<double>::identity();
@@ -59,8 +55,11 @@ Transform<double> place_of(const Model& model, const BodyPlan& plan) {
 }  // namespace
 
 int Client::load_urdf(const std::filesystem::path& path, const Transform<double>& X_WB, const LoadOptions& options) {
-  const LoadedModel loaded = manyhands::load_urdf(
-      path, {.fixed_base = true, .allow_outside_package = true, .bullet = true, .scale = options.scale});
+  const LoadedModel loaded = manyhands::load_urdf(path, {.fixed_base = true,
+                                                         .allow_outside_package = true,
+                                                         .bullet = true,
+                                                         .file_order = (options.flags & kMaintainLinkOrder) != 0,
+                                                         .scale = options.scale});
   take_notes(loaded.report);
   BodyPlan plan = plans_of(loaded.model).at(0);
   plan.fixed = options.fixed_base || !(plan.base.mass > 0);
@@ -69,11 +68,12 @@ int Client::load_urdf(const std::filesystem::path& path, const Transform<double>
   return add(std::move(plan), X_WB);
 }
 
-std::vector<int> Client::add_all(const LoadedModel& loaded, const LoadOptions& options) {
+std::vector<int> Client::add_all(const LoadedModel& loaded, const LoadOptions& options, bool from_mjcf) {
   take_notes(loaded.report);
   std::vector<int> ids;
   for (BodyPlan& plan : plans_of(loaded.model)) {
-    const Transform<double> X_WB = place_of(loaded.model, plan);
+    Transform<double> X_WB = place_of(loaded.model, plan);
+    if (from_mjcf) X_WB = X_WB * inverse(plan.base.X_LI);  // its centre of mass stands where the file has the body
     show_collisions(plan);
     apply_flags(plan, options);
     ids.push_back(add(std::move(plan), X_WB));
@@ -82,13 +82,21 @@ std::vector<int> Client::add_all(const LoadedModel& loaded, const LoadOptions& o
 }
 
 std::vector<int> Client::load_mjcf(const std::filesystem::path& path, const LoadOptions& options) {
-  return add_all(manyhands::load_mjcf(path, {.allow_outside_package = true, .bullet = true}), options);
+  const std::vector<int> ids =
+      add_all(manyhands::load_mjcf(path, {.allow_outside_package = true, .bullet = true}), options, true);
+  for (const int id : ids) {
+    for (LinkPlan& link : find(id)->plan.links) {
+      const bool turns = link.joint == JointType::kContinuous || link.joint == JointType::kPrismatic;
+      if (turns && !link.is_limited()) std::tie(link.lower, link.upper) = std::pair(1.0, 0.0);
+    }
+  }
+  return ids;
 }
 
 std::vector<int> Client::load_sdf(const std::filesystem::path& path, const LoadOptions& options) {
   std::vector<int> ids;
   for (const LoadedModel& loaded : manyhands::load_sdf(path, {.allow_outside_package = true, .bullet = true})) {
-    const std::vector<int> more = add_all(loaded, options);
+    const std::vector<int> more = add_all(loaded, options, false);
     ids.insert(ids.end(), more.begin(), more.end());
   }
   return ids;
@@ -102,6 +110,7 @@ int Client::add(BodyPlan plan, const Transform<double>& X_WB) {
   auto body = std::make_unique<Body>();
   body->id = id;
   body->plan = std::move(plan);
+  if (decompose_) split_concave(decompose_, body->plan);
   world_.add(model_of(body->plan, X_WB), Transform<double>::identity(), body_label(id));
   ++scene_;
   const std::size_t n = body->plan.links.size();

@@ -13,8 +13,10 @@ struct MotorMemory {
   MotorSetting setting{};
   bool is_default = true;  ///< a velocity motor of 1 N s at rest
   double max_velocity = std::numeric_limits<double>::infinity();
-  double torque = 0;         ///< of TORQUE_CONTROL, for the next step
-  std::vector<double> pd{};  ///< kp, kd, target_q, target_v, force of PD_CONTROL; empty without
+  double torque = 0;                             ///< of TORQUE_CONTROL, for the next step
+  std::optional<MotorSetting> pd{};              ///< of PD_CONTROL and STABLE_PD_CONTROL
+  std::optional<BallSetting> ball{}, ball_pd{};  ///< the same of a spherical joint
+  Vec3<double> ball_torque = Vec3<double>::zero();
   bool has_sensor = false;
 };
 
@@ -49,7 +51,7 @@ struct Client::Body {
   double max_joint_velocity = 100;
   std::vector<MotorMemory> motors{};       ///< (links)
   std::vector<LinkMemory> memory{};        ///< base, then links
-  bool has_clamps = false;                 ///< some motor has a largest velocity, or is a PD
+  bool has_clamps = false;                 ///< some motor's command depends on the state
   std::unique_ptr<Mechanism> mechanism{};  ///< once kinematics are asked for
 
   [[nodiscard]] LinkMemory& of(int link) { return memory[static_cast<std::size_t>(link + 1)]; }

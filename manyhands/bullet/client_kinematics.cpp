@@ -13,13 +13,18 @@ namespace manyhands::bullet {
 
 Mechanism& Client::mechanism_of(Body& body) {
   if (body.mechanism) return *body.mechanism;
-  body.mechanism = std::make_unique<Mechanism>(model_of(body.plan, inverse(body.plan.base.X_LI)));
+  BodyPlan plan = body.plan;  // whose base is its inertial frame
+  for (LinkPlan& link : plan.links) {
+    if (link.parent < 0) link.X_PJ = inverse(plan.base.X_LI) * link.X_PJ;
+  }
+  plan.base.X_LI = Transform<double>::identity();
+  body.mechanism = std::make_unique<Mechanism>(model_of(plan, Transform<double>::identity()));
   Mechanism& m = *body.mechanism;
   for (const LinkPlan& link : body.plan.links) {
     if (velocity_size(link.joint) == 0) continue;
     const Joint& joint = m.model.joint(m.model.joint_id(link.joint_name));
-    m.iq.push_back(joint.iq);
-    m.iv.push_back(joint.iv);
+    for (int k = 0; k < configuration_size(link.joint); ++k) m.iq.push_back(joint.iq + k);
+    for (int k = 0; k < velocity_size(link.joint); ++k) m.iv.push_back(joint.iv + k);
   }
   return m;
 }
@@ -37,20 +42,33 @@ Numbers configuration(const Mechanism& m, std::span<const double> q) {
   return all;
 }
 
-/// The same of velocities; the base's are angular first in both.
-Numbers velocity(const Mechanism& m, std::span<const double> v) {
-  Numbers all(static_cast<std::size_t>(m.model.nv()), 0.0);
-  const std::size_t base = v.size() - m.iv.size();
-  if (base > 0) std::copy_n(v.begin(), base, all.begin());
-  for (std::size_t i = 0; i < m.iv.size(); ++i) all[static_cast<std::size_t>(m.iv[i])] = v[base + i];
-  return all;
-}
-
 /// Columns of PyBullet's matrices: the base's six, if it is free, then the joints'.
 std::vector<int> columns(const Mechanism& m, bool free) {
   std::vector<int> all;
   for (int k = 0; free && k < 6; ++k) all.push_back(k);
   all.insert(all.end(), m.iv.begin(), m.iv.end());
+  return all;
+}
+
+/// Places of the numbers of velocities and forces where each spherical joint has a fourth one, as has the free base,
+/// which comes first and linear before angular; -1 at those that stand for nothing.
+std::vector<int> padded_columns(const Mechanism& m, const BodyPlan& plan) {
+  std::vector<int> all;
+  if (!plan.fixed) all = {3, 4, 5, 0, 1, 2, -1};
+  std::size_t next = 0;
+  for (const LinkPlan& link : plan.links) {
+    for (int k = 0; k < velocity_size(link.joint); ++k) all.push_back(m.iv[next++]);
+    if (link.joint == JointType::kSpherical) all.push_back(-1);
+  }
+  return all;
+}
+
+/// What stands in those places.
+Numbers unpadded(const Mechanism& m, std::span<const int> places, std::span<const double> numbers) {
+  Numbers all(static_cast<std::size_t>(m.model.nv()), 0.0);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (places[i] >= 0) all[static_cast<std::size_t>(places[i])] = numbers[i];
+  }
   return all;
 }
 
@@ -291,38 +309,45 @@ std::vector<double> Client::jacobian(int id, int link, const Vec3<double>& point
   return J;
 }
 
-std::vector<double> Client::mass_matrix(int id, std::span<const double> q) {
+std::vector<double> Client::mass_matrix(int id, std::span<const double> q, bool padded) {
   Body& body = at(id, "Error in calculateMassMatrix: there is no such body.");
   Mechanism& m = mechanism_of(body);
-  require_length("calculateMassMatrix: objPositions", q, m.iq.size());
+  const std::size_t base = body.plan.fixed ? 0 : 7;
+  if (!padded && base > 0 && q.size() == m.iq.size() + base) q = q.subspan(base);  // in the axes of the base, wherever
+  require_length("calculateMassMatrix: objPositions", q, m.iq.size() + (padded ? base : 0));
   const Numbers all = configuration(m, q);
   crba(m.tree, m.params, all.data(), m.ws);
-  const std::vector<int> dofs = columns(m, !body.plan.fixed);
+  const std::vector<int> dofs = padded ? padded_columns(m, body.plan) : columns(m, !body.plan.fixed);
   Numbers M;
-  for (const int i : dofs) {
-    for (const int k : dofs) {
-      const auto row = static_cast<std::size_t>(std::max(i, k)), column = static_cast<std::size_t>(std::min(i, k));
-      M.push_back(m.tree.root_dof[row] <= static_cast<int>(column) ? tree_row(m.tree, m.ws.M.data(), row)[column]
-                                                                   : 0.0);
+  for (std::size_t i = 0; i < dofs.size(); ++i) {
+    for (std::size_t k = 0; k < dofs.size(); ++k) {
+      const auto row = static_cast<std::size_t>(std::max(dofs[i], dofs[k]));
+      const int column = std::min(dofs[i], dofs[k]);
+      if (column < 0) {
+        M.push_back(i == k ? 1.0 : 0.0);
+        continue;
+      }
+      const bool meets = m.tree.root_dof[row] <= column;
+      M.push_back(meets ? tree_row(m.tree, m.ws.M.data(), row)[static_cast<std::size_t>(column)] : 0.0);
     }
   }
   return M;
 }
 
 std::vector<double> Client::inverse_dynamics(int id, std::span<const double> q, std::span<const double> v,
-                                             std::span<const double> a) {
+                                             std::span<const double> a, bool padded) {
   constexpr const char* kError = "Error in calculateInverseDynamics, please check arguments.";
   Body& body = at(id, kError);
   Mechanism& m = mechanism_of(body);
-  const std::size_t n = m.iq.size(), free = body.plan.fixed ? 0 : 1;
-  if (q.size() != n + 7 * free || v.size() != n + 6 * free || a.size() != n + 6 * free) throw Error(kError);
+  const std::vector<int> places = padded ? padded_columns(m, body.plan) : columns(m, !body.plan.fixed);
+  const std::size_t base = body.plan.fixed ? 0 : 7;
+  if (q.size() != m.iq.size() + base || v.size() != places.size() || a.size() != places.size()) throw Error(kError);
   m.params.gravity[0] = world_.gravity();
-  const Numbers qs = configuration(m, q), vs = velocity(m, v), as = velocity(m, a);
-  Numbers tau(static_cast<std::size_t>(m.model.nv()));
+  const Numbers qs = configuration(m, q), vs = unpadded(m, places, v), as = unpadded(m, places, a);
+  Numbers tau(static_cast<std::size_t>(m.model.nv())), result;
   rnea(m.tree, m.params, qs.data(), vs.data(), as.data(), tau.data(), m.ws);
-  Numbers result;
-  for (std::size_t k = 0; k < 6 * free; ++k) result.push_back(tau[(k + 3) % 6]);
-  for (const int i : m.iv) result.push_back(tau[static_cast<std::size_t>(i)]);
+  for (const int place : places) result.push_back(place < 0 ? 0.0 : tau[static_cast<std::size_t>(place)]);
+  if (!padded && base > 0) std::swap_ranges(result.begin(), result.begin() + 3, result.begin() + 3);
   return result;
 }
 

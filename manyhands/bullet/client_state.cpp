@@ -58,7 +58,7 @@ JointReading Client::joint_state(int id, int joint) {
     reading.q.assign(q.begin(), q.end());
     reading.v.assign(v.begin(), v.end());
     reading.motor = world_.joint_forces(in_world);
-    const bool drives = motor.pd.empty() && motor.setting.mode != kTorque && motor.setting.force > 0;
+    const bool drives = !motor.pd && motor.setting.mode != kTorque && motor.setting.force > 0;
     if (!motor.is_default && !drives) std::ranges::fill(reading.motor, 0.0);
   }
   if (!motor.has_sensor || world_.time() == 0) return reading;

@@ -66,6 +66,14 @@ struct MotorSetting {
   std::optional<double> max_velocity{};
 };
 
+/// The same of a spherical joint; its numbers count in the joint's frame.
+struct BallSetting {
+  ControlMode mode = kVelocity;
+  std::optional<Quat<double>> target_q{};  ///< none: the velocity counts alone
+  Vec3<double> target_v = Vec3<double>::zero(), force{100000, 100000, 100000};
+  double kp = 0.1, kd = 1;
+};
+
 /// Empty: leave it.
 struct DynamicsChange {
   std::optional<double> mass, lateral_friction, spinning_friction, rolling_friction, restitution, linear_damping,

@@ -412,7 +412,8 @@ TEST(MjcfRules, BulletKnowsFixedJointsAndNothingThatActs) {
   EXPECT_THROW((void)load_mjcf_string(text), MjcfError);
   const LoadedModel loaded = load_mjcf_string(text, "a", ".", {.bullet = true});
   EXPECT_EQ(loaded.model.nv(), 1);
-  EXPECT_NEAR(loaded.model.links()[1].inertial.mass, 1000 * 4.0 / 3 * 3.14159265358979 * 1e-3, 1e-9);
+  const LinkId body = loaded.model.link_id("link0_0");
+  EXPECT_NEAR(loaded.model.link(body).inertial.mass, 1000 * 4.0 / 3 * 3.14159265358979 * 1e-3, 1e-9);
 }
 
 }  // namespace

@@ -149,21 +149,34 @@ void World::set_joint_tau(JointId joint, std::span<const double> tau) {
 }
 
 void World::set_joint_motor(JointId joint, const JointMotor& motor) {
+  std::array<JointMotor, 6> motors{};
+  motors.fill(motor);
+  set_joint_motor(joint, std::span(motors).first(joint_v(joint).size()));
+}
+
+void World::set_joint_motor(JointId joint, std::span<const JointMotor> motors) {
   WorldCore& now = loose();
   const Body& body = required_body(now, joint);
-  const std::array<double, 5> numbers{motor.target_q, motor.target_v, motor.kp, motor.kd, motor.max_force};
-  if (!all_finite(numbers) || motor.kp < 0 || motor.kd < 0 || motor.max_force < 0) {
-    const std::string what = "the motor of joint '" + now.model->joint(joint).name + "'";
-    require_numbers<double>(what, numbers, 5);
-    internal::require_not_negative<double>("the gains and force of " + what, std::span(numbers).subspan(2));
+  const std::string_view name = now.model->joint(joint).name;
+  if (motors.size() != joint_v(joint).size()) {
+    throw std::invalid_argument("joint '" + std::string(name) + "' has " + std::to_string(joint_v(joint).size()) +
+                                " dofs; expected a motor for each, not " + std::to_string(motors.size()));
   }
-  for (int k = 0; body.joint == joint && k < body.nv; ++k) {
-    const auto i = static_cast<std::size_t>(body.iv + k);
-    now.state.target_q()[i] = motor.target_q;
-    now.state.target_v()[i] = motor.target_v;
-    now.params.motor_kp[i] = motor.kp;
-    now.params.motor_kd[i] = motor.kd;
-    now.params.motor_max_force[i] = motor.max_force;
+  for (const JointMotor& motor : motors) {
+    const std::array<double, 5> numbers{motor.target_q, motor.target_v, motor.kp, motor.kd, motor.max_force};
+    if (!all_finite(numbers) || motor.kp < 0 || motor.kd < 0 || motor.max_force < 0) {
+      const std::string what = "the motor of joint '" + std::string(name) + "'";
+      require_numbers<double>(what, numbers, 5);
+      internal::require_not_negative<double>("the gains and force of " + what, std::span(numbers).subspan(2));
+    }
+  }
+  for (std::size_t k = 0; k < motors.size(); ++k) {
+    const std::size_t i = static_cast<std::size_t>(body.iv) + k;
+    now.state.target_q()[i] = motors[k].target_q;
+    now.state.target_v()[i] = motors[k].target_v;
+    now.params.motor_kp[i] = motors[k].kp;
+    now.params.motor_kd[i] = motors[k].kd;
+    now.params.motor_max_force[i] = motors[k].max_force;
   }
 }
 

@@ -95,6 +95,8 @@ void note_what_bullet_leaves_out(const MjcfElement& root) {
   }
 }
 
+constexpr double kLeastInertia = 1e-6;  // of Bullet's joints that move nothing [kg m^2 or kg]
+
 Model read_scene(MjcfSource& source, const MjcfOptions& options) {
   const MjcfElement root(source, *source.models().front().root, source.models().front().root->xml.root(), "mujoco");
   if (root.tag() != "mujoco") {
@@ -121,6 +123,10 @@ Model read_scene(MjcfSource& source, const MjcfOptions& options) {
   scene.builder.set_medium(flags.has_passive() ? scene.settings.medium : Medium{});
   scene.builder.set_time_step(scene.settings.time_step);
   for (const JointId id : scene.builder.joints_without_inertia()) {
+    if (source.is_bullet()) {
+      scene.builder.joint(id).armature = kLeastInertia;
+      continue;
+    }
     for (const MjcfJoint& joint : scene.joints) {
       if (joint.id != id) continue;
       scene.bodies[static_cast<std::size_t>(joint.body)].source->fail(
@@ -166,7 +172,7 @@ MjcfScene::MjcfScene(const MjcfElement& root_element, bool load_meshes)
       settings(all_settings.front()),
       classes(classes_of_all(root, attached)),
       assets(sections("asset"), all_settings, classes, load_meshes),
-      builder(root.text_or("model", "MuJoCo Model")) {}
+      builder(root.text_or("model", root.source().is_bullet() ? "" : "MuJoCo Model")) {}
 
 std::vector<MjcfElement> MjcfScene::sections(std::string_view tag) const {
   std::vector<MjcfElement> found = root.children(tag);

@@ -195,11 +195,12 @@ MjcfGeomMass add_geom(MjcfScene& scene, int body_index, const MjcfPlaced& placed
       geom.texture = texture_on(geom.shape.type, material, e);
     }
     geom.rgba = read_rgba(e, geom.rgba);
-    constexpr double kUsual = 1000;  // [kg/m^3]
-    const double density = e.source().is_bullet() ? kUsual : e.positive_or("density", kUsual);
-    double factor = density;
-    if (e.has("mass")) factor = part.volume.mass > 0 ? e.positive_or("mass", 0) / part.volume.mass : 0;
+    constexpr double kUsual = 1000;                 // [kg/m^3]
+    const bool is_bullet = e.source().is_bullet();  // which knows no mass of geoms, and one density
+    double factor = is_bullet ? kUsual : e.positive_or("density", kUsual);
+    if (e.has("mass") && !is_bullet) factor = part.volume.mass > 0 ? e.positive_or("mass", 0) / part.volume.mass : 0;
     mass.inertial = manyhands::placed(geom.X_LG, scaled(part.volume, factor));
+    if (is_bullet && !e.has("fromto")) mass.inertial.com = Vec3<double>::zero();
     mass.axes = part.type == "mesh" ? geom.X_LG.R * principal_axes(part.volume.inertia).R : geom.X_LG.R;
     entry.id = checked(e, [&] { return scene.builder.add_geom(std::move(geom)); });
   }

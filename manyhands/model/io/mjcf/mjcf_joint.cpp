@@ -31,6 +31,8 @@ struct Read {
 };
 
 JointType type_of(const MjcfElement& e) {
+  // Bullet has a type of its own, which leaves the body where it is.
+  if (e.source().is_bullet() && e.text_or("type", "") == "fixed") return JointType::kFixed;
   const std::string word = e.word_or("type", {"hinge", "slide", "ball", "free"}, "hinge");
   return word == "hinge"   ? JointType::kRevolute
          : word == "slide" ? JointType::kPrismatic
@@ -104,6 +106,7 @@ Read read_joint(const MjcfScene& scene, const MjcfElement& e, const Transform<do
             "group"});
   e.ignore({"solreffriction", "solimpfriction", "margin", "actuatorgravcomp", "user"});
   joint.type = type_of(e);
+  if (joint.type == JointType::kFixed) return result;
   joint.stiffness = linear_part(e, "stiffness");
   if (e.has("springdamper")) {
     const std::vector<double> pair = e.numbers("springdamper", 2, 2);
@@ -144,10 +147,76 @@ Transform<double> joint_frame(const Transform<double>& X_PB, const Vec3<double>&
   return {X_PF.R * to_matrix(quat_from_rotation_vector(back)), X_PF.p};
 }
 
+namespace {
+
+/// Bullet's name for a link that the file gives none.
+std::string bullets_name(MjcfBulletCounts& counts) {
+  return "link" + std::to_string(counts.bodies - 1) + "_" + std::to_string(counts.links++);
+}
+
+LinkId add_joint(MjcfScene& scene, Joint joint, LinkId parent, const std::string& link) {
+  joint.parent = parent;
+  joint.child = scene.builder.add_link(link);
+  const LinkId child = joint.child;
+  scene.builder.add_joint(std::move(joint));
+  return child;
+}
+
+}  // namespace
+
+LinkId add_bullets_base(MjcfScene& scene, std::string name, const Transform<double>& X_WB, bool is_free) {
+  while (std::ranges::any_of(scene.builder.links(), [&](const Link& link) { return link.name == name; })) name += '_';
+  Joint joint{.name = unused_name(scene, scene.builder.joints(), name + "_base"), .type = JointType::kFixed};
+  if (is_free) {
+    const Quat<double> r = to_quat(X_WB.R);
+    joint.type = JointType::kFloating;
+    joint.initial = {X_WB.p.x, X_WB.p.y, X_WB.p.z, r.x, r.y, r.z, r.w};
+  } else {
+    joint.X_PF = X_WB;
+  }
+  return add_joint(scene, std::move(joint), scene.builder.world(), name);
+}
+
+// Bullet makes a link without mass of every joint, and fixes the body to the last of them, at the place that it has
+// from the first. What joints move in the world stands on a base without mass, and what none do is free.
+LinkId add_bullets_joints(MjcfScene& scene, MjcfBody& body, LinkId parent, const Transform<double>& X_PB,
+                          const std::vector<MjcfPlaced>& joints) {
+  MjcfBulletCounts& counts = scene.bullet_counts;
+  const bool on_world = body.parent == 0;
+  if (on_world) counts = {.bodies = counts.bodies + 1, .fixed = counts.fixed};
+  body.bullet_number = counts.links;
+  const std::string unnamed = bullets_name(counts), own = body.source->has_own("name") ? body.name : unnamed;
+  const auto is_free = [&](const MjcfPlaced& joint) {
+    return joint.element.tag() == "freejoint" ||
+           joint.element.with_defaults(scene.classes, "joint").text_or("type", "") == "free";
+  };
+  if (on_world && std::ranges::all_of(joints, is_free)) return add_bullets_base(scene, own, X_PB, true);
+  LinkId carrier =
+      on_world ? add_bullets_base(scene, bullets_name(counts), Transform<double>::identity(), false) : parent;
+  Transform<double> X_CB = X_PB, X_LB = X_PB;  // the body in the last link made, and where it is fixed to that
+  int number = scene.bodies[static_cast<std::size_t>(body.parent)].bullet_number;
+  for (const MjcfPlaced& placed : joints) {
+    const std::string name =
+        claim_name(scene.joint_names, placed.element, "joint", scene.joints.size(), scene.reserved);
+    const MjcfElement element = placed.element.named("joint '" + name + "'").with_defaults(scene.classes, "joint");
+    Read read = read_joint(scene, element, placed.X_BF);
+    if (read.joint.type == JointType::kFloating) element.fail("a free joint is the only one of a body in <worldbody>");
+    read.joint.X_PF = X_CB * Transform<double>{Mat3<double>::identity(), read.anchor};
+    read.joint.name = name;
+    number = counts.links;
+    carrier = checked(element, [&] { return add_joint(scene, read.joint, carrier, bullets_name(counts)); });
+    X_CB = {Mat3<double>::identity(), -read.anchor};
+    if (&placed == &joints.front()) X_LB = X_CB;
+  }
+  const std::string name = "jointfix_" + std::to_string(counts.fixed++) + "_" + std::to_string(number);
+  return add_joint(scene, {.name = name, .type = JointType::kFixed, .X_PF = X_LB}, carrier, own);
+}
+
 // MuJoCo lets joints of one body act in turn, each about its own anchor. Here each gets a link whose frame is the
 // joint's; the body's own link is the last of them, or is fixed to it where the anchor is not the body's origin.
 LinkId add_joints(MjcfScene& scene, MjcfBody& body, LinkId parent, const Transform<double>& X_PB,
                   const std::vector<MjcfPlaced>& joints) {
+  if (scene.root.source().is_bullet()) return add_bullets_joints(scene, body, parent, X_PB, joints);
   ModelBuilder& builder = scene.builder;
   const auto fixed = [&](LinkId to, const Transform<double>& X) {
     const LinkId link = builder.add_link(body.name);

@@ -22,7 +22,15 @@ struct MjcfBody {
   bool has_joints = false;
   bool is_mocap = false;   ///< a user moves it
   bool has_chain = false;  ///< several joints, so that links without a name of their own lie between
+  int bullet_number = 0;   ///< of its link, where Bullet's rules hold
   std::optional<MjcfElement> source{};
+};
+
+/// What Bullet numbers names by.
+struct MjcfBulletCounts {
+  int bodies = 0;  ///< so far
+  int links = 0;   ///< of the body that is being read
+  int fixed = 0;   ///< joints, of all bodies
 };
 
 struct MjcfJoint {
@@ -80,6 +88,7 @@ struct MjcfScene {
   MjcfNames body_names, joint_names, geom_names, tendon_names;
   std::set<std::string, std::less<>> reserved;         ///< every name in the file: what is named here must differ
   std::set<std::string, std::less<>> declared_bodies;  ///< the names of bodies among them
+  MjcfBulletCounts bullet_counts;
   std::size_t num_sites = 0, num_equalities = 0;
   std::map<std::array<double, 3>, MeshId> ellipsoids;          ///< hulls by half axes
   std::set<std::pair<LinkId, LinkId>> exclusions;              ///< of <contact>, the lesser id first
@@ -146,6 +155,8 @@ struct MjcfPlaced {
 /// Adds the joints between a parent link and a new body; returns the body's link.
 [[nodiscard]] LinkId add_joints(MjcfScene& scene, MjcfBody& body, LinkId parent, const Transform<double>& X_PB,
                                 const std::vector<MjcfPlaced>& joints);
+/// A link that begins at X_WB or stands there; '_' behind its name if another has it.
+LinkId add_bullets_base(MjcfScene& scene, std::string name, const Transform<double>& X_WB, bool is_free);
 /// A coefficient that recent files may give as a polynomial, of which the linear part counts.
 [[nodiscard]] double linear_part(const MjcfElement& e, const char* attribute);
 /// Whether it has the range: by `limited`, or on its own where autolimits is true.

@@ -63,7 +63,7 @@ class WorldReader {
       } else if (tag == "replicate") {
         replicate(element.named("replicate in " + around.what()), X_BF, contents);
       } else if (tag == "joint" || tag == "freejoint") {
-        if (!is_bullets_fixed(element)) contents.joints.push_back({element, X_BF});
+        contents.joints.push_back({element, X_BF});
       } else if (tag == "geom") {
         contents.geoms.push_back({element, X_BF});
       } else if (tag == "site") {
@@ -77,13 +77,6 @@ class WorldReader {
             .note_serious(LoadAction::kIgnored, "the bodies that it makes are left out");
       }
     }
-  }
-
-  /// Bullet has a joint type that leaves a body where it is.
-  static bool is_bullets_fixed(const MjcfElement& joint) {
-    if (!joint.source().is_bullet() || !joint.has_own("type") || joint.text("type") != "fixed") return false;
-    joint.note(LoadAction::kRepaired, "a fixed joint: the body is a part of that around it");
-    return true;
   }
 
   /// Copies of what is in the element, numbers behind their names. Copy i is turned by i times the Euler angles; the
@@ -106,6 +99,17 @@ class WorldReader {
     }
   }
 
+  /// To Bullet a body is turned by 'quat' alone.
+  Transform<double> bullets_pose(const MjcfElement& body) const {
+    const Vec3<double> p = body.vec3_or("pos", Vec3<double>::zero());
+    for (const char* attribute : {"axisangle", "euler", "xyaxes", "zaxis"}) {
+      if (!body.has(attribute)) continue;
+      body.note_serious(LoadAction::kIgnored, std::string("PyBullet does not turn bodies by '") + attribute + "'");
+      return {Mat3<double>::identity(), p};
+    }
+    return read_pose(body, scene_.settings_of(body));
+  }
+
   void read_body(int parent, const MjcfPlaced& placed) {
     constexpr std::size_t kMostNested = 1000;
     if (++depth_ > kMostNested) placed.element.fail("bodies are nested more than 1000 deep");
@@ -116,7 +120,8 @@ class WorldReader {
                    kContents);
     const MjcfBody around = scene_.bodies[static_cast<std::size_t>(parent)];
     const MjcfSettings& settings = scene_.settings_of(element);
-    const Transform<double> X_FB = read_pose(element, settings);  // of the body around it or, global, the world
+    // of the body around it or, global, the world
+    const Transform<double> X_FB = element.source().is_bullet() ? bullets_pose(element) : read_pose(element, settings);
     const Transform<double> X_PB = placed_in(placed.X_BF, X_FB);
     Contents contents;
     collect(element, settings.is_global ? inverse(X_FB) : Transform<double>::identity(), contents);
@@ -140,10 +145,16 @@ class WorldReader {
     Mat3<double> axes = Mat3<double>::identity();  // of the only geom with mass
     int with_mass = 0;
     for (const MjcfPlaced& geom : contents.geoms) {
+      if (index == 0 && geom.element.source().is_bullet()) {
+        add_bullets_geom(geom);
+        continue;
+      }
       const MjcfGeomMass mass = add_geom(scene_, static_cast<int>(index), geom);
       const auto& [first, last] = scene_.settings_of(geom.element).inertia_groups;
       if (mass.group < first || mass.group > last || !(mass.inertial.mass > 0)) continue;
-      from_geoms = sum(from_geoms, mass.inertial);
+      const Inertial both = sum(from_geoms, mass.inertial);
+      // Bullet puts the centre of mass where the last geom has its own.
+      from_geoms = scene_.root.source().is_bullet() ? Inertial{both.mass, mass.inertial.com, both.inertia} : both;
       axes = mass.axes;
       ++with_mass;
     }
@@ -158,8 +169,19 @@ class WorldReader {
     for (const MjcfPlaced& body : contents.bodies) read_body(static_cast<int>(index), body);
   }
 
+  /// To Bullet each geom of the world is a body that stands there.
+  void add_bullets_geom(const MjcfPlaced& geom) {
+    ++scene_.bullet_counts.bodies;
+    const std::string name = geom.element.text_or("name", "anonymous");
+    const Transform<double> X_WB = Transform<double>::identity();
+    scene_.bodies.push_back(
+        {.name = name, .link = add_bullets_base(scene_, name, X_WB, false), .X_WB = X_WB, .parent = 0});
+    add_geom(scene_, static_cast<int>(scene_.bodies.size()) - 1, geom);
+  }
+
   /// Whether the body's frame is to become its frame of inertia.
   [[nodiscard]] bool is_aligned(const Contents& contents) const {
+    if (scene_.root.source().is_bullet()) return false;
     if (contents.joints.size() != 1 || !contents.bodies.empty()) return false;
     if (scene_.builder.joints()[scene_.joints.back().id.index()].type != JointType::kFloating) return false;
     const MjcfElement& joint = contents.joints[0].element;
@@ -202,7 +224,8 @@ class WorldReader {
     using enum MjcfSettings::FromGeoms;
     const MjcfBody& body = scene_.bodies[index];
     const MjcfSettings& settings = scene_.settings_of(*body.source);
-    const bool is_given = !contents.inertials.empty() && settings.inertia_from_geoms != kAlways;
+    const bool is_bullet = body.source->source().is_bullet();
+    const bool is_given = !contents.inertials.empty() && (is_bullet || settings.inertia_from_geoms != kAlways);
     Inertial inertial = settings.inertia_from_geoms == kNever ? Inertial{} : from_geoms;
     if (is_given) {
       const auto& [element, X_BF] = contents.inertials[0];

@@ -38,7 +38,7 @@ class Assembler {
         builder_(robot.name) {}
 
   Model assemble() {
-    const io::UrdfTree tree = io::find_tree(robot_);
+    const io::UrdfTree found = io::find_tree(robot_), tree = options_.file_order ? io::in_file_order(found) : found;
     add_root(robot_.links[tree.root]);
     for (const io::UrdfBranch& branch : tree.branches) add_branch(branch);
     io::give_missing_inertia(builder_, [&](const Link& link, const std::string& done) {

@@ -28,6 +28,8 @@ struct UrdfOptions {
   bool self_collision = false;
   /// Bullet's rules where they differ: README.md of this layer lists them.
   bool bullet = false;
+  /// Whether links keep the order of the file, but for parents, which come first.
+  bool file_order = false;
   /// By which lengths are multiplied: of origins, shapes and the ranges of prismatic joints. Masses stay as they are.
   double scale = 1;
 };
@@ -45,8 +47,9 @@ class UrdfError : public std::runtime_error {
   int line_;
 };
 
-/// Loads a URDF file. Links follow one another depth first from the root, children in the order of their joints in
-/// the file: the order of PyBullet's link indices. Units and frames are URDF's own (SI, rpy about fixed axes).
+/// Loads a URDF file. Unless options say otherwise, links follow one another depth first from the root, children in the
+/// order of their joints in the file: the order of PyBullet's link indices. Units and frames are URDF's own (SI, rpy
+/// about fixed axes).
 ///
 /// What cannot be used or simulated as it stands is defaulted, repaired or left out, and noted in the report: for
 /// example a mesh that is missing (its geom is dropped), or an inertia that no rigid body can have.

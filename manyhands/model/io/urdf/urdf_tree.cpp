@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <set>
+#include <utility>
 
 #include "manyhands/base/assert.h"
 #include "manyhands/model/io/text_numbers.h"
@@ -106,7 +108,8 @@ UrdfTree find_tree(const UrdfRobot& robot) {
 
   std::vector<std::vector<UrdfBranch>> branches(robot.links.size());
   for (std::size_t j = 0; j < robot.joints.size(); ++j) {
-    branches[links.at(robot.joints[j].parent)].push_back({j, links.at(robot.joints[j].child)});
+    branches[links.at(robot.joints[j].parent)].push_back(
+        {j, links.at(robot.joints[j].child), links.at(robot.joints[j].parent)});
   }
   std::vector<UrdfBranch> stack(branches[tree.root].rbegin(), branches[tree.root].rend());
   while (!stack.empty()) {
@@ -120,6 +123,20 @@ UrdfTree find_tree(const UrdfRobot& robot) {
     for (const std::size_t link : tree.depth_first()) reached[link] = true;
     const auto lost = static_cast<std::size_t>(std::ranges::find(reached, false) - reached.begin());
     robot.links[lost].source.fail("it is its own ancestor: the joints form a cycle; expected a tree");
+  }
+  return tree;
+}
+
+UrdfTree in_file_order(UrdfTree tree) {
+  std::vector<UrdfBranch> waiting = std::exchange(tree.branches, {});
+  std::ranges::stable_sort(waiting, {}, &UrdfBranch::link);
+  std::set<std::size_t> there{tree.root};
+  while (!waiting.empty()) {
+    const auto next =
+        std::ranges::find_if(waiting, [&](const UrdfBranch& branch) { return there.contains(branch.parent); });
+    there.insert(next->link);
+    tree.branches.push_back(*next);
+    waiting.erase(next);
   }
   return tree;
 }

@@ -7,10 +7,11 @@
 
 namespace manyhands::io {
 
-/// A link with the joint to its parent; both are indices in the robot's lists.
+/// A link with the joint to its parent; all are indices in the robot's lists.
 struct UrdfBranch {
   std::size_t joint;
   std::size_t link;
+  std::size_t parent;
 };
 
 struct UrdfTree {
@@ -24,5 +25,8 @@ struct UrdfTree {
 /// Finds the tree. Fails, naming the line, on unknown links, second parents, several roots and cycles, and on mimics
 /// that name no joint or drive each other in a circle.
 [[nodiscard]] UrdfTree find_tree(const UrdfRobot& robot);
+
+/// The same in the order of the links in the file, each behind its parent.
+[[nodiscard]] UrdfTree in_file_order(UrdfTree tree);
 
 }  // namespace manyhands::io

@@ -1,0 +1,1 @@
+"""PyBullet's own examples and environments, on PyBullet and on `manyhands.pybullet`."""
