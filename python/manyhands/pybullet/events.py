@@ -9,7 +9,7 @@ from typing import Any
 
 from manyhands._core import pybullet as p
 from manyhands._core import pybullet_gui
-from manyhands.pybullet.errors import error
+from manyhands._core.pybullet import error
 
 _HELD_FOR = 0.15  # [s]: longer than a keyboard takes to repeat a key
 

@@ -5,7 +5,7 @@ import os
 from typing import TYPE_CHECKING
 
 from manyhands._core import pybullet_gui
-from manyhands.pybullet.errors import error
+from manyhands._core.pybullet import error
 
 if TYPE_CHECKING:
     from manyhands.pybullet.page import Page

@@ -4,7 +4,7 @@ import math
 from typing import Any
 
 from manyhands._core import pybullet_gui
-from manyhands.pybullet.errors import error
+from manyhands._core.pybullet import error
 
 
 class Parameters:

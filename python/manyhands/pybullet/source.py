@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from manyhands._core import Model, pybullet_gui
-from manyhands._core.pybullet import COV_ENABLE_MOUSE_PICKING, COV_ENABLE_RENDERING
-from manyhands.pybullet.errors import error
+from manyhands._core.pybullet import COV_ENABLE_MOUSE_PICKING, COV_ENABLE_RENDERING, error
 from manyhands.viewer.sources import Source
 
 Array = NDArray[np.float64]
