@@ -117,7 +117,7 @@ void Client::apply_ball_motor(Body& body, int joint, double h) {
   const std::array<JointMotor, 3> motors{JointMotor{.target_v = v.x, .kd = 1, .max_force = s.force.x},
                                          JointMotor{.target_v = v.y, .kd = 1, .max_force = s.force.y},
                                          JointMotor{.target_v = v.z, .kd = 1, .max_force = s.force.z}};
-  world_.set_joint_motor(in_world, motors);
+  world_.set_joint_motors(in_world, motors);
 }
 
 /// PD controllers. A stable one acts on the position and velocity at the end of the step: its gain is a damping of the

@@ -179,7 +179,7 @@ class World {
   /// Of each dof of the joint. Throws std::invalid_argument on numbers that are not finite, or negative where they may
   /// not be.
   void set_joint_motor(JointId joint, const JointMotor& motor);
-  void set_joint_motor(JointId joint, std::span<const JointMotor> motors);  ///< one for each dof
+  void set_joint_motors(JointId joint, std::span<const JointMotor> motors);  ///< one for each dof
   /// What motor and limits did to the joint's dofs in the last step, their mean force over it [N m or N]; 0 before one.
   [[nodiscard]] std::vector<double> joint_forces(JointId joint) const;
   void set_joint_damping(JointId joint, double damping);

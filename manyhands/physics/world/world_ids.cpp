@@ -151,10 +151,10 @@ void World::set_joint_tau(JointId joint, std::span<const double> tau) {
 void World::set_joint_motor(JointId joint, const JointMotor& motor) {
   std::array<JointMotor, 6> motors{};
   motors.fill(motor);
-  set_joint_motor(joint, std::span(motors).first(joint_v(joint).size()));
+  set_joint_motors(joint, std::span(motors).first(joint_v(joint).size()));
 }
 
-void World::set_joint_motor(JointId joint, std::span<const JointMotor> motors) {
+void World::set_joint_motors(JointId joint, std::span<const JointMotor> motors) {
   WorldCore& now = loose();
   const Body& body = required_body(now, joint);
   const std::string_view name = now.model->joint(joint).name;
