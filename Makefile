@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
-.PHONY: help train test asan tsan bench accuracy realfiles scripted absurd lint format build clean
+.PHONY: help train test asan tsan bench accuracy realfiles scripted absurd interop lint format build clean
 
 TASK ?= PandaReach
 SEED ?= 0
@@ -50,6 +50,9 @@ scripted: $(VENV)/.test $(VENV)/.installed  ## Tasks of robosuite and metaworld,
 
 absurd: $(VENV)/.test $(VENV)/.installed  ## 10,000 random scenes without reason: build/absurd.json
 	python -m benchmarks.absurd --jobs $(JOBS) $(ABSURD)
+
+interop: $(VENV)/.core $(VENV)/.installed  ## Stable-Baselines3 and RL Zoo on our package, in an environment of their own (5 GB)
+	tools/interop.sh
 
 lint: $(VENV)/.test $(VENV)/.installed  ## All checks that run no program, with clang-tidy (slow)
 	tools/lint.sh --tidy

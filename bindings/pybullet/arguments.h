@@ -172,9 +172,9 @@ void add_constants(PyObject* module);
 /// The viewer's camera for OpenGL.
 struct ScreenMatrices {
   std::array<double, 16> view, projection;  ///< by columns
-  Vec3<double> forward, right, up;
+  Vec3<double> forward, right, up;          ///< of length 1
 };
-[[nodiscard]] ScreenMatrices screen_matrices(const Vec3<double>& target, double distance, double yaw, double pitch);
+[[nodiscard]] ScreenMatrices screen_matrices(const bullet::Screen& screen);
 
 /// The module's exception class, pybullet.error.
 extern PyObject* error_class;

@@ -47,6 +47,7 @@ void run(const std::stop_token& stop, Connection& connection) {
 
 void start_clock(Connection& connection) {
   stop_clock(connection);
+  if (connection.clock.joinable()) return;  // another thread of Python has just started it
   connection.clock = std::jthread([&connection](const std::stop_token& stop) { run(stop, connection); });
 }
 

@@ -153,10 +153,10 @@ constexpr FreeFunction kRealTime{"setRealTimeSimulation", "enableRealTimeSimulat
                                  [](const Arguments& a) -> PyObject* {
                                    const bool runs = a.integer(0) != 0;
                                    const int id = a.integer(1, 0);
+                                   const std::shared_ptr<Connection> connection = connection_of(id);
                                    (*ClientLock(id)).settings().real_time = runs;
-                                   Connection& connection = *connection_of(id);
-                                   if (connection.method == kGui)
-                                     runs ? start_clock(connection) : stop_clock(connection);
+                                   if (connection->method == kGui)
+                                     runs ? start_clock(*connection) : stop_clock(*connection);
                                    return none();
                                  }};
 

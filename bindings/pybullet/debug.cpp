@@ -117,14 +117,15 @@ constexpr Function kConfigure{
     "configureDebugVisualizer",
     "| flag=-1, enable=-1, lightPosition=None, shadowMapResolution=-1, shadowMapWorldSize=-1, "
     "remoteSyncTransformInterval=-1, shadowMapIntensity=-1, rgbBackground=None",
-    "Switches parts of the viewer on and off: COV_ENABLE_RENDERING while loading, COV_ENABLE_GUI, COV_ENABLE_SHADOWS. "
-    "Others are kept without effect.",
+    "Switches parts of the viewer on and off: COV_ENABLE_RENDERING while loading, COV_ENABLE_GUI, COV_ENABLE_SHADOWS, "
+    "COV_ENABLE_WIREFRAME, COV_ENABLE_MOUSE_PICKING; others are without effect. Of the rest rgbBackground counts.",
     [](Client& client, const Arguments& a) -> PyObject* {
       const int flag = a.integer(0, -1), enable = a.integer(1, -1);
       (void)a.optional_vec3(2, "lightPosition needs 3 numbers.");
-      (void)a.optional_vec3(7, "rgbBackground needs 3 numbers.");
+      const auto background = a.optional_vec3(7, "rgbBackground needs 3 numbers.");
       Screen* const screen = client.screen();
       if (screen != nullptr && flag >= 0 && enable >= 0) screen->switches[flag] = enable != 0;
+      if (screen != nullptr && background) screen->background = background;
       return none();
     }};
 
@@ -148,16 +149,18 @@ PyObject* camera(Client& client, const Arguments&) {
     return tuple(of(0), of(0), of(std::span<const double>(zeros)), of(std::span<const double>(zeros)), of(zero),
                  of(zero), of(zero), of(zero), of(0.0), of(0.0), of(0.0), of(zero));
   }
+  constexpr double kExtent = 2e4;  // [m]: what is seen at 10 km, from which programs get the rays of pixels
   const auto& c = screen->camera;
-  const ScreenMatrices m = screen_matrices(c.target, c.distance, c.yaw, c.pitch);
-  return tuple(of(bullet::Screen::kWidth), of(bullet::Screen::kHeight), of(std::span<const double>(m.view)),
-               of(std::span<const double>(m.projection)), of(Vec3<double>{0, 0, 1}), of(m.forward), of(m.right),
-               of(m.up), of(c.yaw), of(c.pitch), of(c.distance), of(c.target));
+  const ScreenMatrices m = screen_matrices(*screen);
+  return tuple(of(screen->width), of(screen->height), of(std::span<const double>(m.view)),
+               of(std::span<const double>(m.projection)), of(Vec3<double>{0, 0, 1}), of(m.forward),
+               of(kExtent * screen->aspect() * m.right), of(kExtent * m.up), of(c.yaw), of(c.pitch), of(c.distance),
+               of(c.target));
 }
 
 constexpr Function kCamera{"getDebugVisualizerCamera", "",
-                           "Width, height, view and projection matrix, up, forward, horizontal and vertical direction, "
-                           "yaw, pitch, distance and target of the viewer's camera.",
+                           "Width, height, view and projection matrix, up, forward, what is seen of horizontal and "
+                           "vertical directions at 10 km, yaw, pitch, distance and target of the viewer's camera.",
                            camera};
 
 constexpr Function kKeys{"getKeyboardEvents", "", "A dict of the keys' codes and states since the last call.",

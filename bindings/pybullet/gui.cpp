@@ -18,6 +18,7 @@
 #include "bindings/pybullet/clients.h"
 #include "bindings/vectors.h"
 #include "manyhands/bullet/screen_frame.h"
+#include "manyhands/physics/dynamics/checks.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -34,6 +35,7 @@ using Numbers = std::array<double, 3>;
 
 Numbers numbers(const Vec3<double>& a) { return {a.x, a.y, a.z}; }
 Vec3<double> vector(const Numbers& a) { return {a[0], a[1], a[2]}; }
+bool all_finite(const Numbers& a) { return internal::all_finite(a.data(), 3); }
 
 /// The screen of a client, as long as it is locked.
 Screen& screen_of(const ClientLock& client) {
@@ -48,8 +50,8 @@ nb::object rows(const std::vector<Vec3<double>>& all) {
 }
 
 /// From where a camera on an orbit looks.
-Vec3<double> eye_of(const Screen::Orbit& c) {
-  return c.target - c.distance * pybullet::screen_matrices(c.target, c.distance, c.yaw, c.pitch).forward;
+Vec3<double> eye_of(const Screen& screen) {
+  return screen.camera.target - screen.camera.distance * pybullet::screen_matrices(screen).forward;
 }
 
 /// The orbit of a camera at a place. Straight up and down, what it was turned to before stays.
@@ -63,12 +65,15 @@ Screen::Orbit orbit_of(const Vec3<double>& eye, const Vec3<double>& target, doub
           .target = target};
 }
 
-void set_camera(int client, const Numbers& eye, const Numbers& target) {
+void set_camera(int client, const Numbers& eye, const Numbers& target, int moves) {
   constexpr double kSame = 1e-4;  // [m]: what was set in degrees comes back from a browser with other last digits
   const ClientLock lock(client);
-  Screen::Orbit& camera = screen_of(lock).camera;
+  Screen& screen = screen_of(lock);
+  if (screen.camera_moves != moves || !all_finite(eye) || !all_finite(target)) return;
   const Vec3<double> at = vector(eye), to = vector(target);
-  if (norm(at - eye_of(camera)) + norm(to - camera.target) > kSame) camera = orbit_of(at, to, camera.yaw);
+  if (norm(at - eye_of(screen)) + norm(to - screen.camera.target) > kSame) {
+    screen.camera = orbit_of(at, to, screen.camera.yaw);
+  }
 }
 
 void bind_items(nb::module_& m) {
@@ -124,10 +129,16 @@ void bind_frame(nb::module_& m) {
       .def_prop_ro(
           "switches", [](const ScreenFrame& f) { return f.screen.switches; }, "Of configureDebugVisualizer, by flags.")
       .def_prop_ro(
+          "background",
+          [](const ScreenFrame& f) {
+            return f.screen.background ? nb::cast(numbers(*f.screen.background)) : nb::none();
+          },
+          nb::sig("def background(self) -> list[float] | None"), "Its colour (3), if it is not the viewer's own.")
+      .def_prop_ro(
           "camera_moves", [](const ScreenFrame& f) { return f.screen.camera_moves; },
           "Grows with resetDebugVisualizerCamera.")
       .def_prop_ro(
-          "eye", [](const ScreenFrame& f) { return numbers(eye_of(f.screen.camera)); }, "Of the camera (3) [m].")
+          "eye", [](const ScreenFrame& f) { return numbers(eye_of(f.screen)); }, "Of the camera (3) [m].")
       .def_prop_ro(
           "target", [](const ScreenFrame& f) { return numbers(f.screen.camera.target); }, "Of the camera (3) [m].")
       .def_prop_ro(
@@ -171,16 +182,28 @@ void bind_people(nb::module_& m) {
       },
       "client"_a, "button"_a, "down"_a, "x"_a, "y"_a, "Presses a button of the mouse at a pixel, or lets it go.");
   m.def(
-      "pull",
-      [](int client, const std::vector<std::tuple<std::string, Numbers, Numbers>>& pulls) {
+      "hold",
+      [](int client, const std::vector<std::tuple<std::string, Numbers, Numbers>>& grips) {
         const ClientLock lock(client);
-        std::vector<bullet::Pull>& all = screen_of(lock).pulls;
+        std::vector<bullet::Grip>& all = screen_of(lock).grips;
         all.clear();
-        for (const auto& [link, point, force] : pulls) all.push_back({link, vector(point), vector(force)});
+        for (const auto& [link, point, target] : grips) {
+          if (all_finite(point) && all_finite(target)) all.push_back({link, vector(point), vector(target)});
+        }
       },
-      "client"_a, "pulls"_a,
-      "Forces that act in each step until the next call: names of links, points in their frames [m], world axes [N].");
-  m.def("set_camera", set_camera, "client"_a, "eye"_a, "target"_a, "Where the page's camera is (3) and looks at (3).");
+      "client"_a, "grips"_a,
+      "What is dragged until the next call: names of links, points in their frames [m], where these go in the world.");
+  m.def(
+      "set_camera", set_camera, "client"_a, "eye"_a, "target"_a, "moves"_a,
+      "Where people have moved the page's camera (3), and what it looks at (3), after so many `camera_moves`: what the "
+      "program has set since then stays.");
+  m.def(
+      "set_size",
+      [](int client, int width, int height) {
+        const ClientLock lock(client);
+        if (width > 0 && height > 0) screen_of(lock).width = width, screen_of(lock).height = height;
+      },
+      "client"_a, "width"_a, "height"_a, "Of the page's scene [pixels].");
 }
 
 }  // namespace

@@ -285,12 +285,12 @@ constexpr Function kChangeTexture{
 
 }  // namespace
 
-ScreenMatrices screen_matrices(const Vec3<double>& target, double distance, double yaw, double pitch) {
+ScreenMatrices screen_matrices(const bullet::Screen& screen) {
+  constexpr double kNear = 0.01, kFar = 1000;  // [m], as in PyBullet's window; its height is seen under 90 degrees
+  const auto& [distance, yaw, pitch, target] = screen.camera;
   const Matrix v = view_from_angles(target, distance, yaw, pitch, 0, 2);
-  const double aspect = static_cast<double>(bullet::Screen::kWidth) / bullet::Screen::kHeight;
-  const double top = 0.1 * std::tan(0.5 * kDegree * 60);
   return {v,
-          projection(-top * aspect, top * aspect, -top, top, 0.1, 1000),
+          projection(-kNear * screen.aspect(), kNear * screen.aspect(), -kNear, kNear, kNear, kFar),
           {-v[2], -v[6], -v[10]},
           {v[0], v[4], v[8]},
           {v[1], v[5], v[9]}};

@@ -32,6 +32,7 @@ void Client::reset() {
   states_.clear();
   user_data_.clear();
   ++scene_;
+  holds_ = false;
 }
 
 void Client::set_time_step(double time_step) {
@@ -60,7 +61,7 @@ void Client::step() {
       if (body.has_clamps) apply_motors(body, h);
     }
     if (!constraints_.empty()) approach_constraints();
-    if (screen_ != nullptr) apply_pulls();
+    if (screen_ != nullptr) follow_grips(h);
     world_.step();
   }
   clear_torques();

@@ -185,13 +185,15 @@ class Client {
   [[nodiscard]] Guise guise_of(const Model& model);
   [[nodiscard]] bool has_link(int body, int link) const;
   void show_items(std::int64_t seen, ScreenFrame& frame);
-  void apply_pulls();
+  void follow_grips(double h);
+  void release_grips();
 
   World world_;
   Settings settings_;
   Decomposer decompose_;
   std::unique_ptr<Screen> screen_;
   std::int64_t scene_ = 0, looks_ = 0;  // of ScreenFrame
+  bool holds_ = false;                  // whether there are constraints of grips in the world
   UserData user_data_;
   int next_log_ = 0;
   std::map<int, std::unique_ptr<Body>> bodies_;

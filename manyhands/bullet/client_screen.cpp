@@ -1,4 +1,6 @@
 // Client: what its screen shows, and how people drag its links.
+#include <utility>
+
 #include "manyhands/bullet/client_body.h"
 #include "manyhands/bullet/screen_frame.h"
 
@@ -8,6 +10,19 @@ namespace {
 
 /// Parts that were removed lie in the world's lists for a while, without a name.
 bool is_there(const Link& link) { return !link.name.empty(); }
+
+std::vector<std::string> names_of(std::span<const EqualityConstraint> equalities) {
+  std::vector<std::string> names;
+  for (const EqualityConstraint& equality : equalities) names.push_back(equality.name);
+  return names;
+}
+
+/// The constraints by which a world's links are dragged.
+std::vector<std::string> grips_in(const Model& model) {
+  std::vector<std::string> names = names_of(model.equalities());
+  std::erase_if(names, [](const std::string& name) { return !name.starts_with("grip "); });
+  return names;
+}
 
 }  // namespace
 
@@ -50,6 +65,7 @@ void Client::show_items(std::int64_t seen, ScreenFrame& frame) {
     for (Vec3<double>& point : shown.points) point = X_WI * point;
   }
   frame.screen.switches = screen.switches;
+  frame.screen.background = screen.background;
   frame.screen.camera = screen.camera;
   frame.screen.camera_moves = screen.camera_moves;
   frame.screen.listens_to_keys = screen.listens_to_keys;
@@ -61,12 +77,38 @@ bool Client::has_link(int id, int link) const {
   return body != nullptr && body->has_link(link);
 }
 
-void Client::apply_pulls() {
-  for (const Pull& pull : screen_->pulls) {
-    const LinkId link = world_.parts().find_link(pull.link);
+/// PyBullet's window drags bodies by a point-to-point constraint whose force is bounded; so does this one.
+void Client::follow_grips(double h) {
+  constexpr double kMostForce = 500;   // [N]
+  constexpr double kFollowing = 0.05;  // [s]: pages tell of the mouse twenty times a second
+  if (screen_->grips.empty()) return release_grips();
+  const Model& model = world_.model();
+  std::vector<EqualityConstraint> wanted;
+  for (const Grip& grip : screen_->grips) {
+    const LinkId link = model.find_link(grip.link);
     if (!link.is_valid()) continue;
-    world_.apply_link_force(link, pull.force, Vec3<double>::zero(), world_.link_pose(link) * pull.point);
+    const Vec3<double> point = world_.link_pose(link) * grip.point;
+    const Vec3<double> next = point + (h / (h + kFollowing)) * (grip.target - point);
+    wanted.push_back({.name = "grip " + std::to_string(wanted.size()) + " of " + grip.link,
+                      .link_a = link,
+                      .link_b = LinkId(0),
+                      .X_LA = {Mat3<double>::identity(), grip.point},
+                      .X_LB = {Mat3<double>::identity(), next},
+                      .max_force = kMostForce});
   }
+  if (grips_in(model) != names_of(wanted)) {
+    release_grips();
+    keep_contacts();
+    for (const EqualityConstraint& equality : wanted) world_.add_equality(equality);
+    holds_ = true;
+  }
+  for (const EqualityConstraint& equality : wanted) world_.aim_equality(equality);
+}
+
+void Client::release_grips() {
+  if (!std::exchange(holds_, false)) return;
+  keep_contacts();
+  for (const std::string& name : grips_in(world_.model())) world_.remove_equality(name);
 }
 
 }  // namespace manyhands::bullet

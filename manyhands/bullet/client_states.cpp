@@ -4,6 +4,7 @@
 namespace manyhands::bullet {
 
 int Client::save_state() {
+  release_grips();  // states are those of the program's own world
   int id = 0;
   while (states_.contains(id)) ++id;
   states_[id] = world_.snapshot();
@@ -13,6 +14,7 @@ int Client::save_state() {
 void Client::restore_state(int id) {
   const auto found = states_.find(id);
   if (found == states_.end()) throw Error("Couldn't restore state.");
+  release_grips();
   try {
     world_.restore(found->second);
   } catch (const std::invalid_argument&) {

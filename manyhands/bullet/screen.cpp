@@ -59,9 +59,11 @@ bool Screen::set_parameter(int id, double value) {
 void Screen::press(int key, bool down) {
   int& state = keys[key];
   if (down) {
-    state = (state & kDown) != 0 ? state : kDown | kTriggered;
+    const bool is_held = (state & kDown) != 0 && (state & kReleased) == 0;
+    state = is_held ? state : kDown | kTriggered;
   } else {
-    state = (state & ~kDown) | kReleased;
+    // Who asks seldom is told that a key was down, too.
+    state = (state & kTriggered) != 0 ? state | kReleased : kReleased;
   }
 }
 
@@ -71,7 +73,7 @@ void Screen::click(int button, bool down, double x, double y) {
 
 std::map<int, int> Screen::take_keys() {
   std::map<int, int> told = keys;
-  std::erase_if(keys, [](const auto& key) { return (key.second & kDown) == 0; });
+  std::erase_if(keys, [](const auto& key) { return (key.second & kReleased) != 0; });
   for (auto& [key, state] : keys) state = kDown;
   return told;
 }

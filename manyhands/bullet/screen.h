@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -31,19 +32,19 @@ struct MouseEvent {
   int button = -1, state = 0;
 };
 
-/// A force by which somebody drags a link of the world.
-struct Pull {
-  std::string link{};             ///< its name
-  Vec3<double> point{}, force{};  ///< in the link's frame [m]; in world axes [N]
+/// A point of a link that somebody holds with the mouse, and where to.
+struct Grip {
+  std::string link{};     ///< its name in the world
+  Vec3<double> point{};   ///< in the link's frame [m]
+  Vec3<double> target{};  ///< in the world [m]
 };
 
 /// States of keys and buttons are bits: 1 down, 2 triggered, 4 released.
 struct Screen {
   using Clock = std::chrono::steady_clock;
 
-  static constexpr int kWidth = 1024, kHeight = 768;
   struct Orbit {
-    double distance = 2, yaw = 50, pitch = -35;  ///< [m], [degrees]
+    double distance = 5, yaw = 50, pitch = -35;  ///< [m], [degrees]
     Vec3<double> target{0, 0, 0};
   };
 
@@ -51,11 +52,15 @@ struct Screen {
   std::map<int, bool> switches{};  ///< of configureDebugVisualizer
   std::map<int, int> keys{};       ///< code and state
   std::vector<MouseEvent> mouse{};
-  std::vector<Pull> pulls{};
+  std::vector<Grip> grips{};
+  std::optional<Vec3<double>> background{};  ///< a colour, if it is not the viewer's own
+  int width = 1024, height = 768;            ///< [pixels]
   Orbit camera{};
   int camera_moves = 0;                                    ///< grows with resetDebugVisualizerCamera
   bool listens_to_keys = false, listens_to_mouse = false;  ///< whether the program has asked for events
   std::int64_t serial = 0;                                 ///< grows with every change of items
+
+  [[nodiscard]] double aspect() const { return static_cast<double>(width) / height; }
 
   /// Returns the id; that of an item which it replaces, if there is one.
   int add(DebugItem item, int replaced);

@@ -1,18 +1,17 @@
 """Keys and clicks on a page, as a program's events.
 
-Pages tell of keys that are pressed, and again while they are held, but not of keys that are let go: a key is let go when
-it has not been told of for a moment. Of the mouse they tell clicks in the scene.
+Pages tell of keys that are pressed, and again while they are held, but not of keys that are let go: a key is let go
+when it has not been told of for a moment. Of the mouse they tell clicks in the scene.
 """
 
 import time
 from typing import Any
 
-from manyhands._core import pybullet_gui
 from manyhands._core import pybullet as p
+from manyhands._core import pybullet_gui
 from manyhands._core.pybullet import error
 
 _HELD_FOR = 0.15  # [s]: longer than a keyboard takes to repeat a key
-_WIDTH, _HEIGHT = 1024, 768  # of getDebugVisualizerCamera
 
 _SPECIAL = {
     "space": p.B3G_SPACE, "enter": p.B3G_RETURN, "backspace": p.B3G_BACKSPACE, "delete": p.B3G_DELETE,
@@ -67,11 +66,14 @@ class Mouse:
         """With each frame."""
         if not self._listens:
             self._listens = True
-            self._scene.on_click()(lambda event: self.click(*event.screen_pos))
+            self._scene.on_click()(self._click)
 
-    def click(self, across: float, down: float) -> None:
-        """The left button was pressed and let go, at a share of the scene's width and height."""
-        x, y = across * _WIDTH, down * _HEIGHT
+    def _click(self, event: Any) -> None:
+        camera = event.client.camera
+        self.click(event.screen_pos[0] * camera.image_width, event.screen_pos[1] * camera.image_height)
+
+    def click(self, x: float, y: float) -> None:
+        """The left button was pressed and let go at a pixel."""
         try:
             for is_down in (True, False):
                 pybullet_gui.click_mouse(self._client, 0, is_down, x, y)

@@ -2,17 +2,17 @@
 
 import atexit
 import os
-import sys
-import warnings
 from typing import TYPE_CHECKING
 
 from manyhands._core import pybullet_gui
+from manyhands._core.pybullet import error
 
 if TYPE_CHECKING:
     from manyhands.pybullet.page import Page
 
 SWITCH = "MANYHANDS_PYBULLET_GUI"
-"""The environment variable that is 0 where no page is wanted."""
+"""The environment variable that says what a window is. 0: nothing to be seen, all is kept in software; page: a page, to
+be opened by hand; else a page, which the browser opens where there is a screen."""
 
 _pages: "dict[int, Page]" = {}
 
@@ -29,15 +29,15 @@ def listen() -> None:
 
 
 def _open(client: int) -> None:
-    """What goes wrong with a page leaves the program its window in software."""
-    if os.environ.get(SWITCH) == "0":
+    wanted = os.environ.get(SWITCH, "")
+    if wanted == "0":
         return
     try:
         from manyhands.pybullet.page import Page
 
-        _pages[client] = Page(client, open_browser=_has_display())
+        _pages[client] = Page(client, opens=wanted != "page")
     except (ImportError, OSError, RuntimeError) as reason:
-        warnings.warn(f"GUI without a page, sliders and drawings are kept in software: {reason}", UserWarning, 2)
+        raise error(f"connect(GUI): {reason}; or connect with DIRECT, or set {SWITCH}=0") from reason
 
 
 def _close(client: int) -> None:
@@ -49,9 +49,3 @@ def _end() -> None:
     for client in list(_pages):
         _close(client)
     pybullet_gui.end()
-
-
-def _has_display() -> bool:
-    """Whether a browser would have a place: not through SSH, or in a container."""
-    has_windows = sys.platform in ("darwin", "win32")
-    return has_windows or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))

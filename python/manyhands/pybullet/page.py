@@ -1,15 +1,18 @@
 """The page of one client with a window: its bodies, and what the program draws and asks for besides."""
 
+import secrets
 from typing import Any
 
 import numpy as np
 
 from manyhands._core import pybullet_gui
-from manyhands._core.pybullet import COV_ENABLE_GUI, COV_ENABLE_SHADOWS
+from manyhands._core.pybullet import COV_ENABLE_GUI, COV_ENABLE_SHADOWS, COV_ENABLE_WIREFRAME
+from manyhands.pybullet.camera import PageCamera
 from manyhands.pybullet.events import Keys, Mouse
 from manyhands.pybullet.parameters import Parameters
 from manyhands.pybullet.source import ClientSource
 from manyhands.viewer import view
+from manyhands.viewer.notebook import has_screen, is_notebook, show_in_cell
 
 _POINT = 0.004  # [m]: a point of size 1
 
@@ -17,14 +20,22 @@ _POINT = 0.004  # [m]: a point of size 1
 class Page:
     """Draws in the viewer's thread, as often as that has time."""
 
-    def __init__(self, client: int, *, open_browser: bool = False, port: int = 8080) -> None:
-        """Raises ModuleNotFoundError without the extra `viewer`."""
+    def __init__(self, client: int, *, opens: bool = True) -> None:
+        """opens: whether the browser is opened, or a notebook shows the page, where there is a screen or one. Raises
+        ModuleNotFoundError without the extra `viewer`."""
         self._client, self._source = client, ClientSource(client)
-        self.viewer = view(self._source, open_browser=open_browser, port=port)
+        in_notebook = opens and is_notebook()
+        # Whoever opens the page rules over the program; other people on this machine may not.
+        self.viewer = view(
+            self._source, token=secrets.token_urlsafe(16), open_browser=opens and has_screen() and not in_notebook
+        )
+        if in_notebook:
+            show_in_cell(self.viewer)
         self._drawn: set[int] = set()
         self._painted: tuple[Any, ...] = ()
         self._switches: dict[int, bool] = {}
-        self._camera_moves, self._cameras = -1, {}
+        self._background: Any = None
+        self._camera = PageCamera(client, self.viewer)
         self._parameters = Parameters(client, self.viewer.server)
         self._keys, self._mouse = Keys(client, self.viewer.server), Mouse(client, self.viewer.server)
         self.viewer.on_draw.append(self._draw)
@@ -39,7 +50,7 @@ class Page:
         self._draw_items(frame)
         self._parameters.show(frame)
         self._switch(frame)
-        self._move_camera(frame)
+        self._camera.follow(frame)
         if frame.listens_to_keys:
             self._keys.pass_on()
         if frame.listens_to_mouse:
@@ -73,23 +84,15 @@ class Page:
             overlays.points(name, item.points, colors, _POINT * item.size)
 
     def _switch(self, frame: pybullet_gui.ScreenFrame) -> None:
-        changed = {flag for flag, on in frame.switches.items() if self._switches.get(flag, True) != on}
+        changed = {flag: on for flag, on in frame.switches.items() if self._switches.get(flag) != on}
         self._switches = frame.switches
+        stage, panel = self.viewer.stage, self.viewer.server.gui.main_panel
         if COV_ENABLE_SHADOWS in changed:
-            self.viewer.stage.shadows = frame.switches[COV_ENABLE_SHADOWS]
+            stage.shadows = changed[COV_ENABLE_SHADOWS]
+        if COV_ENABLE_WIREFRAME in changed:
+            stage.wireframe = changed[COV_ENABLE_WIREFRAME]
         if COV_ENABLE_GUI in changed:
-            panel = self.viewer.server.gui.main_panel
-            panel.expand() if frame.switches[COV_ENABLE_GUI] else panel.minimize()
-
-    def _move_camera(self, frame: pybullet_gui.ScreenFrame) -> None:
-        """To where the program puts it; and tells the program where people have moved it."""
-        if frame.camera_moves != self._camera_moves:
-            self._camera_moves = frame.camera_moves
-            self.viewer.look(frame.eye, frame.target)
-        for number, browser in self.viewer.server.get_clients().items():
-            moved, camera = self._cameras.get(number), browser.camera
-            if moved is None or moved != camera.update_timestamp:
-                self._cameras[number] = camera.update_timestamp
-                at: Any = camera.position.tolist()
-                to: Any = camera.look_at.tolist()
-                pybullet_gui.set_camera(self._client, at, to)
+            panel.expand() if changed[COV_ENABLE_GUI] else panel.minimize()
+        if frame.background is not None and frame.background != self._background:
+            self._background = frame.background
+            stage.set_background(np.array(frame.background))

@@ -30,9 +30,10 @@ class Parameters:
     def _add(self, number: int, item: pybullet_gui.DebugItem) -> Any:
         if item.low > item.high:
             return self._add_button(number, item)
-        if item.low == item.high:
-            return self._gui.add_number(item.text, item.low, disabled=True)
-        step = 10.0 ** (math.floor(math.log10(item.high - item.low)) - 3)
+        span = item.high - item.low
+        if not 0 < span < math.inf:
+            return self._gui.add_text(item.text, str(item.value), disabled=True)
+        step = 10.0 ** (math.floor(math.log10(span)) - 3)
         start = min(max(item.value, item.low), item.high)
         slider = self._gui.add_slider(item.text, item.low, item.high, step, start)
         slider.on_update(lambda _: self._tell(number, float(slider.value)))

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from manyhands._core import Model, pybullet_gui
-from manyhands._core.pybullet import COV_ENABLE_RENDERING, error
+from manyhands._core.pybullet import COV_ENABLE_MOUSE_PICKING, COV_ENABLE_RENDERING, error
 from manyhands.viewer.sources import Source
 
 Array = NDArray[np.float64]
@@ -20,13 +20,14 @@ class ClientSource(Source):
 
     moves = False
     only_watched = True
+    drag_key = None  # as in PyBullet's window
 
     def __init__(self, client: int) -> None:
         super().__init__()
         self.client, self.title, self.dt = client, f"PyBullet client {client}", 1 / 240
         self.seen = -1
         """Up to which change of items they have been drawn."""
-        self._coming, self._pulls = -1, False
+        self._coming, self._holds = -1, False
         self._take(pybullet_gui.frame(client))
 
     def _take(self, frame: pybullet_gui.ScreenFrame) -> None:
@@ -39,7 +40,7 @@ class ClientSource(Source):
 
     def refresh(self) -> None:
         try:
-            self._pull()
+            self._hold()
             self._look()
         except error:
             return  # it has just been disconnected, and the page is about to go
@@ -56,13 +57,13 @@ class ClientSource(Source):
         if is_settled:
             self._take(pybullet_gui.frame(self.client, self.seen, -1, True))
 
-    def _pull(self) -> None:
-        """Passes on by what forces people drag links."""
-        if self.pushes or self._pulls:
-            self._pulls = bool(self.pushes)
-            held = list(self.pushes.values())
-            pulls: Any = [(push.link, push.point.tolist(), push.force.tolist()) for push in held]
-            pybullet_gui.pull(self.client, pulls)
+    def _hold(self) -> None:
+        """Passes on what people drag, and where to."""
+        held = list(self.pushes.values()) if self.frame.switches.get(COV_ENABLE_MOUSE_PICKING, True) else []
+        if held or self._holds:
+            self._holds = bool(held)
+            grips: Any = [(push.link, push.point.tolist(), push.target.tolist()) for push in held]
+            pybullet_gui.hold(self.client, grips)
 
     @property
     def model(self) -> Model:

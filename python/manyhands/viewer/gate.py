@@ -1,5 +1,6 @@
 """Who may open the page, and the server behind it."""
 
+import atexit
 import contextlib
 import hashlib
 import http
@@ -93,6 +94,9 @@ def serve(host: str, port: int, title: str, gate: Gate) -> viser.ViserServer:
         if not doors:
             server.stop()
             raise RuntimeError(f"viser {viser.__version__} cannot be guarded; install the version that pyproject names")
+    # At the interpreter's end viewers stop their servers; viser would do so first, and say so on standard output.
+    for stop in (server.stop, server._websock_server.stop):
+        atexit.unregister(stop)
     # A tunnel to the outside, which any browser might ask for, would lead past the gate.
     server._websock_server.unregister_handler(messages.ShareUrlRequest)
     return server

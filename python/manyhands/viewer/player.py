@@ -18,6 +18,7 @@ from manyhands.viewer.sources import Marker, Neighbours, Source
 _DRIVEN_FOR = 1.0  # a loop that called `sync` this recently [s] moves the simulation itself
 _MINUTES = 3.0
 _SHARE = 0.15  # of the interpreter's time, at most, for a page whose program does not wait for it
+_IDLE = 0.25  # [s] between frames of such a page while nobody has it open
 
 
 class Frame(NamedTuple):
@@ -44,7 +45,14 @@ class Player:
     simulates.
     """
 
-    def __init__(self, source: Source, draw: Callable[[Frame], None], fps: float = 30.0) -> None:
+    def __init__(
+        self,
+        source: Source,
+        draw: Callable[[Frame], None],
+        fps: float = 30.0,
+        is_seen: Callable[[], bool] = lambda: True,
+    ) -> None:
+        """is_seen: whether anybody has the page open."""
         self.source, self.fps = source, fps
         self.speed = 1.0
         """Simulated seconds in a second; infinite: as fast as it goes."""
@@ -57,7 +65,7 @@ class Player:
         self.history = History(int(_MINUTES * 60 * fps))
         self.rate = 0.0
         """Simulated seconds in the last second."""
-        self._draw = draw
+        self._draw, self._is_seen = draw, is_seen
         self._jobs: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self._source_turn = threading.RLock()
         self._frame: Frame | None = None
@@ -210,7 +218,7 @@ class Player:
             self._measure_rate()
             left = 1 / self.fps - (time.perf_counter() - begin)
             if self.source.only_watched:
-                left = max(left, (time.thread_time() - worked) / _SHARE)
+                left = max(left, (time.thread_time() - worked) / _SHARE, 0.0 if self._is_seen() else _IDLE)
             if left > 0:
                 self._closed.wait(left)
 

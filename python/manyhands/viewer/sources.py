@@ -1,7 +1,7 @@
 """What a page shows and drives."""
 
 from abc import ABC, abstractmethod
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from manyhands.measures import rotate
 from manyhands.viewer.joints import JointDrive
 
 Array = NDArray[np.float64]
+DragKey = Literal["cmd/ctrl"] | None
 
 
 class Push(NamedTuple):
@@ -21,7 +22,9 @@ class Push(NamedTuple):
     point: Array
     """(3) in the link's frame [m]."""
     force: Array
-    """(3) in world axes [N]."""
+    """(3) in world axes [N]: of a spring, from the point to `target`."""
+    target: Array
+    """(3) where it is pulled to, in the world [m]."""
 
 
 class Marker(NamedTuple):
@@ -65,6 +68,8 @@ class Source(ABC):
     """A colour (3), 0 to 1, behind the scene; None: the page's own sky."""
     moves: bool = True
     """Whether the page moves it where no loop of the program's does."""
+    drag_key: DragKey = "cmd/ctrl"
+    """What is held to pull a body with the left button of the mouse; None: nothing."""
     only_watched: bool = False
     """Whether its program alone rules over time: the page neither pauses nor rewinds, and knows poses only."""
     rest: float = 0.0

@@ -13,7 +13,7 @@ from manyhands.measures import rotate
 from manyhands.viewer import shapes
 from manyhands.viewer.neighbours import NeighbourStage, places
 from manyhands.viewer.player import Frame
-from manyhands.viewer.sources import Marker
+from manyhands.viewer.sources import DragKey, Marker
 
 Array = NDArray[np.float64]
 DragHandler = Callable[[str, Any], None]
@@ -22,6 +22,7 @@ _SKY, _HAZE = np.array([150, 168, 186]), np.array([214, 222, 230])
 _GROUND, _LINES, _SECTIONS = (150, 160, 170), (170, 180, 190), (196, 206, 214)
 _COLLISION = (255, 140, 60)
 _WIDE = 1.0  # a fixed flat box of more than this half extent [m] is ground
+_VAST = 10.0  # so is one of more than this that a user might move, but nobody does
 _SMALL = 0.06  # what is not larger [m] receives no shadows: their coarse map would draw bands along its edges
 _STILL = 1e-7  # what has moved by less [m], or of its quaternion, is not told to browsers
 _GLASS = 0.35  # opacity of goals
@@ -31,18 +32,23 @@ class Stage:
     """A scene of viser's that follows the bodies of a model.
 
     Links with visual shapes show these, others what they collide with. `on_drag` hears of drags of bodies with the
-    control key held: the link's name and viser's event.
+    left button, a key held: the link's name and viser's event.
     """
 
-    def __init__(self, server: viser.ViserServer, on_drag: DragHandler | None = None) -> None:
+    def __init__(
+        self, server: viser.ViserServer, on_drag: DragHandler | None = None, drag_key: DragKey = "cmd/ctrl"
+    ) -> None:
+        """drag_key: viser's name of the key; None: none may be held."""
         self._scene, self._on_drag = server.scene, on_drag
+        self._drag_key: DragKey = drag_key
         self._bodies: list[viser.FrameHandle] = []
         self._collision: list[viser.MeshHandle] = []
         self._surfaces: dict[int, viser.MeshHandle] = {}  # by numbers of geoms
         self._poses = np.zeros((0, 7))
         self._corners: list[tuple[int, Array]] = []
+        self._standing: set[int] = set()
         self._markers: dict[str, viser.MeshHandle] = {}
-        self._shows_collision = False
+        self._shows_collision = self._wireframe = False
         self.neighbours = NeighbourStage(self._scene)
         self.index: dict[str, int] = {}
         """Of the links, by name."""
@@ -87,11 +93,12 @@ class Stage:
             body = self._scene.add_frame(f"/bodies/{index} {link.name.replace('/', ' ')}", show_axes=False)
             body.axes_length, body.axes_radius = 0.1, 0.003
             self._bodies.append(body)
+        self._standing = _standing(model)
         seen = {geom.link for geom in model.geoms if geom.is_visual}
         shown: list[int] = []
         for number, geom in enumerate(model.geoms):
             hides = not geom.is_visual and geom.link in seen
-            if number != ground and self._add_geom(model, number, hides) and not hides:
+            if number not in ground and self._add_geom(model, number, hides) and not hides:
                 shown.append(number)
         self.neighbours.build(model, shown)
         self._measure(model, positions, quaternions, ground)
@@ -150,6 +157,17 @@ class Stage:
         self._key_light.cast_shadow = on
 
     @property
+    def wireframe(self) -> bool:
+        """Whether edges are drawn and no faces."""
+        return self._wireframe
+
+    @wireframe.setter
+    def wireframe(self, on: bool) -> None:
+        self._wireframe = on
+        for handle in self._surfaces.values():
+            handle.wireframe = on
+
+    @property
     def shows_collision(self) -> bool:
         """Whether shapes that collide are shown over those that are seen."""
         return self._shows_collision
@@ -184,21 +202,21 @@ class Stage:
             color=_COLLISION if hides else shapes.color(geom.rgba),
             opacity=0.35 if hides else _opacity(geom.rgba),
             cast_shadow=not hides, receive_shadow=not (hides or is_small),
-            side="double" if geom.shape == "height_field" else "front",
+            side="double" if geom.shape == "height_field" else "front", wireframe=self._wireframe,
             position=geom.position, wxyz=geom.quaternion[[3, 0, 1, 2]], visible=not hides or self._shows_collision,
         )  # fmt: skip
         if hides:
             self._collision.append(handle)
             return True
         self._surfaces[number] = handle
-        if self._on_drag is not None and geom.link > 0:
+        if self._on_drag is not None and model.links[geom.link].body not in self._standing:
             link, on_drag = model.links[geom.link].name, self._on_drag
 
             # Coroutines are run in the order of the events; plain functions are not.
             async def dragged(event: Any) -> None:
                 on_drag(link, event)
 
-            handle.on_drag("left", modifier="cmd/ctrl")(dragged)
+            handle.on_drag("left", modifier=self._drag_key)(dragged)
         return True
 
     def _draw_ground(self, height: float) -> None:
@@ -208,12 +226,12 @@ class Stage:
             plane_color=_GROUND, plane_opacity=1.0, position=(0.0, 0.0, height - 5e-4),
         )  # fmt: skip
 
-    def _measure(self, model: Model, positions: Array, quaternions: Array, ground: int) -> None:
+    def _measure(self, model: Model, positions: Array, quaternions: Array, ground: set[int]) -> None:
         """A ball about all that is not ground: about the shapes of what moves, and the places of what stands."""
         points = [
             positions[geom.link]
             for number, geom in enumerate(model.geoms)
-            if number != ground and geom.shape not in ("plane", "height_field")
+            if number not in ground and geom.shape not in ("plane", "height_field")
         ]
         for link, corners in self._corners:
             points += list(positions[link] + rotate(quaternions[link], corners))
@@ -228,14 +246,35 @@ def _opacity(rgba: Any) -> float | None:
     return float(rgba[3]) if rgba[3] < 1 else None
 
 
-def _ground(model: Model, positions: Array) -> tuple[float, int]:
-    """The height of the ground, and the geom that it stands for; -1 without one."""
+def _ground(model: Model, positions: Array) -> tuple[float, set[int]]:
+    """The height of the ground, and the geoms that it stands for."""
+    standing = _standing(model)
     for number, geom in enumerate(model.geoms):
-        is_still = model.links[geom.link].body == 0
         is_level = abs(abs(geom.quaternion[3]) - 1) < 1e-6
+        if not is_level or geom.shape not in ("plane", "box") or model.links[geom.link].body not in standing:
+            continue
         height = float(positions[geom.link][2] + geom.position[2])
-        if is_still and is_level and geom.shape == "plane":
-            return height, number
-        if is_still and is_level and geom.shape == "box" and min(geom.size[:2]) > _WIDE:
-            return height + float(geom.size[2]), number
-    return min(0.0, float(positions[:, 2].min(initial=0.0))), -1
+        if geom.shape == "plane":
+            return height, _shown_as(model, number)
+        if min(geom.size[:2]) > (_WIDE if model.links[geom.link].body == 0 else _VAST):
+            return height + float(geom.size[2]), _shown_as(model, number)
+    return min(0.0, float(positions[:, 2].min(initial=0.0))), set()
+
+
+def _standing(model: Model) -> set[int]:
+    """The bodies that nothing moves but a user."""
+    set_by_users = {link.body for link in model.links if link.joint >= 0 and model.joints[link.joint].type == "mocap"}
+    return {0} | set_by_users
+
+
+def _shown_as(model: Model, ground: int) -> set[int]:
+    """The ground, and what its link shows in its place: the same shape, or a square."""
+    held = model.geoms[ground]
+
+    def is_it(geom: Any) -> bool:
+        if geom.shape == "mesh":
+            surface = shapes.surface(model, geom)
+            return surface is not None and len(surface.triangles) <= 2
+        return geom.shape == held.shape and np.allclose(geom.size, held.size)
+
+    return {number for number, geom in enumerate(model.geoms) if geom.link == held.link and is_it(geom)}

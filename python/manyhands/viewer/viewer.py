@@ -76,8 +76,8 @@ class Viewer:
         self._token = token
         self.server = serve(host, port, title or self.source.title, Gate(token))
         self.overlays = Overlays(self.server)
-        self.stage = Stage(self.server, self._on_drag)
-        self.player = Player(self.source, self._draw, fps)
+        self.stage = Stage(self.server, self._on_drag, self.source.drag_key)
+        self.player = Player(self.source, self._draw, fps, lambda: bool(self.server.get_clients()))
         if isinstance(self.source, EnvSource):
             self.source.on_reset.append(lambda _: self.overlays.clear_trails())
         self.pull = _PULL
@@ -314,9 +314,11 @@ class Viewer:
         force = self.pull * (end - start)
 
         def pull() -> None:
+            if all(each.name != link for each in self.source.model.links):
+                return  # it has just been taken away
             held = self.source.pushes.get(key)
             point = held.point if held is not None else self.source.local(link, start)
-            self._grabbed = self.source.pushes[key] = Push(link, point, force)
+            self._grabbed = self.source.pushes[key] = Push(link, point, force, end)
 
         self.player.do(pull)
 

@@ -25,7 +25,7 @@ def test_pushes_act_in_every_time_step_of_an_environment() -> None:
     assert isinstance(source, DropInSource)
     source.policy = lambda _: np.zeros(3)
     before = env.sim.get_base_position("object")
-    source.pushes["mouse"] = Push("object", np.zeros(3), np.array([0, 0, 2 * 9.81]))  # twice its weight
+    source.pushes["mouse"] = Push("object", np.zeros(3), np.array([0, 0, 2 * 9.81]), np.zeros(3))  # twice its weight
     for _ in range(5):
         source.step()
     # Up with 1 g for 0.2 s.

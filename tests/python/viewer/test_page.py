@@ -1,8 +1,6 @@
 """The viewer's page in a real browser, without a display or a GPU."""
 
-import os
 import re
-import shutil
 import threading
 import time
 from collections.abc import Iterator
@@ -13,41 +11,15 @@ import gymnasium
 import numpy as np
 import pytest
 import viser
+from browsed import SIZE, number_box, on_page, pixels, row_of_slider, show, until
 from PIL import Image
 
 import manyhands as mh
-from manyhands.measures import rotate
 from manyhands.panda_gym import registration
 from manyhands.training.evaluation import PolicyFile
 from manyhands.viewer import Viewer
 
-playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed: make test installs it")
-
 READY = [0.0, 0.41, 0.0, -1.85, 0.0, 2.26, 0.79, 0.02, 0.02]
-SIZE = {"width": 860, "height": 480}  # 470 of it for the scene
-FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with playwright.sync_playwright() as driver:
-        names = ("chromium", "chromium-browser", "google-chrome")
-        found = next((path for name in names if (path := shutil.which(name))), None)
-        own = Path(driver.chromium.executable_path)
-        if found is None and not own.exists():
-            text = "there is no Chromium: tools/setup.sh browser installs one"
-            pytest.fail(text) if os.environ.get("CI") else pytest.skip(text)
-        running = driver.chromium.launch(executable_path=found or str(own), args=FLAGS)
-        yield running
-        running.close()
-
-
-@pytest.fixture(scope="module")
-def page(browser: Any) -> Any:
-    """The only page: each one that is open draws all the time, by the processor alone."""
-    page = browser.new_page(viewport=SIZE)
-    page.set_default_timeout(60000)
-    return page
 
 
 @pytest.fixture(scope="module")
@@ -72,27 +44,9 @@ def reach() -> Iterator[Viewer]:
 
 
 def opened(page: Any, viewer: Viewer) -> None:
-    """Shows a viewer on the page, without shadows: software draws them slowly."""
-    viewer.stage.shadows = False
-    if not page.url.startswith(viewer.url.partition("?")[0]):
-        page.goto(viewer.url)
-        page.get_by_role("button", name=re.compile("^(Play|Pause)$")).wait_for()
-        # What browsers say of WebGL in software would cover the scene.
-        page.add_style_tag(content=".mantine-Notifications-root { display: none }")
-        until(lambda: viewer.server.get_clients())
-
-
-def until(condition: Any, seconds: float = 60.0) -> None:
-    deadline = time.perf_counter() + seconds
-    while not condition():
-        assert time.perf_counter() < deadline, "it did not come about"
-        time.sleep(0.02)
-
-
-def pixels(page: Any, path: Path, width: int = 470) -> np.ndarray[Any, np.dtype[np.uint8]]:
-    """The part of the page where the scene is."""
-    page.screenshot(path=path)
-    return np.asarray(Image.open(path).convert("RGB"))[:, :width]
+    """Shows a viewer on the page."""
+    show(page, viewer)
+    page.get_by_role("button", name=re.compile("^(Play|Pause)$")).wait_for()
 
 
 def choose(page: Any, label: str, name: str) -> None:
@@ -104,15 +58,6 @@ def choose(page: Any, label: str, name: str) -> None:
 
 def wait_for_choice(page: Any, label: str, name: str) -> None:
     until(lambda: page.get_by_label(label).input_value() == name)
-
-
-def number_box(page: Any, label: str) -> Any:
-    """The box with the number of a slider."""
-    return row_of_slider(page, label).locator("input[type=text], input[inputmode]").last
-
-
-def row_of_slider(page: Any, label: str) -> Any:
-    return page.locator(f"xpath=//label[normalize-space()='{label}']/ancestor::*[.//input][1]")
 
 
 def test_the_page_shows_the_arm(arm: Viewer, page: Any, tmp_path: Path) -> None:
@@ -197,19 +142,6 @@ def test_rewinding_by_the_slider(arm: Viewer, page: Any) -> None:
     box.press("Enter")
     until(lambda: arm.player.moment < end - 0.8)
     assert arm.player.moment == pytest.approx(end - 1.0, abs=0.1)
-
-
-def on_page(viewer: Viewer, page: Any, point: Any) -> tuple[float, float]:
-    """Where a place in the world (3) is seen on the page [pixels]."""
-    (client,) = viewer.server.get_clients().values()
-    camera, box = client.camera, page.locator("canvas").first.bounding_box()
-    w, x, y, z = camera.wxyz
-    turned = rotate(np.array([-x, -y, -z, w]), np.asarray(point) - camera.position)
-    scale = box["height"] / 2 / np.tan(camera.fov / 2)
-    return (
-        box["x"] + box["width"] / 2 + scale * turned[0] / turned[2],
-        box["y"] + box["height"] / 2 + scale * turned[1] / turned[2],
-    )
 
 
 def test_a_body_is_pulled_with_the_mouse(page: Any) -> None:

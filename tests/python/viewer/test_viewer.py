@@ -104,6 +104,7 @@ def test_axes_trails_and_plots_are_chosen(here: Viewer) -> None:
 
 def test_cameras_see_the_scene(here: Viewer) -> None:
     cameras = here.panel.cameras
+    assert cameras is not None
     cameras._choice.value = "front"
     until(lambda: cameras._image.image.shape == (240, 320, 3), 20.0)
     assert cameras._image.image.std() > 5
@@ -145,7 +146,7 @@ def test_the_command_says_what_it_does_not_know(capsys: pytest.CaptureFixture[st
     assert cli.main(["view", "nowhere.urdf"]) == 2
     assert "nowhere.urdf" in capsys.readouterr().err
     assert cli.main(["view", __file__]) == 2
-    assert f"{__file__} is no URDF or MJCF" in capsys.readouterr().err
+    assert f"{__file__} is no URDF, MJCF or SDF" in capsys.readouterr().err
 
 
 def test_the_page_leaves_gymnasiums_environments_as_they_are() -> None:

@@ -1,0 +1,20 @@
+#!/usr/bin/env bash
+# Programs and libraries of others on our package as it is installed, in an environment of their own: build/interop.
+# PyTorch brings several gigabytes, which .venv is spared.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+here=build/interop
+export PIP_DISABLE_PIP_VERSION_CHECK=1
+
+site() { "$1/bin/python" -c 'import sysconfig; print(sysconfig.get_path("platlib"))'; }
+
+requirements=$(.venv/bin/python tools/requirements.py interop)
+if [ "$requirements" != "$(cat $here/requirements.txt 2>/dev/null)" ]; then
+  echo "==> Installing PyTorch and Stable-Baselines3 into $here (5 GB, two minutes)"
+  .venv/bin/python -m venv --clear $here
+  $here/bin/pip install --quiet --no-cache-dir -r <(echo "$requirements")
+  echo "$requirements" >$here/requirements.txt
+fi
+rm -rf "$(site $here)"/manyhands*
+cp -r "$(site .venv)"/manyhands* "$(site $here)"
+$here/bin/python -m pytest -q -p no:cacheprovider tests/interop tests/python/envs/test_sb3.py "$@"
