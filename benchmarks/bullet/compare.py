@@ -53,6 +53,8 @@ def word(outcome: Outcome) -> str:
 def remark(program: Program, bullet: Outcome, here: Outcome) -> str:
     """What differs where both run."""
     if program.kind == ENVIRONMENT:
+        if "reward" not in bullet.told or "reward" not in here.told:
+            return "at work when its time was over"
         return f"reward {bullet.told['reward']:.4g} in Bullet, {here.told['reward']:.4g} here"
     looks = bullet.told["looks"], here.told["looks"]
     common = [step for step in looks[0] if step in looks[1]]

@@ -1,5 +1,6 @@
 """An environment of pybullet_envs under random actions."""
 
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -9,10 +10,8 @@ STEPS = 50
 
 def drive(name: str) -> dict[str, Any]:
     """Makes it by its id, resets it and steps; what came of that."""
-    import gym
-    import pybullet_envs  # noqa: F401  registers them
-
-    env: Any = gym.make(name)
+    import_module("pybullet_envs")  # registers them
+    env: Any = import_module("gym").make(name)
     env.seed(0)
     env.action_space.seed(0)
     seen = [np.asarray(env.reset(), dtype=float)]

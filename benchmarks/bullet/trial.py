@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -89,7 +90,7 @@ def judge(status: int | None, told: dict[str, Any], tail: str) -> Outcome:
     """What a program's end means."""
     steps, calls = told.get("steps", 0), told.get("calls", 0)
     if status is None:
-        return Outcome(False, "hangs in a call", told=told, tail=tail)
+        return Outcome(False, "is in one call all of its time", told=told, tail=tail)
     if not told:
         return Outcome(False, f"crashes: {name_of(status)}", tail=tail)
     why = ""
@@ -109,6 +110,6 @@ def name_of(status: int) -> str:
 
 def reason(told: dict[str, Any]) -> str:
     """The error, in one line."""
-    message = " ".join(str(told["message"]).split())
+    message = re.sub(r"/\S*/site-packages/", "", " ".join(str(told["message"]).split()))
     where = f" ({told['where']})" if told["where"] else ""
     return f"{told['error']}: {message}"[:300] + where
