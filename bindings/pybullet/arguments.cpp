@@ -165,6 +165,11 @@ std::vector<double> numbers_of(PyObject* object) {
   return numbers;
 }
 
+std::vector<double> one_or_more(PyObject* object) {
+  if (object == nullptr || object == Py_None) return {};
+  return PySequence_Check(object) != 0 ? numbers_of(object) : std::vector<double>{number_of(object)};
+}
+
 int Arguments::integer(std::size_t i) const { return integer_of(values_[i]); }
 double Arguments::number(std::size_t i) const { return number_of(values_[i]); }
 

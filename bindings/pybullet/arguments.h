@@ -79,6 +79,9 @@ class Arguments {
 /// The numbers of any sequence; sets `ok` to false, and no exception, if it is none.
 [[nodiscard]] std::vector<double> numbers_of(PyObject* object);
 
+/// A number or a sequence of numbers; none where nothing was given.
+[[nodiscard]] std::vector<double> one_or_more(PyObject* object);
+
 // ---- results: new references ---------------------------------------------------------------------------------------
 
 [[nodiscard]] PyObject* none();

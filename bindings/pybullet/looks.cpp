@@ -220,7 +220,14 @@ PyObject* collision_data(Client& client, const Arguments& a) {
   const int id = a.integer(0), link = a.integer(1);
   const bullet::BodyPlan& plan = client.plan(id, kError);
   if (link < -1 || link >= plan.num_links()) throw Error(kError);
-  return tuple_of(plan.link(link).collisions, [&](const bullet::ShapePlan& shape) {
+  // The objects of a file are one shape.
+  std::vector<bullet::ShapePlan> shapes;
+  for (const bullet::ShapePlan& shape : plan.link(link).collisions) {
+    const bool goes_on = !shapes.empty() && !shape.file.empty() && shapes.back().file == shape.file &&
+                         norm(shapes.back().geom.X_LG.p - shape.geom.X_LG.p) == 0;
+    if (!goes_on) shapes.push_back(shape);
+  }
+  return tuple_of(shapes, [&](const bullet::ShapePlan& shape) {
     const Transform<double> X = inverse(plan.link(link).X_LI) * shape.geom.X_LG;
     const double r = shape.geom.shape.size.x;
     const bool round = shape.geom.shape.type == ShapeType::kSphere;

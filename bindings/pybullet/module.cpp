@@ -29,7 +29,7 @@ void bind_pybullet(nb::module_& parent) {
   methods.push_back({nullptr, nullptr, 0, nullptr});
   PyModule_AddFunctions(m.ptr(), methods.data());
   pybullet::add_constants(m.ptr());
-  pybullet::error_class = PyErr_NewException("pybullet.error", PyExc_Exception, nullptr);
+  pybullet::error_class = PyErr_NewException("manyhands._core.pybullet.error", PyExc_Exception, nullptr);
   m.attr("error") = nb::borrow(pybullet::error_class);
 }
 

@@ -66,25 +66,45 @@ constexpr Function kSetMotors{
     "positionGains=None, velocityGains=None",
     "As setJointMotorControl2, for several joints: lists of one length.", set_motors};
 
-/// The only number of a number or list of one.
-double single(PyObject* object, double fallback) {
-  if (object == nullptr || object == Py_None) return fallback;
-  if (PySequence_Check(object) == 0) return number_of(object);
-  const std::vector<double> numbers = numbers_of(object);
-  if (numbers.size() == 1) return numbers[0];
+/// The number, or the only one of a list.
+double single(const std::vector<double>& numbers, double fallback, const char* what) {
   if (numbers.empty()) return fallback;
-  throw Error("motors of spherical joints take no targets yet: expected one number");
+  if (numbers.size() == 1) return numbers[0];
+  throw Error(std::string(what) + ": expected one number for a joint of one degree of freedom");
 }
 
-void set_multi_dof(Client& client, int id, int joint, int mode, const std::array<PyObject*, 6>& o) {
+/// What setJointMotorControlMultiDof takes besides body and joint: empty where it was not given.
+struct MultiDof {
+  std::vector<double> position{}, velocity{}, force{};
+  double kp = 0.1, kd = 1, max_velocity = -1;
+};
+
+/// A spherical joint turns to a quaternion with equal strength about all axes, or takes three torques.
+MotorSetting round_setting(bullet::ControlMode mode, const MultiDof& m) {
+  MotorSetting s{.mode = mode, .force = m.force.empty() ? 100000 : m.force[0], .kp = m.kp};
+  if (mode == bullet::kTorque) {
+    if (m.force.size() == 3) s.torque = {m.force[0], m.force[1], m.force[2]};
+    return s;
+  }
+  if (m.position.size() == 4) s.target_r = Quat<double>{m.position[0], m.position[1], m.position[2], m.position[3]};
+  s.mode = bullet::kVelocity;
+  return s;
+}
+
+void set_multi_dof(Client& client, int id, int joint, int mode, const MultiDof& m) {
   if (joint < 0 || joint >= client.num_joints(id)) throw Error("Joint index out-of-range.");
-  MotorSetting s{.mode = mode_of(mode, bullet::kStablePd),
-                 .target_q = single(o[0], 0),
-                 .target_v = single(o[1], 0),
-                 .force = single(o[2], 100000),
-                 .kp = single(o[3], 0.1),
-                 .kd = single(o[4], 1)};
-  if (o[5] != nullptr && o[5] != Py_None) s.max_velocity = single(o[5], -1);
+  const bullet::ControlMode known = mode_of(mode, bullet::kStablePd);
+  if (known == bullet::kVelocity || known == bullet::kPd) throw Error("Illegal control mode.");
+  const JointType type = client.plan(id, "Joint index out-of-range.").link(joint).joint;
+  if (type == JointType::kSpherical) return client.set_motor(id, joint, round_setting(known, m));
+  if (type == JointType::kFixed) return;
+  MotorSetting s{.mode = known,
+                 .target_q = single(m.position, 0, "targetPosition"),
+                 .target_v = single(m.velocity, 0, "targetVelocity"),
+                 .force = m.force.empty() ? 100000 : m.force[0],
+                 .kp = m.kp,
+                 .kd = m.kd};
+  if (m.max_velocity >= 0) s.max_velocity = m.max_velocity;
   client.set_motor(id, joint, s);
 }
 
@@ -92,19 +112,60 @@ constexpr Function kSetMultiDof{
     "setJointMotorControlMultiDof",
     "bodyUniqueId, jointIndex, controlMode | targetPosition=None, targetVelocity=None, force=None, positionGain=0.1, "
     "velocityGain=1, maxVelocity=-1, damping=None",
-    "As setJointMotorControl2, with lists. Spherical joints: their default motor, or force=[0, 0, 0] without targets.",
+    "As setJointMotorControl2, with lists. A spherical joint turns to a quaternion, by at most force[0] about each axis, "
+    "or takes three torques; its velocity target and gain have no effect, as in Bullet.",
     [](Client& client, const Arguments& a) -> PyObject* {
-      const int id = a.integer(0), joint = a.integer(1);
-      const bool lists_force = a.has(5) && PySequence_Check(a.object(5)) != 0;
-      const std::vector<double> force = lists_force ? numbers_of(a.object(5)) : std::vector<double>{};
-      if (force.size() > 1 && joint >= 0 && joint < client.num_joints(id)) {
-        client.set_motor(id, joint, {.mode = bullet::kVelocity, .force = force[0]});
-        return none();
-      }
-      set_multi_dof(client, id, joint, a.integer(2),
-                    {a.object(3), a.object(4), a.object(5), a.object(6), a.object(7), a.object(8)});
+      set_multi_dof(client, a.integer(0), a.integer(1), a.integer(2),
+                    {.position = one_or_more(a.object(3)),
+                     .velocity = one_or_more(a.object(4)),
+                     .force = one_or_more(a.object(5)),
+                     .kp = a.number(6, 0.1),
+                     .kd = a.number(7, 1),
+                     .max_velocity = a.number(8, -1)});
       return none();
     }};
+
+/// Item k of each list that was given.
+PyObject* set_multi_dofs(Client& client, const Arguments& a) {
+  const std::vector<int> joints = a.integers(1);
+  for (std::size_t i = 3; i <= 7; ++i) {
+    if (a.has(i) && PySequence_Size(a.object(i)) != static_cast<Py_ssize_t>(joints.size())) {
+      PyErr_Clear();
+      throw Error("setJointMotorControlMultiDofArray: each list needs one entry for each joint");
+    }
+  }
+  const auto list = [&](std::size_t i, std::size_t k) {
+    if (!a.has(i)) return std::vector<double>{};
+    PyObject* const item = PySequence_GetItem(a.object(i), static_cast<Py_ssize_t>(k));
+    if (item == nullptr) throw PythonError{};
+    try {
+      std::vector<double> numbers = one_or_more(item);
+      Py_DecRef(item);
+      return numbers;
+    } catch (...) {
+      Py_DecRef(item);
+      throw;
+    }
+  };
+  std::vector<MultiDof> all;
+  for (std::size_t k = 0; k < joints.size(); ++k) {
+    all.push_back({.position = list(3, k),
+                   .velocity = list(4, k),
+                   .force = list(5, k),
+                   .kp = single(list(6, k), 0.1, "positionGains"),
+                   .kd = single(list(7, k), 1, "velocityGains")});
+  }
+  for (std::size_t k = 0; k < joints.size(); ++k) {
+    set_multi_dof(client, a.integer(0), joints[k], a.integer(2), all[k]);
+  }
+  return none();
+}
+
+constexpr Function kSetMultiDofs{
+    "setJointMotorControlMultiDofArray",
+    "bodyUniqueId, jointIndices, controlMode | targetPositions=None, targetVelocities=None, forces=None, "
+    "positionGains=None, velocityGains=None, maxVelocities=None",
+    "As setJointMotorControlMultiDof, for several joints: lists of one length.", set_multi_dofs};
 
 PyObject* set_motor_legacy(Client& client, const Arguments& a) {
   const int id = a.integer(0), joint = a.integer(1);
@@ -152,6 +213,7 @@ void add_motors(Methods& methods) {
   add_to<kSetMotor>(methods);
   add_to<kSetMotors>(methods);
   add_to<kSetMultiDof>(methods);
+  add_to<kSetMultiDofs>(methods);
   add_to<kSetMotorLegacy>(methods);
   add_to<kForce>(methods);
   add_to<kTorque>(methods);

@@ -30,8 +30,6 @@ constexpr const char* kSnapshot = "keep states with saveState, and worlds with m
 constexpr Refusal kLoadBullet{"loadBullet", kSnapshot}, kSaveBullet{"saveBullet", kSnapshot},
     kSaveWorld{"saveWorld", kSnapshot};
 constexpr Refusal kScaling{"unsupportedChangeScaling", "load the body again with globalScaling"};
-constexpr Refusal kMultiDofArray{"setJointMotorControlMultiDofArray",
-                                 "call setJointMotorControlMultiDof for each joint"};
 constexpr Refusal kRenderImage{"renderImage", "it is the old form of getCameraImage"};
 constexpr Refusal kIk2{"calculateInverseKinematics2", "call calculateInverseKinematics for each link"};
 constexpr Refusal kMeshData{"getMeshData", "read the mesh file that getVisualShapeData names"};
@@ -49,7 +47,6 @@ void add_refusals(Methods& methods) {
   add<kSaveBullet>(methods);
   add<kSaveWorld>(methods);
   add<kScaling>(methods);
-  add<kMultiDofArray>(methods);
   add<kRenderImage>(methods);
   add<kIk2>(methods);
   add<kMeshData>(methods);

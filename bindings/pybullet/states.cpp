@@ -89,11 +89,6 @@ constexpr Function kResetJoint{"resetJointState", "bodyUniqueId, jointIndex, tar
                                  return none();
                                }};
 
-/// A number or a sequence of numbers.
-std::vector<double> one_or_more(PyObject* object) {
-  return PySequence_Check(object) != 0 ? numbers_of(object) : std::vector<double>{number_of(object)};
-}
-
 void reset_multi_dof(Client& client, int id, int joint, PyObject* q, PyObject* v) {
   const std::vector<double> position = one_or_more(q);
   std::vector<double> velocity(position.size() == 4 ? 3 : position.size(), 0.0);
@@ -157,7 +152,6 @@ constexpr Function kLinkStates{
       for (const int link : links) {
         if (link < 0 || link >= client.num_joints(id)) throw Error("getLinkStates failed; invalid linkIndex");
       }
-      if (links.empty()) return none();
       return tuple_of(links, [&](int link) { return link_reading(client, id, link, with_velocity); });
     }};
 

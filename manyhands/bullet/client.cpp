@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "manyhands/bullet/aim.h"
 #include "manyhands/bullet/client_body.h"
 
 namespace manyhands::bullet {
@@ -22,6 +23,7 @@ void Client::reset() {
   edition_ = world_.edition();
   torqued_.clear();
   constraints_.clear();
+  constraint_order_.clear();
   next_constraint_ = 1;
   contacts_.clear();
   contacts_known_ = true;
@@ -58,10 +60,14 @@ void Client::step() {
       Body& body = *bodies_[id];
       apply_damping(body);
       if (body.has_clamps) apply_motors(body, h);
+      if (body.is_capped) cap_speeds(body);
     }
     if (!constraints_.empty()) approach_constraints();
     if (screen_ != nullptr) apply_pulls();
     world_.step();
+  }
+  for (const int id : order_) {
+    if (bodies_[id]->is_capped) cap_speeds(*bodies_[id]);
   }
   clear_torques();
   contacts_known_ = false;
@@ -85,6 +91,26 @@ void Client::apply_damping(Body& body) {
   }
 }
 
+/// Keeps each number of the velocities of base and joints at or below the body's largest.
+void Client::cap_speeds(Body& body) {
+  const double most = body.max_joint_velocity;
+  const auto capped = [&](const Vec3<double>& v) {
+    return Vec3<double>{std::clamp(v.x, -most, most), std::clamp(v.y, -most, most), std::clamp(v.z, -most, most)};
+  };
+  if (!body.plan.fixed) {
+    const Motion<double> V = inertial_velocity(body, -1);
+    if (norm(V.v - capped(V.v)) + norm(V.w - capped(V.w)) > 0) reset_base_velocity(body.id, capped(V.v), capped(V.w));
+  }
+  for (int i = 0; i < body.plan.num_links(); ++i) {
+    const JointId joint = joint_id(body, i);
+    const std::span<const double> q = world_.joint_q(joint), v = world_.joint_v(joint);
+    if (std::ranges::all_of(v, [&](double x) { return std::abs(x) <= most; })) continue;
+    std::vector<double> slower(v.begin(), v.end());
+    for (double& x : slower) x = std::clamp(x, -most, most);
+    world_.set_joint(joint, std::vector(q.begin(), q.end()), slower);
+  }
+}
+
 /// Motors whose command depends on the state: of a largest velocity, and explicit PD.
 void Client::apply_motors(Body& body, double h) {
   for (int i = 0; i < body.plan.num_links(); ++i) {
@@ -99,6 +125,13 @@ void Client::apply_motors(Body& body, double h) {
       torqued_.push_back({body.id, i});
     }
     const MotorSetting& s = motor.setting;
+    if (!motor.is_default && s.target_r) {
+      const std::span<const double> q = world_.joint_q(joint);
+      const Vec3<double> error = aiming_angles({q[0], q[1], q[2], q[3]}, *s.target_r);
+      const Vec3<double> v = (-s.kp / h) * error;
+      world_.set_joint_motor(joint, {.kp = 0, .kd = 1, .max_force = s.force}, std::array{v.x, v.y, v.z});
+      continue;
+    }
     if (s.mode != kPosition || !is_finite(motor.max_velocity)) continue;
     const double wanted = s.kp * (s.target_q - world_.joint_q(joint)[0]) / h + s.kd * s.target_v;
     const double most = motor.max_velocity;
@@ -118,6 +151,7 @@ void Client::clear_torques() {
     const std::vector<double> zero(world_.joint_v(in_world).size(), 0.0);
     world_.set_joint_tau(in_world, zero);
     body->motor(joint).torque = 0;
+    body->motor(joint).round_torque = Vec3<double>::zero();
   }
   torqued_.clear();
 }

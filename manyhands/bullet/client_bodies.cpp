@@ -4,6 +4,7 @@
 
 #include "manyhands/bullet/client_body.h"
 #include "manyhands/bullet/inertia.h"
+#include "manyhands/bullet/mjcf_plans.h"
 #include "manyhands/math/quaternion.h"
 #include "manyhands/model/io/mjcf/mjcf.h"
 #include "manyhands/model/io/sdf/sdf.h"
@@ -64,31 +65,33 @@ int Client::load_urdf(const std::filesystem::path& path, const Transform<double>
   take_notes(loaded.report);
   BodyPlan plan = plans_of(loaded.model).at(0);
   plan.fixed = options.fixed_base || !(plan.base.mass > 0);
-  show_collisions(plan);
   apply_flags(plan, options);
+  show_collisions(plan);
+  if (options.fixed_base) plan.base.inertia = Vec3<double>::zero();
   return add(std::move(plan), X_WB);
 }
 
-std::vector<int> Client::add_all(const LoadedModel& loaded, const LoadOptions& options) {
+std::vector<int> Client::add_all(const LoadedModel& loaded, std::vector<BodyPlan> plans, const LoadOptions& options) {
   take_notes(loaded.report);
   std::vector<int> ids;
-  for (BodyPlan& plan : plans_of(loaded.model)) {
+  for (BodyPlan& plan : plans) {
     const Transform<double> X_WB = place_of(loaded.model, plan);
-    show_collisions(plan);
     apply_flags(plan, options);
+    show_collisions(plan);
     ids.push_back(add(std::move(plan), X_WB));
   }
   return ids;
 }
 
 std::vector<int> Client::load_mjcf(const std::filesystem::path& path, const LoadOptions& options) {
-  return add_all(manyhands::load_mjcf(path, {.allow_outside_package = true, .bullet = true}), options);
+  const LoadedModel loaded = manyhands::load_mjcf(path, {.allow_outside_package = true, .bullet = true});
+  return add_all(loaded, mjcf_plans_of(loaded.model, next_jointfix_), options);
 }
 
 std::vector<int> Client::load_sdf(const std::filesystem::path& path, const LoadOptions& options) {
   std::vector<int> ids;
   for (const LoadedModel& loaded : manyhands::load_sdf(path, {.allow_outside_package = true, .bullet = true})) {
-    const std::vector<int> more = add_all(loaded, options);
+    const std::vector<int> more = add_all(loaded, plans_of(loaded.model), options);
     ids.insert(ids.end(), more.begin(), more.end());
   }
   return ids;
@@ -115,10 +118,8 @@ int Client::add(BodyPlan plan, const Transform<double>& X_WB) {
   }
   for (int i = -1; i < static_cast<int>(n); ++i) {
     for (const ShapePlan& shape : body->plan.link(i).visuals) body->of(i).rgba.push_back(shape.geom.rgba);
-    const std::vector<ShapePlan>& shapes = body->plan.link(i).collisions;
-    const bool round = shapes.size() == 1 && (shapes[0].geom.shape.type == ShapeType::kSphere ||
-                                              shapes[0].geom.shape.type == ShapeType::kCapsule);
-    if (round) body->of(i).margin = shapes[0].geom.shape.size.x;
+    const LinkPlan& link = body->plan.link(i);
+    if (link.is_round()) body->of(i).margin = link.collisions[0].geom.shape.size.x;
     const SurfaceMaterial& surface = body->plan.link(i).surface;
     if (surface.stiffness && surface.damping) {
       body->of(i).contact_stiffness = surface.stiffness;
@@ -144,13 +145,12 @@ void Client::remove(int id) {
   Body* const body = find(id);
   if (body == nullptr) return;
   keep_contacts();
-  bool cuts = false;
-  std::erase_if(constraints_, [&](const auto& entry) {
-    const bool uses = entry.second.parent == id || entry.second.child == id;
-    cuts = cuts || uses;
-    return uses;
-  });
-  if (cuts) write_constraints();
+  std::vector<int> cut;
+  for (const auto& [number, c] : constraints_) {
+    if (c.parent == id || c.child == id) cut.push_back(number);
+  }
+  for (const int number : cut) drop_constraint(number);
+  if (!cut.empty()) write_constraints();
   world_.remove(body_label(id));
   ++scene_;
   const auto place = std::ranges::find(order_, id);

@@ -14,6 +14,7 @@ struct MotorMemory {
   bool is_default = true;  ///< a velocity motor of 1 N s at rest
   double max_velocity = std::numeric_limits<double>::infinity();
   double torque = 0;         ///< of TORQUE_CONTROL, for the next step
+  Vec3<double> round_torque = Vec3<double>::zero();  ///< the same of a spherical joint
   std::vector<double> pd{};  ///< kp, kd, target_q, target_v, force of PD_CONTROL; empty without
   bool has_sensor = false;
 };
@@ -47,6 +48,7 @@ struct Client::Body {
   int num_dofs = 0;
   double linear_damping = 0.04, angular_damping = 0.04;
   double max_joint_velocity = 100;
+  bool is_capped = false;  ///< a program asked for it: PyBullet's own cap would only hide that something goes wrong
   std::vector<MotorMemory> motors{};       ///< (links)
   std::vector<LinkMemory> memory{};        ///< base, then links
   bool has_clamps = false;                 ///< some motor has a largest velocity, or is a PD

@@ -38,9 +38,13 @@ void Client::set_motor(Body& body, int joint, const MotorSetting& setting) {
   if (body.dof[static_cast<std::size_t>(joint)] < 0) return;
   MotorMemory& motor = body.motor(joint);
   const JointId in_world = joint_id(body, joint);
+  const bool is_round = body.plan.link(joint).joint == JointType::kSpherical;
   if (setting.mode == kTorque) {
     motor.torque += setting.force;
-    const std::vector<double> tau(world_.joint_v(in_world).size(), motor.torque);
+    motor.round_torque = motor.round_torque + setting.torque;
+    const Vec3<double>& t = motor.round_torque;
+    const std::vector<double> tau =
+        is_round ? std::vector{t.x, t.y, t.z} : std::vector(world_.joint_v(in_world).size(), motor.torque);
     world_.set_joint_tau(in_world, tau);
     torqued_.push_back({body.id, joint});
     return;
@@ -55,7 +59,7 @@ void Client::set_motor(Body& body, int joint, const MotorSetting& setting) {
   motor.setting = setting;
   if (setting.mode == kVelocity) motor.max_velocity = std::numeric_limits<double>::infinity();
   if (setting.max_velocity && *setting.max_velocity >= 0) motor.max_velocity = *setting.max_velocity;
-  body.has_clamps = body.has_clamps || is_finite(motor.max_velocity);
+  body.has_clamps = body.has_clamps || is_finite(motor.max_velocity) || setting.target_r.has_value();
   write_motor(body, joint);
 }
 

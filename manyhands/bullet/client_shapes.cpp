@@ -48,12 +48,66 @@ JointType joint_type(int code) {
 }  // namespace
 
 int Client::create_shape(std::vector<ShapeRecord> parts, GeomRole role) {
-  auto& shapes = role == GeomRole::kCollision ? collision_shapes_ : visual_shapes_;
-  shapes[next_shape_] = std::make_shared<const std::vector<ShapeRecord>>(std::move(parts));
-  return next_shape_++;
+  const bool collides = role == GeomRole::kCollision;
+  const int id = (collides ? next_collision_ : next_visual_)++;
+  (collides ? collision_shapes_ : visual_shapes_)[id] =
+      std::make_shared<const std::vector<ShapeRecord>>(std::move(parts));
+  return id;
 }
 
 void Client::remove_shape(int id) { collision_shapes_.erase(id); }
+
+std::vector<ContactReading> Client::closest_shapes(const QuerySide& a, const QuerySide& b, double distance) {
+  constexpr int kAny = -2;
+  struct Part {
+    int body, link;
+    BodyPlan plan;
+    Transform<double> X;
+  };
+  const auto parts_of = [&](const QuerySide& side) {
+    std::vector<Part> parts;
+    const auto add_part = [&](int body, int link, const Transform<double>& X) -> BodyPlan& {
+      BodyPlan plan;
+      plan.fixed = true;
+      plan.base.name = "part";
+      parts.push_back({body, link, std::move(plan), X});
+      return parts.back().plan;
+    };
+    if (const auto found = collision_shapes_.find(side.shape); found != collision_shapes_.end()) {
+      BodyPlan& plan = add_part(-1, kAny, side.X);
+      plan.base.collisions = put(plan, *found->second, GeomRole::kCollision);
+    }
+    Body* const body = side.shape < 0 ? find(side.body) : nullptr;
+    for (int i = -1; body != nullptr && i < body->plan.num_links(); ++i) {
+      if ((side.link != kAny && side.link != i) || body->plan.link(i).collisions.empty()) continue;
+      BodyPlan& plan = add_part(body->id, i, world_.link_pose(link_id(*body, i)));
+      plan.base.collisions = body->plan.link(i).collisions;
+      plan.meshes = body->plan.meshes;
+      plan.height_fields = body->plan.height_fields;
+    }
+    return parts;
+  };
+  std::vector<ContactReading> found;
+  const std::vector<Part> parts_b = parts_of(b);
+  for (const Part& one : parts_of(a)) {
+    for (const Part& other : parts_b) {
+      World both;
+      both.add(model_of(one.plan, one.X), Transform<double>::identity(), "a");
+      both.add(model_of(other.plan, other.X), Transform<double>::identity(), "b");
+      const auto d = both.link_distance(both.parts().link_id("a/part"), both.parts().link_id("b/part"));
+      if (!d || !(d->surfaces.phi <= distance)) continue;
+      found.push_back({.body_a = one.body,
+                       .body_b = other.body,
+                       .link_a = one.link,
+                       .link_b = other.link,
+                       .on_a = d->surfaces.p_A,
+                       .on_b = d->surfaces.p_B,
+                       .normal_on_b = -d->surfaces.normal_AB,
+                       .distance = d->surfaces.phi});
+    }
+  }
+  return found;
+}
 
 int Client::create_body(const MultiBodyRequest& request, const Transform<double>& X_WB) {
   BodyPlan plan;

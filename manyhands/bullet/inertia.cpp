@@ -67,7 +67,10 @@ bool is_centred(const LinkPlan& link, const ShapePlan& shape) {
 
 }  // namespace
 
-Vec3<double> inertia_of_shapes(const BodyPlan& plan, const LinkPlan& link, double mass, bool from_file) {
+namespace {
+
+/// Without the link's factor.
+Vec3<double> plain_inertia(const BodyPlan& plan, const LinkPlan& link, double mass, bool from_file) {
   if (link.collisions.empty()) {
     constexpr double kCube = 6.67e-7;  // of 2 mm, for 1 kg
     return from_file ? Vec3<double>{kCube * mass, kCube * mass, kCube * mass} : Vec3<double>::zero();
@@ -87,6 +90,12 @@ Vec3<double> inertia_of_shapes(const BodyPlan& plan, const LinkPlan& link, doubl
     }
   }
   return box_inertia(mass, all_bounds(plan, link, lies_alone).half());
+}
+
+}  // namespace
+
+Vec3<double> inertia_of_shapes(const BodyPlan& plan, const LinkPlan& link, double mass, bool from_file) {
+  return link.inertia_scale * plain_inertia(plan, link, mass, from_file);
 }
 
 void set_inertias(BodyPlan& plan, bool use_file, bool from_file) {

@@ -64,6 +64,8 @@ struct MotorSetting {
   ControlMode mode = kVelocity;
   double target_q = 0, target_v = 0, force = 100000, kp = 0.1, kd = 1;
   std::optional<double> max_velocity{};
+  std::optional<Quat<double>> target_r{};     ///< of a spherical joint
+  Vec3<double> torque = Vec3<double>::zero();  ///< of a spherical joint under TORQUE_CONTROL [N m]
 };
 
 /// Empty: leave it.
@@ -124,6 +126,12 @@ struct ContactReading {
   Vec3<double> friction{};  ///< on B
   double friction_1 = 0, friction_2 = 0;
   Vec3<double> direction_1{}, direction_2{};
+};
+
+/// One side of a question for distances: a collision shape at a place, or else a body, or one of its links.
+struct QuerySide {
+  int body = -1, link = -2, shape = -1;  ///< link -2: any
+  Transform<double> X = Transform<double>::identity();  ///< of the shape, in the world
 };
 
 struct RayReading {

@@ -179,6 +179,8 @@ class World {
   /// Of each dof of the joint. Throws std::invalid_argument on numbers that are not finite, or negative where they may
   /// not be.
   void set_joint_motor(JointId joint, const JointMotor& motor);
+  /// The same, with a velocity for each dof. Throws std::invalid_argument on another number of them, too.
+  void set_joint_motor(JointId joint, const JointMotor& motor, std::span<const double> target_v);
   /// What motor and limits did to the joint's dofs in the last step, their mean force over it [N m or N]; 0 before one.
   [[nodiscard]] std::vector<double> joint_forces(JointId joint) const;
   void set_joint_damping(JointId joint, double damping);
@@ -236,6 +238,9 @@ class World {
   [[nodiscard]] std::vector<std::optional<WorldRayHit>> ray_cast(std::span<const Vec3<double>> origins,
                                                                  std::span<const Vec3<double>> directions,
                                                                  double max_distance) const;
+  /// All that one ray meets, the nearest first, each geom where the ray enters it: at distance 0 if it begins inside.
+  [[nodiscard]] std::vector<WorldRayHit> ray_cast_all(const Vec3<double>& origin, const Vec3<double>& direction,
+                                                      double max_distance) const;
 
   /// Of a link or geom of a query's result. The id is that of `model`; these do not ask for it, since that clears out
   /// what was removed.

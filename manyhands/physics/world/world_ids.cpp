@@ -167,6 +167,15 @@ void World::set_joint_motor(JointId joint, const JointMotor& motor) {
   }
 }
 
+void World::set_joint_motor(JointId joint, const JointMotor& motor, std::span<const double> target_v) {
+  WorldCore& now = loose();
+  const Body& body = required_body(now, joint);
+  require_numbers<double>("the target velocities of joint '" + now.model->joint(joint).name + "'", target_v,
+                          static_cast<std::size_t>(body.nv));
+  set_joint_motor(joint, motor);
+  std::ranges::copy(target_v, now.state.target_v() + body.iv);
+}
+
 std::vector<double> World::joint_forces(JointId joint) const {
   const WorldCore& now = loose();
   const Body& body = required_body(now, joint);

@@ -100,7 +100,8 @@ JointLimits read_limits(const UrdfElement& joint, JointType type) {
     return limits;
   }
   if (type == JointType::kFixed) return limits;
-  if (has_range(type)) {
+  const bool is_told = joint.is_bullet() && type == JointType::kContinuous;  // Bullet tells them, and keeps none
+  if (has_range(type) || (is_told && (limit.has("lower") || limit.has("upper")))) {
     limit.expect({"lower", "upper", "effort", "velocity"});
     read_range(limit, limits);
   } else {

@@ -1,0 +1,1 @@
+"""manyhands.pybullet beside the real module: calls, and the files of its data folder."""
