@@ -12,7 +12,11 @@ COMMANDS = {
 def main() -> int:
     """Runs the command; returns the exit status."""
     if len(sys.argv) < 2 or sys.argv[1] not in COMMANDS:
-        print("usage: python -m benchmarks.bullet COMMAND\n", *(f"  {n}: {what}" for n, what in COMMANDS.items()), sep="\n")
+        print(
+            "usage: python -m benchmarks.bullet COMMAND\n",
+            *(f"  {n}: {what}" for n, what in COMMANDS.items()),
+            sep="\n",
+        )
         return 2
     return import_module(f"benchmarks.bullet.{sys.argv[1]}").main()
 

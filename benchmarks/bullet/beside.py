@@ -58,39 +58,39 @@ class Compared:
 RECORD: dict[str, Compared] = {}
 
 
-class Mismatch(AssertionError):
+class MismatchError(AssertionError):
     """The modules differ by more than the tolerance, or in kind."""
 
 
 def distance(a: Any, b: Any, tolerance: float, where: str = "") -> float:
-    """The largest difference of numbers, relative above 1; raises Mismatch beyond the tolerance and of other kinds.
+    """The largest difference of numbers, relative above 1. Raises MismatchError beyond the tolerance.
 
     Types, lengths, texts and whole numbers are the same exactly; quaternions up to their sign.
     """
     if type(a) is not type(b):
-        raise Mismatch(f"{where}: {a!r} beside {b!r}")
+        raise MismatchError(f"{where}: {a!r} beside {b!r}")
     if isinstance(a, float):
         apart = abs(a - b) / max(1.0, abs(b))
         if not apart <= tolerance and a != b:
-            raise Mismatch(f"{where}: {a!r} beside {b!r}, {apart:.1e} apart, tolerance {tolerance:.1e}")
+            raise MismatchError(f"{where}: {a!r} beside {b!r}, {apart:.1e} apart, tolerance {tolerance:.1e}")
         return 0.0 if a == b else apart
     if isinstance(a, tuple | list):
         if len(a) != len(b):
-            raise Mismatch(f"{where}: {len(a)} beside {len(b)} entries: {a!r} beside {b!r}")
+            raise MismatchError(f"{where}: {len(a)} beside {len(b)} entries: {a!r} beside {b!r}")
         if is_quaternion(a) and sum(x * y for x, y in zip(a, b, strict=True)) < 0:
             a = tuple(-x for x in a)
         pairs = zip(a, b, strict=True)
         return max((distance(x, y, tolerance, f"{where}[{i}]") for i, (x, y) in enumerate(pairs)), default=0.0)
     if isinstance(a, dict):
         if list(a) != list(b):
-            raise Mismatch(f"{where}: {list(a)} beside {list(b)}")
+            raise MismatchError(f"{where}: {list(a)} beside {list(b)}")
         return max((distance(a[key], b[key], tolerance, f"{where}[{key!r}]") for key in a), default=0.0)
     if isinstance(a, np.ndarray):
         if a.dtype != b.dtype or a.shape != b.shape:
-            raise Mismatch(f"{where}: {a.dtype} {a.shape} beside {b.dtype} {b.shape}")
+            raise MismatchError(f"{where}: {a.dtype} {a.shape} beside {b.dtype} {b.shape}")
         return distance(a.astype(float).ravel().tolist(), b.astype(float).ravel().tolist(), tolerance, where)
     if a != b:
-        raise Mismatch(f"{where}: {a!r} beside {b!r}")
+        raise MismatchError(f"{where}: {a!r} beside {b!r}")
     return 0.0
 
 
@@ -130,7 +130,7 @@ class Beside:
         a, b = (getattr(module, name)(*args, **options) for module in (ours, real))
         try:
             apart = distance(*((view(a), view(b)) if view else (a, b)), within, name)
-        except Mismatch:
+        except MismatchError:
             self._unseen.clear()
             raise
         one = note(name, args, options)
@@ -154,19 +154,22 @@ class Beside:
 
     def refuses(self, name: str, /, *args: Any, **options: Any) -> None:
         """Both raise the same kind of exception, and our world is as it was to the bit."""
-        before, kinds = state_of_ours(), []
-        for module in (ours, real):
-            try:
-                result = getattr(module, name)(*args, **options)
-            except module.error:
-                kinds.append("error")
-            except TypeError:
-                kinds.append("TypeError")
-            else:
-                kinds.append(f"no exception but {result!r}")
+        before = state_of_ours()
+        kinds = [kind_of_refusal(module, name, args, options) for module in (ours, real)]
         assert kinds[0] == kinds[1] and kinds[0] in ("error", "TypeError"), f"{name}: {kinds[0]} beside {kinds[1]}"
         assert state_of_ours() == before, f"{name} has changed something and then refused"
         RECORD.setdefault(name, Compared()).refusals.add(repr((args, options)))
+
+
+def kind_of_refusal(module: Any, name: str, args: tuple[Any, ...], options: dict[str, Any]) -> str:
+    """The exception of a call, or what it returned."""
+    try:
+        result = getattr(module, name)(*args, **options)
+    except module.error:
+        return "error"
+    except TypeError:
+        return "TypeError"
+    return f"no exception but {result!r}"
 
 
 def note(name: str, args: tuple[Any, ...], options: dict[str, Any]) -> Compared:

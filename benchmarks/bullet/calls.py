@@ -1,4 +1,4 @@
-"""`python -m benchmarks.bullet calls`: what the tests beside the real PyBullet compare, as docs/pybullet_coverage.md."""
+"""`python -m benchmarks.bullet calls` writes docs/pybullet_coverage.md: what the tests beside PyBullet compare."""
 
 import re
 import sys
@@ -12,16 +12,16 @@ TABLE = ROOT / "docs/pybullet_coverage.md"
 HEAD = """\
 # PyBullet, function by function
 
-Real PyBullet 3.2.7 and `manyhands.pybullet` get the same random calls, and what they return is compared: types, lengths,
-texts and whole numbers exactly, floating point numbers within a tolerance, quaternions up to their sign. Wrong input must
-raise the same kind of exception, and leave the world as it was to the bit.
+Real PyBullet 3.2.7 and `manyhands.pybullet` get the same random calls, and what they return is compared: types,
+lengths, texts and whole numbers exactly, floating point numbers within a tolerance, quaternions up to their sign. Wrong
+input must raise the same kind of exception, and leave the world as it was to the bit.
 
-The tests are `tests/oracles/pybullet_module`. They write this table, by `python -m benchmarks.bullet calls`, and fail if
-it has less than they compare.
+The tests are `tests/oracles/pybullet_module`. They write this table, by `python -m benchmarks.bullet calls`, and fail
+if it has less than they compare.
 
 {count}
 
-- *Options*: the optional arguments and the constants that were given; a function is always called with those that it needs.
+- *Options*: the optional arguments and the constants that were given; those that it needs, a function always gets.
 - *Tolerance*: the largest of the tests; relative for numbers above 1. Empty: nothing differed at all.
 - *Apart*: how far the results were apart at most, in one run.
 - *Wrong input*: how many kinds of it were refused alike.

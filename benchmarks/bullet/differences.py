@@ -11,15 +11,15 @@ DIFFERENCES = {
     "explicit one blows up on light links; Bullet's cap of 100 rad/s holds only where a program sets one",
     "createConstraint": f"frames that are apart meet at 1 m/s at most; {_STRICT}",
     "createMultiBody": _STRICT,
-    "getAABB": "shapes have no margin; Bullet's boxes of hulls reach 1 to 2 mm farther",
-    "getBasePositionAndOrientation": "free motion is exact to second order: Bullet falls g h t / 2 farther in t, with steps "
-    "of h; things rest on the ground, not 1 mm above it",
+    "getAABB": "shapes have no margin, and the box of a turned cylinder is its own: Bullet's reach farther",
+    "getBasePositionAndOrientation": "free motion is exact to second order: with steps of h, Bullet falls g h t / 2 "
+    "farther in t; things rest on the ground, not 1 mm above it",
     "getCameraImage": "depth and segmentation agree in more than 95 % of pixels, whose rays go through other corners; "
     "colours have this renderer's light; lightColor, lightDistance, lightSpecularCoeff and renderer have no effect",
     "getClosestPoints": "no margins; where surfaces are parallel any nearest point is right",
     "getCollisionShapeData": "cylinders stay cylinders: Bullet's are hulls of 32 sides",
-    "getContactPoints": "contacts are solved to the end; which points of a face carry it, and which body is A where none "
-    "is named, is each engine's own; bodies that do not touch have none",
+    "getContactPoints": "contacts are solved to the end; which points of a face carry it, and which body is A where "
+    "none is named, is each engine's own; bodies that do not touch have none",
     "getDynamicsInfo": "links merged by URDF_MERGE_FIXED_LINKS have their true centre of mass; so have those of MJCF "
     "files, where Bullet takes the middle of the last geom",
     "getJointInfo": "axes have length 1",
@@ -27,13 +27,16 @@ DIFFERENCES = {
     "getJointStates": "as getJointState",
     "getLinkState": _NOW,
     "getLinkStates": _NOW,
+    "getVisualShapeData": "textures have their ids; without a window, Bullet tells -1",
     "loadSDF": "another globalScaling is an error here",
     "loadURDF": "with useMaximalCoordinates=1 the body is articulated all the same",
     "rayTest": f"reportHitNumber counts from the nearest link; Bullet's order is that of its tree; {_STRICT}",
     "rayTestBatch": "as rayTest",
+    "resetBaseVelocity": "a base that stands keeps none; Bullet's drifts",
     "resetSimulation": "deformable worlds are an error here",
-    "setJointMotorControl2": "the motor's equation is solved exactly; Bullet's sweeps are run to the end for the comparison",
+    "setJointMotorControl2": "the motor's equation is solved exactly; Bullet's sweeps are run to the end for it",
     "setPhysicsEngineParameter": "what tunes Bullet's solver has no effect: iterations are kept to be read back",
+    "setJointMotorControlMultiDof": "a wrong number of targets is an error here",
     "setTimeStep": "0 and less are an error here",
     "startStateLogging": "videos and timings return an id and write nothing; other logs are NotImplementedError",
     "stepSimulation": "always (): there are no solver analytics",

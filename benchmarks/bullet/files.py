@@ -24,9 +24,9 @@ HEAD = """\
 # PyBullet's files
 
 Every URDF, SDF and MJCF file of the real `pybullet_data` folder, loaded by real PyBullet 3.2.7 and by
-`manyhands.pybullet`: names, types, parents and limits of joints, masses, and the poses of bases and links, within {near}.
-`random_urdfs` holds a thousand objects of one kind, of which every hundredth is here. `python -m benchmarks.bullet files`
-writes this table.
+`manyhands.pybullet`: names, types, parents and limits of joints, masses, and the poses of bases and links, within
+{near}. A range whose ends are the wrong way round is none. `random_urdfs` holds a thousand objects of one kind: every
+hundredth is here. `python -m benchmarks.bullet files` writes this table.
 
 {count}
 
@@ -100,7 +100,7 @@ def body(module: Any, one: int, client: int) -> dict[str, Any]:
     return {
         "names": [module.getBodyInfo(one, physicsClientId=client)[0], *((info[1], info[12]) for info in joints)],
         "types and parents of joints": [(info[2], info[3], info[4], info[16]) for info in joints],
-        "limits": [info[8:12] for info in joints],
+        "limits": [(info[8:10] if info[8] <= info[9] else "none", info[10:12]) for info in joints],
         "masses": [info[0] for info in dynamics],
         "place of the base": module.getBasePositionAndOrientation(one, physicsClientId=client),
         "centres of mass": [info[3] for info in dynamics],

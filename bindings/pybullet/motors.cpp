@@ -112,7 +112,8 @@ constexpr Function kSetMultiDof{
     "setJointMotorControlMultiDof",
     "bodyUniqueId, jointIndex, controlMode | targetPosition=None, targetVelocity=None, force=None, positionGain=0.1, "
     "velocityGain=1, maxVelocity=-1, damping=None",
-    "As setJointMotorControl2, with lists. A spherical joint turns to a quaternion, by at most force[0] about each axis, "
+    "As setJointMotorControl2, with lists. A spherical joint turns to a quaternion, by at most force[0] about each "
+    "axis, "
     "or takes three torques; its velocity target and gain have no effect, as in Bullet.",
     [](Client& client, const Arguments& a) -> PyObject* {
       set_multi_dof(client, a.integer(0), a.integer(1), a.integer(2),

@@ -127,7 +127,7 @@ class Assembler {
 LinkPlan link_plan(const Model& model, LinkId id, const std::vector<int>& numbers) {
   const Link& part = model.link(id);
   LinkPlan link;
-  link.name = part.name;
+  link.name = part.name == "world_" ? "world" : part.name;  // as the file has it
   link.mass = part.inertial.mass;
   link.X_LI = {part.inertial_axes, part.inertial.com};
   link.file_inertia = part.inertial.inertia;
@@ -174,6 +174,7 @@ std::vector<BodyPlan> plans_of(const Model& model) {
     BodyPlan plan;
     plan.name = model.name();
     plan.base = link_plan(model, id, numbers);
+    plan.root = id;
     plan.fixed = id.value() == 0 || !model.link(id).joint.is_valid() ||
                  model.joint(model.link(id).joint).type != JointType::kFloating || plan.base.mass == 0;
     plan.self_collision = model.contact_rules().self_collision;

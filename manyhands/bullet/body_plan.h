@@ -60,9 +60,11 @@ struct LinkPlan {
 struct BodyPlan {
   std::string name{};
   LinkPlan base{};
+  LinkId root{};  ///< the base in the loader's model; invalid where it is none of that
   std::vector<LinkPlan> links{};
   std::vector<Mesh> meshes{};
   std::vector<HeightField> height_fields{};
+  bool from_file = false;                                     ///< not made by a program
   bool fixed = false;                                         ///< the base stands where it is put
   bool self_collision = false;                                ///< between its links
   bool includes_parents = false, excludes_ancestors = false;  ///< see URDF_USE_SELF_COLLISION_...

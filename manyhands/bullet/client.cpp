@@ -128,7 +128,8 @@ void Client::apply_motors(Body& body, double h) {
     if (!motor.is_default && s.target_r) {
       const std::span<const double> q = world_.joint_q(joint);
       const Vec3<double> error = aiming_angles({q[0], q[1], q[2], q[3]}, *s.target_r);
-      const Vec3<double> v = (-s.kp / h) * error;
+      constexpr double kErrorReduction = 0.2;
+      const Vec3<double> v = (-kErrorReduction * s.kp / h) * error;
       world_.set_joint_motor(joint, {.kp = 0, .kd = 1, .max_force = s.force}, std::array{v.x, v.y, v.z});
       continue;
     }

@@ -26,7 +26,8 @@ void apply_flags(BodyPlan& plan, const LoadOptions& options) {
       if ((options.flags & kImplicitCylinder) != 0) shape.is_urdf_cylinder = false;
     }
   }
-  set_inertias(plan, (options.flags & kInertiaFromFile) != 0, true);
+  plan.from_file = true;
+  set_inertias(plan, (options.flags & kInertiaFromFile) != 0);
   plan.self_collision = (options.flags & kSelfCollision) != 0;
   plan.excludes_ancestors = (options.flags & kExcludeAllParents) != 0;
   plan.includes_parents = (options.flags & kIncludeParent) != 0;
@@ -48,8 +49,8 @@ namespace {
 
 /// Where a base stands in the world of its own file, or begins there.
 Transform<double> place_of(const Model& model, const BodyPlan& plan) {
-  if (model.find_link(plan.base.name).value() <= 0) return Transform<double>::identity();
-  const Link& link = model.link(model.link_id(plan.base.name));
+  if (!plan.root.is_valid() || plan.root.value() == 0) return Transform<double>::identity();
+  const Link& link = model.link(plan.root);
   if (!link.joint.is_valid()) return link.X_BL;
   const Joint& joint = model.joint(link.joint);
   const std::vector<double>& q = joint.initial;
@@ -120,6 +121,7 @@ int Client::add(BodyPlan plan, const Transform<double>& X_WB) {
     for (const ShapePlan& shape : body->plan.link(i).visuals) body->of(i).rgba.push_back(shape.geom.rgba);
     const LinkPlan& link = body->plan.link(i);
     if (link.is_round()) body->of(i).margin = link.collisions[0].geom.shape.size.x;
+    if (!body->plan.from_file && !stands_for_link(link)) body->of(i).margin = 0;
     const SurfaceMaterial& surface = body->plan.link(i).surface;
     if (surface.stiffness && surface.damping) {
       body->of(i).contact_stiffness = surface.stiffness;

@@ -13,9 +13,9 @@ struct MotorMemory {
   MotorSetting setting{};
   bool is_default = true;  ///< a velocity motor of 1 N s at rest
   double max_velocity = std::numeric_limits<double>::infinity();
-  double torque = 0;         ///< of TORQUE_CONTROL, for the next step
+  double torque = 0;                                 ///< of TORQUE_CONTROL, for the next step
   Vec3<double> round_torque = Vec3<double>::zero();  ///< the same of a spherical joint
-  std::vector<double> pd{};  ///< kp, kd, target_q, target_v, force of PD_CONTROL; empty without
+  std::vector<double> pd{};                          ///< kp, kd, target_q, target_v, force of PD_CONTROL; empty without
   bool has_sensor = false;
 };
 

@@ -32,7 +32,7 @@ void Client::change_dynamics(int id, int link, const DynamicsChange& change) {
   bool rebuild = false;
   if (change.mass && *change.mass >= 0) {
     plan.mass = *change.mass;
-    plan.inertia = inertia_of_shapes(body->plan, plan, plan.mass, false);
+    plan.inertia = inertia_of_shapes(body->plan, plan, plan.mass);
     if (change.inertia) plan.inertia = *change.inertia;
     const bool fixed = link < 0 && plan.mass == 0;
     rebuild = link < 0 && fixed != body->plan.fixed;

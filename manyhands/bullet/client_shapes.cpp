@@ -28,6 +28,23 @@ std::vector<ShapePlan> put(BodyPlan& plan, const std::vector<ShapeRecord>& recor
   return shapes;
 }
 
+/// PyBullet numbers links so, whatever their order in the lists.
+std::vector<LinkPlan> depth_first(std::vector<LinkPlan> given) {
+  std::vector<LinkPlan> links;
+  const auto visit = [&](auto&& self, int parent, int number) -> void {
+    for (std::size_t i = 0; i < given.size(); ++i) {
+      if (given[i].parent != parent || given[i].name.empty()) continue;
+      LinkPlan link = std::move(given[i]);
+      given[i].name.clear();
+      link.parent = number;
+      links.push_back(std::move(link));
+      self(self, static_cast<int>(i), static_cast<int>(links.size()) - 1);
+    }
+  };
+  visit(visit, -1, -1);
+  return links;
+}
+
 JointType joint_type(int code) {
   switch (code) {
     case kRevolute:
@@ -147,7 +164,8 @@ int Client::create_body(const MultiBodyRequest& request, const Transform<double>
     dress(link, given.collision_shape, given.visual_shape);
     plan.links.push_back(std::move(link));
   }
-  set_inertias(plan, false, false);
+  plan.links = depth_first(std::move(plan.links));
+  set_inertias(plan, false);
   plan.self_collision = (request.flags & kSelfCollision) != 0;
   plan.excludes_ancestors = (request.flags & kExcludeAllParents) != 0;
   return add(std::move(plan), X_WB);

@@ -6,6 +6,11 @@ namespace {
 
 constexpr const char* kNameless = "MuJoCo Model";  // what the loader calls a model without a name
 
+/// Whether the loader made up the geom's name, "geom_" and a number.
+bool is_nameless(const std::string& name) {
+  return name.empty() || (name.starts_with("geom_") && name.find_first_not_of("0123456789", 5) == name.npos);
+}
+
 class Planner {
  public:
   Planner(const Model& model, int& fixed)
@@ -39,7 +44,7 @@ class Planner {
   void add_static(const ShapePlan& shape, const SurfaceMaterial& surface) {
     BodyPlan& body = begin();
     body.fixed = true;
-    body.base.name = shape.geom.name.empty() ? "anonymous" : shape.geom.name;
+    body.base.name = is_nameless(shape.geom.name) ? "anonymous" : shape.geom.name;
     body.base.surface = surface;
     (shape.geom.role == GeomRole::kCollision ? body.base.collisions : body.base.visuals).push_back(shape);
   }
@@ -54,9 +59,7 @@ class Planner {
     return link.joint != JointType::kFixed && link.joint != JointType::kFloating;
   }
 
-  std::string fresh_name() {
-    return "link" + std::to_string(plans_.size() - 1) + "_" + std::to_string(next_++);
-  }
+  std::string fresh_name() { return "link" + std::to_string(plans_.size() - 1) + "_" + std::to_string(next_++); }
 
   void add_top(LinkId top) {
     begin();
@@ -89,6 +92,7 @@ class Planner {
     int place = -1;
     if (is_base && joints.empty()) {
       plans_.back().base = std::move(own);
+      plans_.back().root = id;
     } else {
       own.joint = JointType::kFixed;
       own.parent = carrier;
@@ -106,7 +110,7 @@ class Planner {
 
   [[nodiscard]] LinkPlan plan_of(LinkId id) const { return link_plan(model_, id, numbers_); }
 
-  /// The joint alone, on a link without mass.
+  /// The joint alone, on a link without mass; its damping and friction do not count.
   static LinkPlan carrying(const LinkPlan& joint, std::string name, int parent) {
     LinkPlan link;
     link.name = std::move(name);
@@ -118,8 +122,6 @@ class Planner {
     const bool is_limited = joint.is_limited();
     link.lower = is_limited ? joint.lower : 1;
     link.upper = is_limited ? joint.upper : 0;
-    link.damping = joint.damping;
-    link.friction = joint.friction;
     return link;
   }
 

@@ -64,7 +64,7 @@ struct MotorSetting {
   ControlMode mode = kVelocity;
   double target_q = 0, target_v = 0, force = 100000, kp = 0.1, kd = 1;
   std::optional<double> max_velocity{};
-  std::optional<Quat<double>> target_r{};     ///< of a spherical joint
+  std::optional<Quat<double>> target_r{};      ///< of a spherical joint
   Vec3<double> torque = Vec3<double>::zero();  ///< of a spherical joint under TORQUE_CONTROL [N m]
 };
 
@@ -130,7 +130,7 @@ struct ContactReading {
 
 /// One side of a question for distances: a collision shape at a place, or else a body, or one of its links.
 struct QuerySide {
-  int body = -1, link = -2, shape = -1;  ///< link -2: any
+  int body = -1, link = -2, shape = -1;                 ///< link -2: any
   Transform<double> X = Transform<double>::identity();  ///< of the shape, in the world
 };
 

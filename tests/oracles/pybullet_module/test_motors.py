@@ -46,9 +46,7 @@ def test_positions(both: Beside, rng: np.random.Generator, options: dict[str, fl
 
 
 @seeds
-@pytest.mark.parametrize(
-    "options", [{}, {"force": 3000}, {"velocityGain": 0.4}, {"force": 40}, {"force": 0}], ids=str
-)
+@pytest.mark.parametrize("options", [{}, {"force": 3000}, {"velocityGain": 0.4}, {"force": 40}, {"force": 0}], ids=str)
 def test_velocities(both: Beside, rng: np.random.Generator, options: dict[str, float]) -> None:
     arm = free_arm(both, rng)
     for joint in DOFS:
@@ -204,7 +202,7 @@ def test_pushes_on_a_base(both: Beside, rng: np.random.Generator) -> None:
         both.applyExternalForce(body, -1, (5 * rng.normal(size=3)).tolist(), place(rng, 0.2)[0], both.LINK_FRAME)
         both.applyExternalTorque(body, -1, rng.normal(size=3).tolist(), both.LINK_FRAME)
         both.stepSimulation()
-        both.getBaseVelocity(body, within=1e-3)
+        both.getBaseVelocity(body, within=5e-3)
     both.applyExternalForce(99, -1, [1, 0, 0], [0, 0, 0], both.WORLD_FRAME)
     both.getBasePositionAndOrientation(body, within=1e-3)
 

@@ -55,7 +55,7 @@ def test_meshes(both: Beside, rng: np.random.Generator) -> None:
     visual = both.createVisualShape(both.GEOM_MESH, fileName="duck.obj", meshScale=scale)
     for shape in shapes:
         body = both.createMultiBody(rng.uniform(0.5, 2), shape, visual, *place(rng))
-        both.getDynamicsInfo(body, -1, within=1e-3)
+        both.getDynamicsInfo(body, -1, within=1e-4)
         both.getVisualShapeData(body)
 
 
@@ -118,8 +118,8 @@ def test_several_shapes_in_one(both: Beside, rng: np.random.Generator) -> None:
     )
     body = both.createMultiBody(1, shape, visual, *place(rng))
     both.getVisualShapeData(body)
-    both.getCollisionShapeData(body, -1, within=1e-5)
-    both.getDynamicsInfo(body, -1, within=2e-2)
+    both.getCollisionShapeData(body, -1, view=lambda shapes: shapes[0], within=1e-5)  # Bullet's others hold garbage
+    both.getDynamicsInfo(body, -1, within=1e-5)
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -160,6 +160,11 @@ def test_wrong_shapes(both: Beside, call: tuple[object, ...]) -> None:
     both.refuses(*(x for x in call if not isinstance(x, dict)), **options)
 
 
+def without_textures(shapes: tuple[tuple[object, ...], ...]) -> list[object]:
+    """Without a window the real module tells -1 of all textures."""
+    return [(*shape[:8], len(shape)) for shape in shapes]
+
+
 @seeds
 def test_looks(both: Beside, rng: np.random.Generator) -> None:
     body = random_chain(both, rng, 3)
@@ -168,12 +173,12 @@ def test_looks(both: Beside, rng: np.random.Generator) -> None:
     both.changeVisualShape(body, 1, shapeIndex=0, rgbaColor=[1, 0, 0, 0.5], specularColor=[0.3, 0.3, 0.3])
     both.changeVisualShape(objectUniqueId=body, linkIndex=2, textureUniqueId=texture)
     both.getVisualShapeData(body)
-    both.getVisualShapeData(body, flags=both.VISUAL_SHAPE_DATA_TEXTURE_UNIQUE_IDS)
+    both.getVisualShapeData(body, flags=both.VISUAL_SHAPE_DATA_TEXTURE_UNIQUE_IDS, view=without_textures)
     both.changeVisualShape(body, 2, textureUniqueId=-1, flags=both.VISUAL_SHAPE_DOUBLE_SIDED)
     both.changeVisualShape(99, 2, rgbaColor=[1, 0, 0, 1])
     both.changeVisualShape(body, 99, rgbaColor=[1, 0, 0, 1])
     both.resetVisualShapeData(body, 0, rgbaColor=[0, 1, 0, 1])
-    both.getVisualShapeData(body, flags=both.VISUAL_SHAPE_DATA_TEXTURE_UNIQUE_IDS)
+    both.getVisualShapeData(body, flags=both.VISUAL_SHAPE_DATA_TEXTURE_UNIQUE_IDS, view=without_textures)
     both.getVisualShapeData(99)
     both.changeTexture(texture, [255, 0, 0] * 4, 2, 2)
     both.getNumBodies()

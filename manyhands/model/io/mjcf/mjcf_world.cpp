@@ -208,6 +208,9 @@ class WorldReader {
       const auto& [element, X_BF] = contents.inertials[0];
       inertial = manyhands::placed(X_BF, read_inertial(element.named(body.source->what())));
     }
+    if (!is_given && !contents.inertials.empty() && body.source->source().is_bullet()) {
+      set_mass(inertial, contents.inertials[0].element.positive_or("mass", inertial.mass));  // Bullet heeds it
+    }
     for (std::size_t i = 1; i < contents.inertials.size(); ++i) {
       contents.inertials[i].element.fail("a second <inertial>; expected one");
     }
@@ -225,6 +228,14 @@ class WorldReader {
     if (const auto repair = repair_inertial(inertial)) source.note(LoadAction::kRepaired, *repair);
     checked(source, [&] { check_inertial(body.name, inertial); });
     scene_.builder.link(body.link).inertial = inertial;
+  }
+
+  /// The same, but heavier or lighter.
+  static void set_mass(Inertial& inertial, double mass) {
+    const double k = inertial.mass > 0 ? mass / inertial.mass : 0;
+    const SymMat3<double>& I = inertial.inertia;
+    inertial.inertia = {k * I.xx, k * I.yy, k * I.zz, k * I.xy, k * I.xz, k * I.yz};
+    inertial.mass = mass;
   }
 
   static bool repairs_to_itself(Inertial inertial) { return !repair_inertial(inertial).has_value(); }

@@ -70,7 +70,8 @@ CollisionFilter read_filter(const SdfElement& collision) {
 
 SdfLink read_link(const SdfElement& link, const SdfOptions& options, bool masks) {
   link.expect({"pose", "inertial", "collision", "visual", "contact", "gravity", "self_collide"});
-  SdfLink result{.source = link, .name = link.name(), .scope = {}, .key = {}, .inertial = read_inertial(link, options.bullet)};
+  SdfLink result{
+      .source = link, .name = link.name(), .scope = {}, .key = {}, .inertial = read_inertial(link, options.bullet)};
   if (!link.flag_or("gravity", true)) result.gravity_compensation = 1;
   for (const SdfElement& element : link.children("visual")) {
     if (std::optional<SdfGeom> geom = read_geom(element, GeomRole::kVisual)) result.geoms.push_back(std::move(*geom));
