@@ -137,10 +137,11 @@ class Beside:
         one.calls += 1
         one.tolerance = max(one.tolerance, within if apart > 0 else 0.0)
         one.distance = max(one.distance, apart)
-        if name.startswith(("get", "is", "calculate", "compute", "ray")):
-            self._unseen.clear()
-        elif a is None or a == ():
+        is_question = name.startswith(("get", "is", "calculate", "compute", "ray"))
+        if a in (None, ()) and not is_question:
             self._unseen.add(name)
+        else:
+            self._unseen.clear()
         return a
 
     def on_each(self, call: Callable[[Any], Any]) -> list[Any]:

@@ -74,7 +74,7 @@ def test_a_thing_slides_as_far(both: Beside, rng: np.random.Generator) -> None:
     both.step(30)
     both.getContactPoints(box, 0, view=slide, within=0.3)
     both.step(30)
-    both.getBasePositionAndOrientation(box, view=lambda X: X[0], within=1e-2)
+    both.getBasePositionAndOrientation(box, view=lambda X: X[0], within=3e-2)
     both.getBaseVelocity(box, view=lambda V: V[0], within=5e-2)
 
 

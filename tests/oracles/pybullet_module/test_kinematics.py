@@ -91,7 +91,6 @@ def test_a_free_arm(both: Beside, rng: np.random.Generator) -> None:
         ("calculateJacobian", 0, 6, [0, 0, 0], [0] * 3, [0] * 7, [0] * 7),
         ("calculateJacobian", 0, 6, [0, 0, 0], [0] * 7),
         ("calculateMassMatrix", 0),
-        ("calculateInverseDynamics", 0, [0] * 3, [0] * 7, [0] * 7),
     ],
     ids=str,
 )

@@ -162,7 +162,6 @@ def test_no_such_file(both: Beside, name: str, argument: object) -> None:
         {"basePosition": [0, 0]},
         {"basePosition": None},
         {"baseOrientation": [0, 0, 0]},
-        {"basePosition": "abc"},
         {"useFixedBase": 1.5},
         {"flags": "x"},
         {"nonsense": 1},

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from bodies import ARM, add_box
 
-from benchmarks.bullet.beside import Beside, optional, ours, real
+from benchmarks.bullet.beside import Beside, ours, real
 
 SOLVER = {
     "useSplitImpulse": 1,
@@ -157,18 +157,3 @@ def test_constants_have_the_same_values() -> None:
 def test_every_function_is_there() -> None:
     missing = {n for n, f in vars(real).items() if callable(f) and not n.startswith("_") and not hasattr(ours, n)}
     assert not missing
-
-
-OPTIONS = [
-    (name, option)
-    for name in ("loadURDF", "createMultiBody", "changeDynamics", "getCameraImage")
-    for option in sorted(optional(name))
-]
-
-
-@pytest.mark.parametrize(("name", "option"), OPTIONS)
-def test_options_have_the_names_that_the_real_module_takes(both: Beside, name: str, option: str) -> None:
-    """An unknown name is a TypeError there, whatever else is wrong."""
-    with pytest.raises((TypeError, SystemError, real.error)) as raised:
-        getattr(real, name)(**{option: object()})
-    assert "invalid keyword" not in str(raised.value) and "unexpected keyword" not in str(raised.value)
