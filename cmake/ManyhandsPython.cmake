@@ -22,7 +22,8 @@ if(binding_sources)
 
   nanobind_add_stub(core_stub MODULE manyhands._core RECURSIVE OUTPUT_PATH "${PROJECT_BINARY_DIR}/stubs"
                     MARKER_FILE "${PROJECT_BINARY_DIR}/stubs.stamp"
-                    PYTHON_PATH "${PROJECT_BINARY_DIR}/package" DEPENDS _core)
+                    PYTHON_PATH "${PROJECT_BINARY_DIR}/package" DEPENDS _core
+                    PATTERN_FILE "${PROJECT_SOURCE_DIR}/cmake/stubs.pattern")
   install(DIRECTORY "${PROJECT_BINARY_DIR}/stubs/" DESTINATION manyhands COMPONENT python EXCLUDE_FROM_ALL
           FILES_MATCHING PATTERN "*.pyi")
 endif()

@@ -166,6 +166,7 @@ void add_looks(Methods& methods);
 void add_debug(Methods& methods);
 void add_mathematics(Methods& methods);
 void add_extras(Methods& methods);
+void add_convex(Methods& methods);
 void add_refusals(Methods& methods);
 void add_constants(PyObject* module);
 

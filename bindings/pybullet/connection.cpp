@@ -3,6 +3,7 @@
 
 #include "bindings/pybullet/arguments.h"
 #include "bindings/pybullet/clients.h"
+#include "bindings/pybullet/convex.h"
 
 namespace manyhands::pybullet {
 
@@ -63,6 +64,7 @@ int connect_free_slot(int method) {
     if (slots[i]) continue;
     slots[i] = std::make_shared<Connection>();
     slots[i]->method = method;
+    slots[i]->client.set_decomposer(&convex_parts);
     const int id = static_cast<int>(i);
     if (method != kGui) return id;
     slots[i]->client.open_screen();
@@ -83,10 +85,10 @@ constexpr FreeFunction kConnect{
     "SHARED_MEMORY, UDP and TCP: this engine runs inside the program; returns -1.",
     [](const Arguments& a) -> PyObject* {
       const int method = a.integer(0);
-      constexpr int kSharedMemory = 3, kLast = 17;
+      constexpr int kLast = 17;
       if (method < 1 || method > kLast) throw Error("connectPhysicsServer unexpected argument");
       const bool local = method == kDirect || method == kGui || method == 7 || method == 8;
-      if (!local) return of(method == kSharedMemory ? -1 : -1);
+      if (!local) return of(-1);
       return of(connect_free_slot(method == kDirect ? kDirect : kGui));
     }};
 
@@ -146,17 +148,17 @@ constexpr Function kGravity{"setGravity", "gravX, gravY, gravZ", "Gravity [m/s^2
                               return none();
                             }};
 
-constexpr FreeFunction kRealTime{
-    "setRealTimeSimulation", "enableRealTimeSimulation",
-    "1: with a GUI, the world steps by itself in real time, until 0; without, no effect.",
-    [](const Arguments& a) -> PyObject* {
-      const bool runs = a.integer(0) != 0;
-      const int id = a.integer(1, 0);
-      (*ClientLock(id)).settings().real_time = runs;
-      Connection& connection = *connection_of(id);
-      if (connection.method == kGui) runs ? start_clock(connection) : stop_clock(connection);
-      return none();
-    }};
+constexpr FreeFunction kRealTime{"setRealTimeSimulation", "enableRealTimeSimulation",
+                                 "1: with a GUI, the world steps by itself in real time, until 0; without, no effect.",
+                                 [](const Arguments& a) -> PyObject* {
+                                   const bool runs = a.integer(0) != 0;
+                                   const int id = a.integer(1, 0);
+                                   (*ClientLock(id)).settings().real_time = runs;
+                                   Connection& connection = *connection_of(id);
+                                   if (connection.method == kGui)
+                                     runs ? start_clock(connection) : stop_clock(connection);
+                                   return none();
+                                 }};
 
 constexpr Function kSetParameters{
     "setPhysicsEngineParameter",

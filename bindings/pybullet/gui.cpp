@@ -111,13 +111,11 @@ void bind_frame(nb::module_& m) {
           },
           nb::sig(quaternions.c_str()), "Of the links (n, 4), xyzw.")
       .def_prop_ro(
-          "model",
-          [](const ScreenFrame& f) { return f.model ? std::make_unique<PythonModel>(f.model) : nullptr; },
+          "model", [](const ScreenFrame& f) { return f.model ? std::make_unique<PythonModel>(f.model) : nullptr; },
           nb::sig("def model(self) -> manyhands._core.Model | None"), "A copy, if it was asked for.")
       .def_ro("looks", &ScreenFrame::looks, "Grows with changes of colours.")
       .def_prop_ro(
-          "rgba",
-          [](const ScreenFrame& f) { return bindings::copied(f.rgba.data()->data(), {f.rgba.size(), 4}); },
+          "rgba", [](const ScreenFrame& f) { return bindings::copied(f.rgba.data()->data(), {f.rgba.size(), 4}); },
           nb::sig("def rgba(self) -> numpy.typing.NDArray[numpy.float32]"),
           "Of the model's geoms (n, 4); (0, 4) if no colour has changed.")
       .def_ro("serial", &ScreenFrame::serial, "Grows with changes of items.")
@@ -211,8 +209,9 @@ void bind_pybullet_gui(nb::module_& parent) {
       [](const nb::object& opened, const nb::object& closed) {
         pybullet::listeners() = {opened.inc_ref().ptr(), closed.inc_ref().ptr()};
       },
-      "opened"_a, "closed"_a, nb::sig("def listen(opened: collections.abc.Callable[[int], object], closed: "
-                                      "collections.abc.Callable[[int], object]) -> None"),
+      "opened"_a, "closed"_a,
+      nb::sig("def listen(opened: collections.abc.Callable[[int], object], closed: "
+              "collections.abc.Callable[[int], object]) -> None"),
       "Who is told of a client with a window once it is connected, and before it goes. Called once.");
   m.def(
       "end",

@@ -25,11 +25,13 @@ void bind_pybullet(nb::module_& parent) {
   pybullet::add_debug(methods);
   pybullet::add_mathematics(methods);
   pybullet::add_extras(methods);
+  pybullet::add_convex(methods);
   pybullet::add_refusals(methods);
   methods.push_back({nullptr, nullptr, 0, nullptr});
   PyModule_AddFunctions(m.ptr(), methods.data());
   pybullet::add_constants(m.ptr());
-  pybullet::error_class = PyErr_NewException("manyhands._core.pybullet.error", PyExc_Exception, nullptr);
+  pybullet::error_class = PyErr_NewExceptionWithDoc(
+      "pybullet.error", "A call that makes no sense, or a file that cannot be read.", PyExc_Exception, nullptr);
   m.attr("error") = nb::borrow(pybullet::error_class);
 }
 

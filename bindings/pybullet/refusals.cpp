@@ -34,7 +34,6 @@ constexpr Refusal kRenderImage{"renderImage", "it is the old form of getCameraIm
 constexpr Refusal kIk2{"calculateInverseKinematics2", "call calculateInverseKinematics for each link"};
 constexpr Refusal kMeshData{"getMeshData", "read the mesh file that getVisualShapeData names"};
 constexpr Refusal kConstraintState{"getConstraintState", "read the forces of joints with enableJointForceTorqueSensor"};
-constexpr Refusal kVhacd{"vhacd", "use manyhands.decompose"};
 
 }  // namespace
 
@@ -51,7 +50,6 @@ void add_refusals(Methods& methods) {
   add<kIk2>(methods);
   add<kMeshData>(methods);
   add<kConstraintState>(methods);
-  add<kVhacd>(methods);
 }
 
 }  // namespace manyhands::pybullet

@@ -240,12 +240,12 @@ void bind_making(nb::class_<World>& world) {
           },
           "path"_a, "time_step"_a = nb::none(), "integrator"_a = "semi_implicit", nb::kw_only(),
           "allow_outside_package"_a = false, "compliance"_a = "stated", nb::sig(from_file.c_str()),
-          "A world of a URDF file, its base fixed, or of an MJCF file; what the loader changed is in `report`, and it "
-          "warns of parts that it had to leave out. "
+          "A world of a URDF file, its base fixed, of an MJCF or of an SDF file; what the loader changed is in `report`, "
+          "and it warns of parts that it had to leave out. "
           "time_step [s]: None for the file's own, or 0.002. allow_outside_package: whether the files that it names "
           "may "
           "lie outside its package. compliance: which constraints of an MJCF file give way, as for `load_mjcf`. Raises "
-          "FileNotFoundError, UrdfError, MjcfError.")
+          "FileNotFoundError, UrdfError, MjcfError, SdfError.")
       .def(
           "copy", [](const World& self) { return std::make_unique<World>(self); }, "Another world in the same state.")
       .def("__copy__", [](const World& self) { return std::make_unique<World>(self); })

@@ -1,6 +1,7 @@
 #include "manyhands/base/assets.h"
 
 #include <cstdlib>
+#include <map>
 #include <set>
 #include <string>
 
@@ -13,15 +14,23 @@ std::filesystem::path& chosen_root() {
   return root;
 }
 
-/// The robots and scenes in the folder, sorted.
+/// The robots and scenes in the folder, sorted; those of a folder with many are counted.
 std::string list_of_models(const std::filesystem::path& root) {
-  std::set<std::string> names;
+  constexpr std::size_t kMany = 8;
+  std::map<std::string, std::set<std::string>> folders;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(root)) {
-    const std::filesystem::path& path = entry.path();
-    if (path.extension() == ".urdf" || path.extension() == ".xml") names.insert(path.lexically_relative(root).string());
+    const std::filesystem::path path = entry.path().lexically_relative(root);
+    if (path.extension() != ".urdf" && path.extension() != ".xml") continue;
+    folders[path.begin()->string()].insert(path.string());
   }
   std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "'" : ", '") + name + "'";
+  for (const auto& [folder, names] : folders) {
+    if (names.size() > kMany) {
+      text += (text.empty() ? "" : ", ") + std::to_string(names.size()) + " models in '" + folder + "'";
+    } else {
+      for (const std::string& name : names) text += (text.empty() ? "'" : ", '") + name + "'";
+    }
+  }
   return text.empty() ? "no robots" : text;
 }
 

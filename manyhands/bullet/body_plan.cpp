@@ -88,10 +88,16 @@ class Assembler {
       if (role == GeomRole::kCollision) geom.surface = plan_.link(i).surface;
       if (geom.shape.mesh.is_valid()) geom.shape.mesh = meshes_[geom.shape.mesh.index()];
       if (geom.shape.height_field.is_valid()) geom.shape.height_field = fields_[geom.shape.height_field.index()];
-      if (geom.shape.type == ShapeType::kMesh && role == GeomRole::kCollision && !(i < 0 && plan_.fixed)) {
-        geom.shape.type = ShapeType::kConvex;
+      const bool is_hull = geom.shape.type == ShapeType::kMesh && role == GeomRole::kCollision && plan_.moves(i);
+      if (is_hull) geom.shape.type = ShapeType::kConvex;
+      if (!is_hull || shape.parts.empty()) {
+        builder_.add_geom(std::move(geom));
+        return;
       }
-      builder_.add_geom(std::move(geom));
+      for (const MeshId part : shape.parts) {
+        geom.shape.mesh = meshes_[part.index()];
+        builder_.add_geom(geom);
+      }
     };
     for (const ShapePlan& shape : plan_.link(i).collisions) add(shape, GeomRole::kCollision);
     for (const ShapePlan& shape : plan_.link(i).visuals) add(shape, GeomRole::kVisual);

@@ -19,6 +19,7 @@ struct ShapePlan {
   std::string file{};             ///< that the mesh came from
   Vec3<double> scale{1, 1, 1};    ///< of the mesh
   bool is_urdf_cylinder = false;  ///< a cylinder of a file, which PyBullet makes a hull of
+  std::vector<MeshId> parts{};    ///< of a concave mesh that moves: the convex ones that collide in its place
 
   /// Whether it is a surface that only the world can have.
   [[nodiscard]] bool is_ground() const {
@@ -70,6 +71,7 @@ struct BodyPlan {
   bool includes_parents = false, excludes_ancestors = false;  ///< see URDF_USE_SELF_COLLISION_...
 
   [[nodiscard]] int num_links() const { return static_cast<int>(links.size()); }
+  [[nodiscard]] bool moves(int i) const { return i >= 0 || !fixed; }
   [[nodiscard]] LinkPlan& link(int i) { return i < 0 ? base : links[static_cast<std::size_t>(i)]; }
   [[nodiscard]] const LinkPlan& link(int i) const { return i < 0 ? base : links[static_cast<std::size_t>(i)]; }
   /// Whether the base has shapes that a body on a joint cannot have: planes, triangle meshes, height fields.

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "manyhands/bullet/body_plan.h"
+#include "manyhands/bullet/concave.h"
 #include "manyhands/bullet/records.h"
 #include "manyhands/bullet/screen.h"
 #include "manyhands/bullet/user_data.h"
@@ -53,6 +54,8 @@ class Client {
   [[nodiscard]] UserData& user_data() { return user_data_; }
   [[nodiscard]] int next_log() { return next_log_++; }
   void open_screen() { screen_ = std::make_unique<Screen>(); }
+  /// What makes convex parts of concave meshes that move; without it, or where it finds none, their hulls collide.
+  void set_decomposer(Decomposer decompose) { decompose_ = std::move(decompose); }
 
   // ---- bodies (client_bodies.cpp) ------------------------------------------------------------------------------
   int load_urdf(const std::filesystem::path& path, const Transform<double>& X_WB, const LoadOptions& options);
@@ -185,6 +188,7 @@ class Client {
 
   World world_;
   Settings settings_;
+  Decomposer decompose_;
   std::unique_ptr<Screen> screen_;
   std::int64_t scene_ = 0, looks_ = 0;  // of ScreenFrame
   UserData user_data_;

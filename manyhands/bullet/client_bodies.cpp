@@ -43,10 +43,6 @@ void show_collisions(BodyPlan& plan) {
   }
 }
 
-}  // namespace
-
-namespace {
-
 /// Where a base stands in the world of its own file, or begins there.
 Transform<double> place_of(const Model& model, const BodyPlan& plan) {
   if (!plan.root.is_valid() || plan.root.value() == 0) return Transform<double>::identity();
@@ -106,6 +102,7 @@ int Client::add(BodyPlan plan, const Transform<double>& X_WB) {
   auto body = std::make_unique<Body>();
   body->id = id;
   body->plan = std::move(plan);
+  if (decompose_) split_concave(decompose_, body->plan);
   world_.add(model_of(body->plan, X_WB), Transform<double>::identity(), body_label(id));
   ++scene_;
   const std::size_t n = body->plan.links.size();

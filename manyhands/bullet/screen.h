@@ -33,8 +33,8 @@ struct MouseEvent {
 
 /// A force by which somebody drags a link of the world.
 struct Pull {
-  std::string link{};                 ///< its name
-  Vec3<double> point{}, force{};      ///< in the link's frame [m]; in world axes [N]
+  std::string link{};             ///< its name
+  Vec3<double> point{}, force{};  ///< in the link's frame [m]; in world axes [N]
 };
 
 /// States of keys and buttons are bits: 1 down, 2 triggered, 4 released.
@@ -53,9 +53,9 @@ struct Screen {
   std::vector<MouseEvent> mouse{};
   std::vector<Pull> pulls{};
   Orbit camera{};
-  int camera_moves = 0;                            ///< grows with resetDebugVisualizerCamera
+  int camera_moves = 0;                                    ///< grows with resetDebugVisualizerCamera
   bool listens_to_keys = false, listens_to_mouse = false;  ///< whether the program has asked for events
-  std::int64_t serial = 0;                         ///< grows with every change of items
+  std::int64_t serial = 0;                                 ///< grows with every change of items
 
   /// Returns the id; that of an item which it replaces, if there is one.
   int add(DebugItem item, int replaced);

@@ -15,10 +15,10 @@ struct ScreenFrame {
   std::int64_t scene = 0;  ///< changes when bodies come, go or are built anew
   double time = 0;         ///< [s]
   std::vector<double> q{};
-  std::vector<Vec3<double>> positions{};    ///< (links) of the model, their frames in the world [m]
-  std::vector<Quat<double>> quaternions{};  ///< (links)
-  std::shared_ptr<const Model> model{};     ///< a copy, if it was asked for
-  std::int64_t looks = 0;                   ///< grows with changes of colours
+  std::vector<Vec3<double>> positions{};     ///< (links) of the model, their frames in the world [m]
+  std::vector<Quat<double>> quaternions{};   ///< (links)
+  std::shared_ptr<const Model> model{};      ///< a copy, if it was asked for
+  std::int64_t looks = 0;                    ///< grows with changes of colours
   std::vector<std::array<float, 4>> rgba{};  ///< (geoms) if the colours are not those that were seen
   std::int64_t serial = 0;                   ///< of the screen's items
   std::vector<int> ids{};                    ///< of all items

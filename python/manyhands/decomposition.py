@@ -3,20 +3,22 @@ Collision-Aware Concavity and Tree Search, SIGGRAPH 2022), kept in the user's ca
 
 import hashlib
 import os
-import tempfile
+import warnings
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import Model, ModelBuilder, with_convex_parts
 from manyhands.extras import needs
+from manyhands.files import replacing, write_text
 
 Part = tuple[NDArray[np.float32], NDArray[np.int32]]  # vertices (n, 3) [m], triangles (m, 3)
 
 # A tree search that is a fifth of CoACD's own: parts of the same quality on handles and holes, in seconds.
-_SEARCH = {"mcts_iterations": 60, "mcts_nodes": 10, "mcts_max_depth": 2, "resolution": 1000, "seed": 0}
+_SEARCH: dict[str, Any] = {"mcts_iterations": 60, "mcts_nodes": 10, "mcts_max_depth": 2, "resolution": 1000, "seed": 0}
 
 
 def decompose(mesh: str | PathLike[str] | tuple[ArrayLike, ArrayLike], *, threshold: float = 0.02) -> list[Part]:
@@ -48,6 +50,32 @@ def decompose_model(model: Model, *, threshold: float = 0.02) -> Model:
         if len(found) > 1:
             parts[index] = found
     return with_convex_parts(model, parts)
+
+
+def parts_or_none(vertices: ArrayLike, triangles: ArrayLike) -> list[Part]:
+    """The parts of `decompose`; none, with a warning, without CoACD, and none where the mesh is convex as it is."""
+    try:
+        parts = decompose((vertices, triangles))
+    except ModuleNotFoundError as error:
+        warnings.warn(f"{error}; until then its convex hull stands for a concave mesh that moves", stacklevel=2)
+        return []
+    return parts if len(parts) > 1 else []
+
+
+def write_parts(mesh: str | PathLike[str], target: str | PathLike[str], log: str | PathLike[str]) -> None:
+    """Writes the parts of a mesh file as objects of an OBJ file, and a line on each to the log."""
+    parts = decompose(mesh)
+    lines = [f"{len(parts)} convex parts of {mesh}"]
+    objects: list[str] = []
+    first = 1
+    for index, (vertices, triangles) in enumerate(parts):
+        objects.append(f"o part_{index}")
+        objects += [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in vertices]
+        objects += [f"f {a + first} {b + first} {c + first}" for a, b, c in triangles]
+        first += len(vertices)
+        lines.append(f"part_{index}: {len(vertices)} vertices, {len(triangles)} triangles")
+    write_text(Path(target), "\n".join(objects) + "\n")
+    write_text(Path(log), "\n".join(lines) + "\n")
 
 
 def _arrays(mesh: str | PathLike[str] | tuple[ArrayLike, ArrayLike]) -> Part:
@@ -82,18 +110,17 @@ def _read(path: Path) -> list[Part] | None:
     """Nothing where the file is missing or damaged."""
     try:
         with np.load(path) as file:
-            return [(file[f"v{i}"], file[f"t{i}"]) for i in range(len(file.files) // 2)]
+            arrays = [file[f"arr_{i}"] for i in range(len(file.files))]
     except Exception:  # NumPy raises errors of many kinds on damaged files, and then the work is done again
         return None
+    return list(zip(arrays[0::2], arrays[1::2], strict=True))
 
 
 def _write(path: Path, parts: list[Part]) -> None:
     """Whole or not at all; a folder that cannot be written only costs time."""
-    arrays = {f"v{i}": v for i, (v, _) in enumerate(parts)} | {f"t{i}": t for i, (_, t) in enumerate(parts)}
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile(dir=path.parent, suffix=".npz", delete=False) as file:
-            np.savez(file, **arrays)
-        os.replace(file.name, path)
+        with replacing(path) as temporary:
+            np.savez(temporary, *(array for part in parts for array in part))
     except OSError:
         return

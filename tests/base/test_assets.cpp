@@ -20,7 +20,8 @@ TEST(Assets, ANameThatIsNotThereIsAnsweredByThoseThatAre) {
     (void)asset_path("no/such.urdf");
     FAIL();
   } catch (const AssetNotFound& error) {
-    expect_parts(error.what(), {"no/such.urdf", asset_root().string(), "'arm6/arm6.urdf', 'panda/panda.urdf'"});
+    expect_parts(error.what(), {"no/such.urdf", asset_root().string(), "'arm6/arm6.urdf', ",
+                                " models in 'bullet', 'panda/panda.urdf'"});
   }
 }
 

@@ -66,8 +66,10 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"NoLink", ball_with([](Geom& g) { g.link = LinkId(7); }), "a geom needs a link added before"},
         Bad{"NoMesh", with_geom(geom(ShapeType::kConvex, {})), "geom 'g' needs a mesh added before"},
         Bad{"NoHeights", with_geom(geom(ShapeType::kHeightField, {})), "geom 'g' needs a height field added before"},
-        Bad{"NaNVertex", with_mesh({"m", {{0, 0, static_cast<float>(kNaN)}}, {}}), "mesh 'm': a vertex is not finite"},
-        Bad{"NoSuchVertex", with_mesh({"m", {{0, 0, 0}}, {{0, 0, 1}}}), "mesh 'm': a triangle names vertex 1 of 1"},
+        Bad{"NaNVertex", with_mesh({.source = "m", .vertices = {{0, 0, static_cast<float>(kNaN)}}}),
+            "mesh 'm': a vertex is not finite"},
+        Bad{"NoSuchVertex", with_mesh({.source = "m", .vertices = {{0, 0, 0}}, .triangles = {{0, 0, 1}}}),
+            "mesh 'm': a triangle names vertex 1 of 1"},
         Bad{"OneRow", [](ModelBuilder& b) { b.add_height_field({.columns = 2, .rows = 1, .height = {0, 0}}); },
             "2 x 2 or more"},
         Bad{"LongInitial",
@@ -77,7 +79,7 @@ INSTANTIATE_TEST_SUITE_P(
             },
             "joint 'j': its initial configuration has 1 numbers; expected 0"},
         Bad{"ShortKey", [](ModelBuilder& b) { b.add_keyframe({.name = "k", .q = {1, 2}}); },
-            "keyframe 'k' does not have nq, nv and nu numbers"}),
+            "keyframe 'k' does not have nq, nv, nu and na numbers"}),
     [](const auto& of) { return of.param.name; });
 
 TEST(PartChecks, KeyframesBeginWithWhatIsThere) {

@@ -27,8 +27,8 @@ struct SolverTraits<double> {
   static constexpr bool kRefines = true;
   /// Iterations between two looks at the joints: contacts that have not converged mislead them.
   static constexpr int kIterationsPerLook = 8;
-  /// Newton steps towards the root of a sliding point in one visit.
-  static constexpr int kSlideSteps = 20;
+  /// Newton steps towards the root of a sliding point in one visit: the next visit goes on from there.
+  static constexpr int kSlideSteps = 2;
   /// By how much a joint's impulse or velocity may contradict its state, relative to its size: rounding.
   static constexpr double kStateTolerance = 1e-12;
   /// What gives way is no stiffer than this many times the inertia that it meets: more would leave M no digits.
@@ -52,7 +52,6 @@ struct SolverTraits<float> {
   static constexpr double kSmallest = 1e6 * std::numeric_limits<float>::min();
   static constexpr bool kRefines = false;
   static constexpr int kIterationsPerLook = 2;
-  /// One: the next visit goes on from there.
   static constexpr int kSlideSteps = 1;
   static constexpr float kStateTolerance = 1e-5F;
   static constexpr double kStiffest = 1e4;
@@ -127,6 +126,8 @@ inline constexpr double kDivergence = 1000;
 /// Corrections no faster than this [m/s or rad/s] may contradict each other: what it takes is little. Surfaces that
 /// part no faster are not asked whether they can.
 inline constexpr double kSlowCorrection = 0.02;
+/// Where they part faster, a violation of the law by this part of that speed is worth no Newton step.
+inline constexpr double kOpeningPrecision = 1e-2;
 /// Visits of each contact, and the velocity [m/s] that is near enough.
 inline constexpr int kOpeningPasses = 50;
 inline constexpr double kOpeningTolerance = 1e-3;
@@ -160,6 +161,9 @@ inline constexpr int kMaxFailures = 2, kManyFailures = 4;
 inline constexpr double kNearEnough = 5, kBearable = 1000;
 /// By how much an outer step reduces the defect of its own equations.
 inline constexpr double kInnerGain = 1e-5;
+/// One whose defect ends within so many times that is solved. If the violation is then no smaller, but less than so many
+/// times what it was, the step was too soft; else it was too stiff.
+inline constexpr double kSolved = 100, kSlow = 3;
 /// Gauss-Seidel iterations between outer steps; the most after steps that were taken back.
 inline constexpr int kIterationsBetween = 3, kMaxIterationsBetween = 48;
 /// Iterations that promise to do within this many times those allowed are cheaper than outer steps.

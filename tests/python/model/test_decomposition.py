@@ -73,7 +73,7 @@ def test_a_peg_enters_a_hole_with_half_a_millimetre_of_clearance() -> None:
     world = mh.World(time_step=0.001)
     world.add_plane("ground")
     world.add(body_of(block_with_a_hole()), name="block")
-    world.add_box("peg", half_extents=(0.01, 0.01, 0.03), mass=0.1, position=(0, 0, 0.08))
+    world.add_box("peg", size=(0.01, 0.01, 0.03), mass=0.1, position=(0, 0, 0.08))
     world.step(1500)
     assert world.body_pose("peg")[0][2] == pytest.approx(0.03, abs=1e-3)  # it stands on the ground
 

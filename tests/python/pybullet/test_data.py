@@ -31,12 +31,8 @@ def test_generator_reproduces_the_committed_files() -> None:
 
 @pytest.mark.parametrize("name", MODELS)
 def test_our_loaders_read_it_without_serious_notes(name: str) -> None:
-    if name.endswith(".sdf"):
-        pytest.skip("SDF has no loader of ours yet")
-    load = mh.load_mjcf if name.endswith(".xml") else mh.load_urdf
-    model, report = load(BULLET / name)
-    assert not [str(note) for note in report.notes if note.serious]
-    world = mh.World(model)
+    world = mh.World.from_file(BULLET / name)
+    assert not [str(note) for note in world.report.notes if note.serious]
     for _ in range(10):
         world.step()
     assert np.isfinite(world.q).all() and np.isfinite(world.v).all()

@@ -1,7 +1,5 @@
 #include "manyhands/physics/contact/newton/newton_refinement.h"
 
-#include "manyhands/physics/contact/gauss_seidel.h"
-#include "manyhands/physics/contact/newton/law_residual.h"
 #include "manyhands/physics/contact/newton/newton_system.h"
 
 namespace manyhands {
@@ -9,26 +7,145 @@ namespace manyhands {
 namespace {
 
 namespace cs = contact_settings;
+using internal::ContactIsland;
 using internal::NewtonSystem;
 
-void run_iterations(const NewtonContext& context, int count, int& iterations) {
-  double budget = count;
-  double change = 0;
-  internal::iterate_contacts(context.problem, context.factors, 0.0, budget, context.iterate, change);
-  iterations += count;
-}
-
-/// Multiplications of a Gauss-Seidel iteration, about.
-double iteration_work(const ContactProblem<double>& problem) {
-  double sum = cs::kPointWork * static_cast<double>(problem.points.size());
-  for (const ContactPatch<double>& patch : problem.patches)
-    sum += 6.0 * static_cast<double>(patch.linear.num_Y() + (patch.turns ? patch.angular.num_Y() : 0));
+/// Multiplications of a Gauss-Seidel iteration over some patches, about.
+template <class Patches>
+double iteration_work(const ContactProblem<double>& problem, const Patches& patches) {
+  double sum = 0;
+  for (const std::size_t k : patches) {
+    const ContactPatch<double>& patch = problem.patches[k];
+    const std::size_t numbers = patch.linear.num_Y() + (patch.turns ? patch.angular.num_Y() : 0);
+    sum += cs::kPointWork * static_cast<double>(patch.count) + 6.0 * static_cast<double>(numbers);
+  }
   return sum;
 }
 
+/// What the outer steps over one island may still take, in a step of the world.
+struct Budget {
+  int steps = 0;    ///< outer steps
+  double work = 0;  ///< multiplications, of all islands
+};
+
+/// By how much an island violates the law, and by how much it may before a Newton step is worth it [m/s].
+struct Violation {
+  double residual = 0, bearable = 0;
+};
+
+/// Outer steps over one island, each kept if the law is violated less.
+class OuterSteps {
+ public:
+  OuterSteps(const SolverSettings& settings, const NewtonContext& context, const ContactIsland& island,
+             NewtonSystem& system, const Violation& violation)
+      : tolerance_(settings.tolerance),
+        bearable_(violation.bearable),
+        context_(context),
+        island_(island),
+        system_(system),
+        residual_(violation.residual) {}
+
+  /// Until the law holds or the budget is spent: whether it holds, or nearly. Adds the Gauss-Seidel iterations.
+  bool run(Budget& budget, int& iterations) {
+    system_.choose(context_, island_);
+    const double overhead = cs::kNewtonOverhead * iteration_work(context_.problem, island_.patches);
+    const double work = system_.work() + overhead;
+    if (budget.work < cs::kFewestFactorisations * work) {
+      budget.steps = 0;
+      return false;
+    }
+    system_.keep(context_);
+    while (budget.steps > 0 && budget.work > 0 && !is_stuck()) {
+      budget.work -= work * system_.outer_step(context_, softness_, factorisations_);
+      --budget.steps;
+      if (holds_after_step()) return true;
+      if (failures_ > 0) iterate_between(iterations);
+    }
+    system_.take_back(context_);
+    budget.steps = 0;
+    return residual_ < cs::kBearable * bearable_;
+  }
+
+ private:
+  /// Looks at what the last outer step has reached, and takes it back if that is worse.
+  bool holds_after_step() {
+    const double reached = island_.residual(context_);
+    const bool gains = reached * cs::kMinNewtonGain < residual_;
+    factorisations_ = gains ? cs::kFactorisations : cs::kMaxFactorisations;
+    const double softer = std::min(10 * softness_, cs::kMaxSoftness);
+    const double stiffer = std::max(0.1 * softness_, cs::kMinSoftness);
+    if (reached < residual_) {
+      residual_ = reached;
+      system_.keep(context_);
+      softness_ = stiffer;
+      failures_ = 0;
+      between_ = cs::kIterationsBetween;
+    } else {
+      system_.take_back(context_);
+      const bool is_slow = system_.is_solved() && reached < cs::kSlow * residual_;
+      softness_ = is_slow ? stiffer : softer;
+      ++failures_;
+    }
+    return residual_ <= tolerance_ || (residual_ <= bearable_ && !gains);
+  }
+
+  void iterate_between(int& iterations) {
+    system_.iterate(context_, between_);
+    iterations += between_;
+    between_ = std::min(2 * between_, cs::kMaxIterationsBetween);
+    const double after = island_.residual(context_);
+    if (after >= residual_) return;
+    residual_ = after;
+    system_.keep(context_);
+  }
+
+  [[nodiscard]] bool is_stuck() const {
+    const double enough = failures_ < cs::kManyFailures ? cs::kNearEnough : cs::kBearable;
+    return failures_ >= cs::kMaxFailures && residual_ < enough * bearable_;
+  }
+
+  double tolerance_, bearable_;  ///< [m/s] where it ends; where it ends if it gains little
+  const NewtonContext& context_;
+  const ContactIsland& island_;
+  NewtonSystem& system_;
+  double residual_;  ///< [m/s] of what is kept
+  double softness_ = cs::kFirstSoftness;
+  int factorisations_ = cs::kFactorisations, between_ = cs::kIterationsBetween, failures_ = 0;
+};
+
 }  // namespace
 
-struct NewtonRefinement::System : NewtonSystem {};
+/// One for each island.
+struct NewtonRefinement::Systems {
+  internal::ContactIslands islands;
+  std::vector<NewtonSystem> systems;
+  std::vector<Violation> violations;
+  std::vector<int> steps_left;
+  double work_left = 0;
+
+  void begin(const SolverSettings& settings, const NewtonContext& context) {
+    islands.find(context);
+    if (systems.size() < islands.size()) systems.resize(islands.size());
+    violations.resize(islands.size());
+    steps_left.assign(islands.size(), settings.newton_steps);
+    double iteration = 0;
+    for (std::size_t k = 0; k < islands.size(); ++k) iteration += iteration_work(context.problem, islands[k].patches);
+    work_left = std::max(cs::kNewtonShare * settings.max_iterations * iteration, cs::kLittleWork);
+  }
+
+  /// The largest ratio of violation to what is bearable; 0 where all islands hold the tolerance.
+  double look(const SolverSettings& settings, const NewtonContext& context) {
+    double worst = 0;
+    for (std::size_t k = 0; k < islands.size(); ++k) {
+      const double residual = islands[k].residual(context), opening = islands[k].opening(context);
+      const bool corrects = opening > cs::kSlowCorrection;
+      const double bearable = std::max(settings.newton_tolerance, corrects ? cs::kOpeningPrecision * opening : 0.0);
+      violations[k] = {residual, bearable};
+      if (residual > settings.tolerance) worst = std::max(worst, residual / bearable);
+    }
+    return worst;
+  }
+};
 
 NewtonRefinement::NewtonRefinement() = default;
 NewtonRefinement::NewtonRefinement(const NewtonRefinement&) {}
@@ -38,69 +155,45 @@ NewtonRefinement& NewtonRefinement::operator=(const NewtonRefinement&) { return 
 NewtonRefinement& NewtonRefinement::operator=(NewtonRefinement&&) noexcept = default;
 NewtonRefinement::~NewtonRefinement() = default;
 
-void NewtonRefinement::begin() noexcept { steps_ = 0; }
+void NewtonRefinement::begin() noexcept {
+  steps_ = 0;
+  has_begun_ = false;
+}
 
-void NewtonRefinement::look_anew() noexcept { last_residual_ = std::numeric_limits<double>::infinity(); }
+void NewtonRefinement::look_anew() noexcept { last_violation_ = std::numeric_limits<double>::infinity(); }
 
 bool NewtonRefinement::refine(const SolverSettings& settings, const NewtonContext& context, int& iterations) {
-  const double residual = internal::law_residual(context), gain = std::log(last_residual_ / residual);
-  last_residual_ = residual;
-  if (residual <= settings.tolerance) return true;
-  const double missing = std::log(residual / settings.newton_tolerance);
+  if (!systems_) systems_ = std::make_unique<Systems>();
+  if (!has_begun_) systems_->begin(settings, context);
+  has_begun_ = true;
+  const double violation = systems_->look(settings, context), gain = std::log(last_violation_ / violation);
+  last_violation_ = violation;
+  if (violation == 0) return true;
+  const double missing = std::log(violation);
   if (missing <= 0) return gain < cs::kFastGain;
   const double left = cs::kNewtonPatience * settings.max_iterations / SolverTraits<double>::kIterationsPerLook;
   if (gain > cs::kMinGain && gain * left > missing) return false;
-  if (steps_ >= settings.newton_steps) return false;
-  return take_outer_steps(settings, context, residual, iterations);
+  return refine_islands(settings, context, iterations);
 }
 
-bool NewtonRefinement::take_outer_steps(const SolverSettings& settings, const NewtonContext& context, double residual,
-                                        int& iterations) {
-  if (!system_) system_ = std::make_unique<System>();
-  system_->choose(context, settings.tolerance);
-  const double iteration = iteration_work(context.problem), work = system_->work() + cs::kNewtonOverhead * iteration;
-  double affordable = std::max(cs::kNewtonShare * settings.max_iterations * iteration, cs::kLittleWork) / work;
-  if (affordable < cs::kFewestFactorisations) {
-    steps_ = settings.newton_steps;
-    return false;
-  }
-  system_->keep(context);
-  double softness = cs::kFirstSoftness;
-  int factorisations = cs::kFactorisations, between = cs::kIterationsBetween, failures = 0;
-  const auto is_stuck = [&] {
-    const double enough = failures < cs::kManyFailures ? cs::kNearEnough : cs::kBearable;
-    return failures >= cs::kMaxFailures && residual < enough * settings.newton_tolerance;
-  };
-  while (steps_ < settings.newton_steps && affordable > 0 && !is_stuck()) {
-    affordable -= system_->outer_step(context, softness, factorisations);
-    ++steps_;
-    const double reached = internal::law_residual(context);
-    const bool gains = reached * cs::kMinNewtonGain < residual;
-    factorisations = gains ? cs::kFactorisations : cs::kMaxFactorisations;
-    if (reached < residual) {
-      residual = reached;
-      system_->keep(context);
-      softness = std::max(0.1 * softness, cs::kMinSoftness);
-      failures = 0;
-      between = cs::kIterationsBetween;
-    } else {
-      system_->take_back(context);
-      softness = std::min(10 * softness, cs::kMaxSoftness);
-      ++failures;
+bool NewtonRefinement::refine_islands(const SolverSettings& settings, const NewtonContext& context, int& iterations) {
+  Systems& all = *systems_;
+  bool holds = true;
+  for (std::size_t k = 0; k < all.islands.size(); ++k) {
+    const Violation& violation = all.violations[k];
+    if (violation.residual <= violation.bearable) continue;
+    if (all.steps_left[k] == 0) {
+      holds = false;
+      continue;
     }
-    if (residual <= settings.tolerance || (residual <= settings.newton_tolerance && !gains)) return true;
-    if (failures == 0) continue;
-    run_iterations(context, between, iterations);
-    between = std::min(2 * between, cs::kMaxIterationsBetween);
-    const double after = internal::law_residual(context);
-    if (after < residual) {
-      residual = after;
-      system_->keep(context);
-    }
+    Budget budget{all.steps_left[k], all.work_left};
+    OuterSteps steps(settings, context, all.islands[k], all.systems[k], violation);
+    holds = steps.run(budget, iterations) && holds;
+    steps_ += all.steps_left[k] - budget.steps;
+    all.steps_left[k] = budget.steps;
+    all.work_left = budget.work;
   }
-  system_->take_back(context);
-  steps_ = settings.newton_steps;
-  return residual < cs::kBearable * settings.newton_tolerance;
+  return holds;
 }
 
 }  // namespace manyhands

@@ -33,13 +33,14 @@ class NewtonRefinement {
   [[nodiscard]] int steps() const noexcept { return steps_; }  ///< outer steps since `begin`
 
  private:
-  struct System;
+  struct Systems;
 
-  bool take_outer_steps(const SolverSettings& settings, const NewtonContext& context, double residual, int& iterations);
+  bool refine_islands(const SolverSettings& settings, const NewtonContext& context, int& iterations);
 
-  std::unique_ptr<System> system_;  ///< made when it is needed first
+  std::unique_ptr<Systems> systems_;  ///< made when they are needed first
+  bool has_begun_ = false;            ///< they know the islands of this step
   int steps_ = 0;
-  double last_residual_ = 0;  ///< [m/s] at the last look
+  double last_violation_ = 0;  ///< at the last look, in parts of what is bearable
 };
 
 }  // namespace manyhands

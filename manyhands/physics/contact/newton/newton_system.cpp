@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "manyhands/physics/contact/newton/law_residual.h"
+#include "manyhands/physics/contact/gauss_seidel.h"
 #include "manyhands/physics/dynamics/ltdl.h"
 
 namespace manyhands::internal {
@@ -11,12 +11,6 @@ namespace manyhands::internal {
 namespace {
 
 using Vec = Vec3<double>;
-
-/// The first dof of the clusters that rows act on, or -1.
-int first_of(const RowBlock& rows) {
-  if (rows.begin_a < rows.end_a) return rows.begin_a;
-  return rows.begin_b < rows.end_b ? rows.begin_b : -1;
-}
 
 /// Calls body(J_i^T slope J_j) for dofs j <= i, of which v and w are the rows; without rows w where that is null.
 template <class Body>
@@ -32,42 +26,20 @@ void visit_products(const Vec* v, const Vec* w, const PatchSlope& slope, std::si
   }
 }
 
+/// Calls body(impulse) for every impulse of contacts and torsions of the patches.
+template <class Body>
+void visit_impulses(const NewtonContext& context, const std::vector<std::size_t>& patches, Body&& body) {
+  for (const std::size_t k : patches) {
+    const ContactPatch<double>& patch = context.problem.patches[k];
+    for (std::size_t i = patch.first; i < patch.first + patch.count; ++i) {
+      body(context.iterate.points[i].impulse);
+      const int torsion = context.problem.points[i].torsion;
+      if (torsion >= 0) body(context.iterate.torsions[index(torsion)].impulse);
+    }
+  }
+}
+
 }  // namespace
-
-int NewtonSystem::island_of(int cluster) {
-  while (island_[index(cluster)] != cluster) cluster = island_[index(cluster)];
-  return cluster;
-}
-
-void NewtonSystem::choose_islands(const NewtonContext& context, double tolerance) {
-  const auto nv = index(context.tree().nv);
-  island_.resize(nv);
-  for (std::size_t i = 0; i < nv; ++i) island_[i] = static_cast<int>(i);
-  const ContactProblem<double>& problem = context.problem;
-  for (const ContactPatch<double>& patch : problem.patches) {
-    const RowBlock& rows = patch.linear;
-    if (rows.begin_a == rows.end_a || rows.begin_b == rows.end_b) continue;
-    const int a = island_of(rows.begin_a), b = island_of(rows.begin_b);
-    island_[index(std::max(a, b))] = std::min(a, b);
-  }
-  island_residual_.assign(nv, 0);
-  for (const ContactPatch<double>& patch : problem.patches) {
-    const int first = first_of(patch.linear);
-    if (first < 0) continue;
-    double& worst = island_residual_[index(island_of(first))];
-    worst = std::max(worst, patch_residual(context, patch));
-  }
-  laws_.patches.clear();
-  laws_.equalities.clear();
-  const auto takes_part = [&](const RowBlock& rows) {
-    const int first = first_of(rows);
-    return first >= 0 && island_residual_[index(island_of(first))] > tolerance;
-  };
-  for (std::size_t i = 0; i < problem.patches.size(); ++i)
-    if (takes_part(problem.patches[i].linear)) laws_.patches.push_back(i);
-  for (std::size_t i = 0; i < problem.equalities.size(); ++i)
-    if (takes_part(problem.equalities[i].rows)) laws_.equalities.push_back(i);
-}
 
 void NewtonSystem::find_dofs(const NewtonContext& context) {
   takes_part_.assign(index(context.tree().nv), false);
@@ -93,8 +65,9 @@ std::size_t NewtonSystem::pair_of(const RowBlock& rows) {
   return pair_rows_.size() - 1;
 }
 
-void NewtonSystem::choose(const NewtonContext& context, double tolerance) {
-  choose_islands(context, tolerance);
+void NewtonSystem::choose(const NewtonContext& context, const ContactIsland& island) {
+  laws_.patches = island.patches;
+  laws_.equalities = island.equalities;
   key_.clear();
   find_dofs(context);
   pair_rows_.clear();
@@ -107,6 +80,11 @@ void NewtonSystem::choose(const NewtonContext& context, double tolerance) {
     find_columns(context.tree());
     find_pattern(context.tree());
   }
+  free_dofs_.clear();
+  for (const int i : context.factors.free_dofs)
+    if (takes_part_[index(i)]) free_dofs_.push_back(i);
+  step_.assign(takes_part_.size(), 0);
+  for (std::vector<double>* numbers : {&defect_, &momentum_, &step_momentum_}) numbers->resize(takes_part_.size());
   make_room(context);
 }
 
@@ -165,17 +143,40 @@ void NewtonSystem::find_pattern(const Tree<double>& tree) {
 }
 
 void NewtonSystem::keep(const NewtonContext& context) {
-  kept_dv_ = context.iterate.dv;
+  kept_dv_.clear();
   kept_impulses_.clear();
-  for (const PointImpulse<double>& point : context.iterate.points) kept_impulses_.push_back(point.impulse);
-  for (const PointImpulse<double>& torsion : context.iterate.torsions) kept_impulses_.push_back(torsion.impulse);
+  for (const std::size_t i : dofs_) kept_dv_.push_back(context.iterate.dv[i]);
+  visit_impulses(context, laws_.patches, [&](const Vec& impulse) { kept_impulses_.push_back(impulse); });
 }
 
 void NewtonSystem::take_back(const NewtonContext& context) const {
-  context.iterate.dv = kept_dv_;
+  auto dv = kept_dv_.begin();
   auto kept = kept_impulses_.begin();
-  for (PointImpulse<double>& point : context.iterate.points) point.impulse = *kept++;
-  for (PointImpulse<double>& torsion : context.iterate.torsions) torsion.impulse = *kept++;
+  for (const std::size_t i : dofs_) context.iterate.dv[i] = *dv++;
+  visit_impulses(context, laws_.patches, [&](Vec& impulse) { impulse = *kept++; });
+}
+
+void NewtonSystem::iterate(const NewtonContext& context, int count) const {
+  Iterate<double>& iterate = context.iterate;
+  const ContactProblem<double>& problem = context.problem;
+  for (const std::size_t k : laws_.patches)
+    iterate.patches[k].start = patch_motion(*problem.tree, problem.patches[k], problem.rows, iterate.dv.data());
+  double largest = 0;
+  for (int n = 0; n < count; ++n)
+    for (const std::size_t k : laws_.patches) relax_patch(problem, context.factors, k, true, iterate, largest);
+  apply_change(context);
+}
+
+/// As the function of factors.h, over the island alone.
+void NewtonSystem::apply_change(const NewtonContext& context) const {
+  const Factors<double>& factors = context.factors;
+  Iterate<double>& iterate = context.iterate;
+  solve_to_leaves(std::span<const int>(free_dofs_), factors.free_parent.data(), context.tree().M_row.data(),
+                  factors.L.data(), iterate.y.data(), [&](int k) { return factors.sqrt_D_inverse[index(k)]; });
+  for (const int k : free_dofs_) {
+    iterate.dv[index(k)] += iterate.y[index(k)];
+    iterate.y[index(k)] = 0;
+  }
 }
 
 /// M with the penalties of held tendons.
@@ -273,22 +274,29 @@ void NewtonSystem::follow_normals(const NewtonContext& context) {
     for (std::size_t i = 0; i < n; ++i) solution_[i] -= correction_[k] * answers_[k * n + i];
 }
 
-/// (M + penalty) x, for x (nv).
+/// (M + penalty) x, for x (nv) that is 0 elsewhere.
 void NewtonSystem::multiply_M(const NewtonContext& context, const std::vector<double>& x, std::vector<double>& y) {
-  y.resize(x.size());
-  multiply_tree_matrix<double>(context.tree(), context.problem.M(), x.data(), y.data());
-  for (const std::size_t i : dofs_) y[i] += context.factors.penalty[i] * x[i];
-  for (std::size_t k = 0; k < context.tree().lengths.size(); ++k) {
+  const Tree<double>& tree = context.tree();
+  for (const std::size_t i : dofs_) y[i] = context.factors.penalty[i] * x[i];
+  for (const std::size_t i : dofs_) {
+    const double* const row = context.problem.M() + tree.M_row[i];
+    y[i] += row[i] * x[i];
+    for (int j = tree.M_parent[i]; j >= 0; j = tree.M_parent[index(j)]) {
+      y[i] += row[j] * x[index(j)];
+      y[index(j)] += row[j] * x[i];
+    }
+  }
+  for (std::size_t k = 0; k < tree.lengths.size(); ++k) {
     const Workspace<double>& ws = *context.problem.dynamics;
-    const double pull = context.factors.penalty[x.size() + k] * along_length(context.tree(), ws, k, x.data());
-    add_along_length(context.tree(), ws, k, pull, y.data());
+    const double pull = context.factors.penalty[x.size() + k] * along_length(tree, ws, k, x.data());
+    add_along_length(tree, ws, k, pull, y.data());
   }
 }
 
 /// J^T (impulses - present ones) - (M + penalty) (x + t step); its norm.
 double NewtonSystem::find_defect(const NewtonContext& context, double t) {
   laws_.evaluate(context, velocities_, t, step_velocities_);
-  for (std::size_t i = 0; i < defect_.size(); ++i) defect_[i] = -(momentum_[i] + t * step_momentum_[i]);
+  for (const std::size_t i : dofs_) defect_[i] = -(momentum_[i] + t * step_momentum_[i]);
   laws_.add_changes(context, defect_.data());
   double square = 0;
   for (const std::size_t i : dofs_) square += defect_[i] * defect_[i];
@@ -313,15 +321,11 @@ double NewtonSystem::search_line(const NewtonContext& context, double before, do
 }
 
 int NewtonSystem::outer_step(const NewtonContext& context, double softness, int most_factorisations) {
-  const std::size_t nv = index(context.tree().nv);
   laws_.begin(context, softness, velocities_);
   laws_.multiply_J(context, context.iterate.dv.data(), step_velocities_);
   for (Vec& u : step_velocities_.equalities) u = Vec::zero();  // they hold, but for what the step changes
   add_velocities(1);
-  step_.assign(nv, 0);
-  momentum_.assign(nv, 0);
-  step_momentum_.assign(nv, 0);
-  defect_.resize(nv);
+  for (const std::size_t i : dofs_) step_[i] = momentum_[i] = step_momentum_[i] = 0;
   double defect = find_defect(context, 0);
   const double enough = contact_settings::kInnerGain * defect;
   int factorisations = 0;
@@ -331,10 +335,11 @@ int NewtonSystem::outer_step(const NewtonContext& context, double softness, int 
     double length = 0;
     defect = search_line(context, defect, length);
     add_velocities(length);
-    for (std::size_t i = 0; i < nv; ++i) momentum_[i] += length * step_momentum_[i];
+    for (const std::size_t i : dofs_) momentum_[i] += length * step_momentum_[i];
   }
+  is_solved_ = defect <= contact_settings::kSolved * enough;
   laws_.apply(context);
-  apply_change(context.problem, context.factors, context.iterate);
+  apply_change(context);
   return factorisations;
 }
 

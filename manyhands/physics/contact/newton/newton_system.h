@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "manyhands/physics/contact/newton/contact_islands.h"
 #include "manyhands/physics/contact/newton/dense_lu.h"
 #include "manyhands/physics/contact/newton/minimum_degree.h"
 #include "manyhands/physics/contact/newton/newton_laws.h"
@@ -10,23 +11,28 @@
 
 namespace manyhands::internal {
 
-/// Newton's method on H x = J^T (impulses(J (dv + x)) - impulses(J dv)), where H = M + penalties of the dofs in
-/// trees whose contacts have not converged, and impulses follow the laws of newton_laws.h.
+/// Newton's method on H x = J^T (impulses(J (dv + x)) - impulses(J dv)), where H = M + penalties of the dofs of one
+/// island, and impulses follow the laws of newton_laws.h.
 class NewtonSystem {
  public:
-  /// Chooses the contacts: those of islands that violate the law by more than the tolerance.
-  void choose(const NewtonContext& context, double tolerance);
+  /// Chooses the contacts. What it has found out about an island that has the same bodies it keeps.
+  void choose(const NewtonContext& context, const ContactIsland& island);
 
   /// Multiplications of a factorisation, about.
   [[nodiscard]] double work() const { return H_.work(); }
 
-  /// Writes down dv and impulses, and goes back to them.
+  /// Writes down the island's dv and impulses, and goes back to them.
   void keep(const NewtonContext& context);
   void take_back(const NewtonContext& context) const;
 
   /// From the present impulses; contacts yield by `softness` of what they give way to their own impulses.
   /// How many factorisations it took.
   int outer_step(const NewtonContext& context, double softness, int most_factorisations);
+  /// Whether the last outer step has solved its equations.
+  [[nodiscard]] bool is_solved() const { return is_solved_; }
+
+  /// Gauss-Seidel iterations over the island.
+  void iterate(const NewtonContext& context, int count) const;
 
  private:
   /// Two bodies with rows between them: `count` columns of the system, and the slots of H's triangle among them.
@@ -35,7 +41,6 @@ class NewtonSystem {
   };
 
   void make_room(const NewtonContext& context);
-  void choose_islands(const NewtonContext& context, double tolerance);
   void find_dofs(const NewtonContext& context);
   void find_columns(const Tree<double>& tree);
   void find_pattern(const Tree<double>& tree);
@@ -49,11 +54,10 @@ class NewtonSystem {
   double find_defect(const NewtonContext& context, double t);
   double search_line(const NewtonContext& context, double before, double& length);
   void add_velocities(double t);
-  int island_of(int cluster);
+  void apply_change(const NewtonContext& context) const;
 
   NewtonLaws laws_;
-  std::vector<int> island_;  ///< (nv) of a cluster's first dof: another in its island, nearer to the root
-  std::vector<double> island_residual_;
+  bool is_solved_ = false;
 
   std::vector<bool> takes_part_;  ///< (nv)
   std::vector<RowBlock> pair_rows_;
@@ -64,6 +68,7 @@ class NewtonSystem {
   std::vector<std::size_t> trees_;  ///< their first dofs
   MinimumDegree order_;
   std::vector<std::size_t> dofs_;  ///< of the system, as they are eliminated
+  std::vector<int> free_dofs_;     ///< those of them that are free, in the order of Factors::free_dofs
   std::vector<int> column_;        ///< (nv) of the dof in the system, or -1
   std::vector<Pair> pairs_;
   std::vector<int> pair_columns_;
@@ -73,7 +78,7 @@ class NewtonSystem {
   SparseLdl H_;
   RowVelocities velocities_, step_velocities_;    ///< at x, of which laws ask; J step
   std::vector<double> momentum_, step_momentum_;  ///< (nv) (M + penalty) x, and the same of the step
-  std::vector<double> step_, defect_;             ///< (nv)
+  std::vector<double> step_, defect_;             ///< (nv) of the step 0, of the others anything, for dofs elsewhere
   std::vector<double> solution_;                  ///< (dofs)
 
   std::vector<Following> following_;
@@ -81,7 +86,7 @@ class NewtonSystem {
   std::vector<double> correction_;  ///< (following)
   DenseLu small_;
 
-  std::vector<double> kept_dv_;
+  std::vector<double> kept_dv_;  ///< (dofs)
   std::vector<Vec3<double>> kept_impulses_;
   std::vector<double> M_;  ///< with the penalties of held tendons
 };
