@@ -32,14 +32,14 @@ NAMED = {
     "activationState": ("ACTIVATION_STATE_",),
 }
 FLAGS = {
-    "loadURDF": "URDF_",
-    "createMultiBody": "URDF_",
-    "getCameraImage": "ER_",
-    "applyExternalForce": "_FRAME",
-    "applyExternalTorque": "_FRAME",
-    "getVisualShapeData": "VISUAL_SHAPE_DATA_",
-    "changeVisualShape": "VISUAL_SHAPE_DOUBLE",
-    "createCollisionShape": "GEOM_",
+    "loadURDF": ("URDF_",),
+    "createMultiBody": ("URDF_",),
+    "getCameraImage": ("ER_",),
+    "applyExternalForce": ("LINK_FRAME", "WORLD_FRAME"),
+    "applyExternalTorque": ("LINK_FRAME", "WORLD_FRAME"),
+    "getVisualShapeData": ("VISUAL_SHAPE_DATA_",),
+    "changeVisualShape": ("VISUAL_SHAPE_DOUBLE",),
+    "createCollisionShape": ("GEOM_",),
 }
 NEVER = {"GEOM_FORCE_CONCAVE_TRIMESH", "GEOM_CONCAVE_INTERNAL_EDGE", "ER_TINY_RENDERER", "ER_BULLET_HARDWARE_OPENGL"}
 
@@ -204,7 +204,7 @@ def optional(name: str) -> set[str]:
 def constants(name: str, parameter: str, value: Any) -> list[str]:
     """The names of the module's constants that stand for an argument's value, or its bits."""
     is_flag = parameter == "flags" and name in FLAGS
-    marks = (FLAGS[name],) if is_flag else NAMED.get(parameter, ())
+    marks = FLAGS[name] if is_flag else NAMED.get(parameter, ())
     found = []
     for constant in dir(real):
         if not any(constant.startswith(mark) or constant.endswith(mark) for mark in marks):

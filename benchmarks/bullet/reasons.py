@@ -4,7 +4,7 @@ _MIDDLE = (
     "Bullet takes the middle of the last geom that has a fromto for a body's centre of mass, and puts a free base's "
     "where the file has its frame; here it is where the mass is"
 )
-_REFUSED = "is sound, and Bullet refuses it"
+_REFUSED = "the file is sound"
 
 REASONS: dict[str, str] = {
     "gripper/wsg50_one_motor_gripper_free_base.sdf": _REFUSED,

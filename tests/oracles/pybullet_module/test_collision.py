@@ -68,13 +68,16 @@ def slide(contacts: tuple[tuple[object, ...], ...]) -> list[float]:
 
 @seeds
 def test_a_thing_slides_as_far(both: Beside, rng: np.random.Generator) -> None:
+    """Along its edges: askew, small differences of where it touches turn it."""
     box = scene(both, rng)[0]
-    angle = rng.uniform(-1, 1)
-    both.resetBaseVelocity(box, [-2 * np.cos(angle), 2 * np.sin(angle), 0])
+    both.resetBasePositionAndOrientation(box, [0, -1, 0.1], [0, 0, 0, 1])
+    both.step(60)
+    along = [[1, 0, 0], [-1, 0, 0], [0, -1, 0]][rng.integers(3)]
+    both.resetBaseVelocity(box, [rng.uniform(1, 2) * x for x in along])
     both.step(30)
     both.getContactPoints(box, 0, view=slide, within=0.3)
     both.step(30)
-    both.getBasePositionAndOrientation(box, view=lambda X: X[0], within=3e-2)
+    both.getBasePositionAndOrientation(box, view=lambda X: X[0], within=1e-2)
     both.getBaseVelocity(box, view=lambda V: V[0], within=5e-2)
 
 
