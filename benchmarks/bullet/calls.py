@@ -29,12 +29,13 @@ if it has less than they compare.
 | function | options | calls | tolerance | apart | wrong input | what differs, and why |
 | --- | --- | --- | --- | --- | --- | --- |
 """
+REST = "## Not compared"
 ROW = re.compile(r"^\| `(\w+)` \| (.*?) \|")
 
 
 def rows_of(table: str) -> dict[str, set[str]]:
-    """The functions of a table, and the options of each."""
-    found = (ROW.match(line) for line in table.splitlines())
+    """The functions that are compared by a table, and the options of each."""
+    found = (ROW.match(line) for line in table.split(REST)[0].splitlines())
     return {row[1]: set(re.findall(r"`([^`]+)`", row[2])) for row in found if row}
 
 
@@ -75,5 +76,5 @@ def table_of(record: "dict[str, beside.Compared]") -> str:  # noqa: F821
         f"{len(record) + options + constants} in all**, in {calls} calls, and {refusals} kinds of wrong input."
     )
     left = [f"| `{name}` | {why} |" for name, why in sorted(NOT_COMPARED.items(), key=lambda item: item[0].lower())]
-    tail = "\n\n## Not compared\n\n| function | why |\n| --- | --- |\n" + "\n".join(left) + "\n"
+    tail = f"\n\n{REST}\n\n| function | why |\n| --- | --- |\n" + "\n".join(left) + "\n"
     return HEAD.format(count=count) + "\n".join(lines) + tail
