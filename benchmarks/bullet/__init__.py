@@ -1,1 +1,1 @@
-"""PyBullet's own examples and environments, on PyBullet and on `manyhands.pybullet`."""
+"""manyhands.pybullet beside the real module: calls, files of its data folder, its examples and environments."""

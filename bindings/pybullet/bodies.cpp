@@ -19,8 +19,10 @@ void print_notes(Client& client) {
   throw Error(error);
 }
 
-/// The pose of arguments i (position) and i + 1 (quaternion).
+/// The pose of arguments i (position) and i + 1 (quaternion), neither of which may be None.
 Transform<double> pose(const Arguments& a, std::size_t i, const char* no_position, const char* no_orientation) {
+  if (a.object(i) == Py_None) throw Error(no_position);
+  if (a.object(i + 1) == Py_None) throw Error(no_orientation);
   return {a.rotation(i + 1, no_orientation), a.vec3(i, {0, 0, 0}, no_position)};
 }
 
@@ -152,7 +154,7 @@ PyObject* joint_info(Client& client, const Arguments& a) {
   const Vec3<double> axis = turns ? transpose_times(link.X_LI.R, link.axis) : Vec3<double>{0, 0, 0};
   const auto [q, v] = client.joint_indices(id, joint);
   return tuple(of(joint), bytes(link.joint_name), of(static_cast<int>(bullet::joint_code(link.joint))), of(q), of(v),
-               of(q >= 0 ? 1 : 0), of(link.damping), of(link.friction), of(link.lower), of(link.upper),
+               of(turns ? 1 : 0), of(link.damping), of(link.friction), of(link.lower), of(link.upper),
                of(link.max_force), of(link.max_velocity), bytes(link.name), of(axis), of(X_in_parent.p), of(turn),
                of(link.parent));
 }

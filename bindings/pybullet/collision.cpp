@@ -75,12 +75,13 @@ PyObject* ray_of(const bullet::RayReading& r) {
 constexpr Function kRay{
     "rayTest", "rayFromPosition, rayToPosition | collisionFilterMask=-1, reportHitNumber=-1",
     "What a ray meets first: a tuple of one entry - body, link, share of the way, position, normal; "
-    "body -1 where it meets nothing.",
+    "body -1 where it meets nothing. reportHitNumber: how many links to pass; Bullet's order of them is arbitrary.",
     [](Client& client, const Arguments& a) -> PyObject* {
       const Vec3<double> from = a.vec3(0, "rayFromPosition needs 3 numbers."),
                          to = a.vec3(1, "rayToPosition needs 3 numbers.");
-      if (a.integer(3, -1) > 0) throw Error("rayTest: reportHitNumber is not supported");
-      return tuple_of(client.cast_rays(std::span(&from, 1), std::span(&to, 1), a.integer(2, -1)), ray_of);
+      return tuple_of(
+          client.cast_rays(std::span(&from, 1), std::span(&to, 1), a.integer(2, -1), std::max(a.integer(3, -1), 0)),
+          ray_of);
     }};
 
 PyObject* cast_batch(Client& client, const Arguments& a) {
@@ -89,14 +90,13 @@ PyObject* cast_batch(Client& client, const Arguments& a) {
                             to = a.points(1, "rayToPositions needs a list of 3 numbers each.");
   if (from.size() != to.size()) throw Error("Size of from_positions need to be equal to size of to_positions.");
   if (from.size() > kMost) throw Error("Number of rays exceed the maximum batch size.");
-  if (a.integer(5, -1) > 0) throw Error("rayTestBatch: reportHitNumber is not supported");
   if (const int parent = a.integer(3, -1); parent >= 0) {
     const int link = a.integer(4, -1);
     const Transform<double> X = link < 0 ? client.base_pose(parent) : client.link_state(parent, link).X_WI;
     for (Vec3<double>& p : from) p = X * p;
     for (Vec3<double>& p : to) p = X * p;
   }
-  return tuple_of(client.cast_rays(from, to, a.integer(6, -1)), ray_of);
+  return tuple_of(client.cast_rays(from, to, a.integer(6, -1), std::max(a.integer(5, -1), 0)), ray_of);
 }
 
 constexpr Function kRays{

@@ -219,7 +219,7 @@ constexpr Function kNumConstraints{
 
 constexpr Function kConstraintId{"getConstraintUniqueId", "serialIndex", "The id of a constraint; -1 beyond the last.",
                                  [](Client& client, const Arguments& a) -> PyObject* {
-                                   const std::vector<int> ids = client.constraint_ids();
+                                   const std::span<const int> ids = client.constraint_ids();
                                    const int i = a.integer(0);
                                    const bool is_there = i >= 0 && i < static_cast<int>(ids.size());
                                    return of(is_there ? ids[static_cast<std::size_t>(i)] : -1);

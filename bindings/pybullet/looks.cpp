@@ -187,6 +187,11 @@ Vec3<double> dimensions(const bullet::ShapePlan& shape) {
   }
 }
 
+/// Whether both are objects of a file, which are told as one shape.
+bool is_of_same_file(const bullet::ShapePlan& a, const bullet::ShapePlan& b) {
+  return !b.file.empty() && a.file == b.file && norm(a.geom.X_LG.p - b.geom.X_LG.p) == 0;
+}
+
 PyObject* visual_data(Client& client, const Arguments& a) {
   const int id = a.integer(0);
   const bool textures = (a.integer(1, 0) & 1) != 0;
@@ -197,6 +202,7 @@ PyObject* visual_data(Client& client, const Arguments& a) {
     const std::vector<bullet::ShapePlan>& visuals = plan.link(i).visuals;
     for (std::size_t k = 0; k < visuals.size(); ++k) {
       const bullet::ShapePlan& v = visuals[k];
+      if (k > 0 && is_of_same_file(visuals[k - 1], v)) continue;
       const std::array<float, 4>& c = client.rgba(id, i, k);
       PyObject* const colour = tuple(of(double{c[0]}), of(double{c[1]}), of(double{c[2]}), of(double{c[3]}));
       PyObject* const type = of(static_cast<int>(bullet::shape_code(v.geom.shape.type)));
@@ -220,7 +226,11 @@ PyObject* collision_data(Client& client, const Arguments& a) {
   const int id = a.integer(0), link = a.integer(1);
   const bullet::BodyPlan& plan = client.plan(id, kError);
   if (link < -1 || link >= plan.num_links()) throw Error(kError);
-  return tuple_of(plan.link(link).collisions, [&](const bullet::ShapePlan& shape) {
+  std::vector<bullet::ShapePlan> shapes;
+  for (const bullet::ShapePlan& shape : plan.link(link).collisions) {
+    if (shapes.empty() || !is_of_same_file(shapes.back(), shape)) shapes.push_back(shape);
+  }
+  return tuple_of(shapes, [&](const bullet::ShapePlan& shape) {
     const Transform<double> X = inverse(plan.link(link).X_LI) * shape.geom.X_LG;
     const double r = shape.geom.shape.size.x;
     const bool round = shape.geom.shape.type == ShapeType::kSphere;

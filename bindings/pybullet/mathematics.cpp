@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "bindings/pybullet/arguments.h"
+#include "manyhands/bullet/aim.h"
 
 namespace manyhands::pybullet {
 
@@ -128,10 +129,12 @@ constexpr FreeFunction kVelocity{
       return of((1 / a.number(2)) * way);
     }};
 
+/// The angles about the axes of start that lead to end, with which spherical motors aim.
 constexpr FreeFunction kAxisDifference{
     "getAxisDifferenceQuaternion", "quaternionStart, quaternionEnd",
-    "The axis of the rotation from start to end, times its angle.", [](const Arguments& a) -> PyObject* {
-      return of(rotation_between(a.quaternion(0, kQuaternion), a.quaternion(1, kQuaternion)));
+    "Three angles that lead from start to end, about the axes of start: the error of a spherical joint's motor.",
+    [](const Arguments& a) -> PyObject* {
+      return of(bullet::aiming_angles(a.quaternion(0, kQuaternion), a.quaternion(1, kQuaternion)));
     }};
 
 }  // namespace

@@ -90,6 +90,19 @@ ShapeRecord shape_of(const ShapeArguments& s, bool collides, const char* what) {
 constexpr const char* kNoShape = "createCollisionShape failed.";
 constexpr const char* kNoVisual = "createVisualShape failed.";
 
+/// One shape, or the hulls of a file's objects.
+std::vector<ShapeRecord> collision_shapes_of(const ShapeArguments& s) {
+  constexpr int kConcave = 1;
+  const bool by_objects = s.type == bullet::kMesh && s.vertices.empty() && (s.flags & kConcave) == 0;
+  if (!by_objects) return {shape_of(s, true, kNoShape)};
+  std::vector<ShapeRecord> records;
+  for (Mesh& object : load_mesh_objects(find_file(s.file), s.scale)) {
+    records.push_back({.shape = {.type = ShapeType::kConvex}, .file = s.file, .scale = s.scale});
+    records.back().mesh = std::make_shared<const Mesh>(std::move(object));
+  }
+  return records;
+}
+
 ShapeRecord height_field_of(const Arguments& a) {
   const std::vector<double> data = a.numbers(13);
   const int rows = a.integer(14, 0), columns = a.integer(15, 0);
@@ -119,11 +132,16 @@ PyObject* create_collision(Client& client, const Arguments& a) {
   s.flags = a.integer(7, 0);
   s.vertices = a.points(10, "vertices needs a list of 3 numbers each.");
   s.indices = a.integers(11);
-  ShapeRecord record = s.type == bullet::kHeightField ? height_field_of(a) : shape_of(s, true, kNoShape);
+  std::vector<ShapeRecord> records;
+  if (s.type == bullet::kHeightField) {
+    records.push_back(height_field_of(a));
+  } else {
+    records = collision_shapes_of(s);
+  }
   const Transform<double> X{a.rotation(9, "collisionFrameOrientation needs 4 numbers."),
                             a.vec3(8, {0, 0, 0}, "collisionFramePosition needs 3 numbers.")};
-  record.pose = X * record.pose;
-  return of(client.create_shape({std::move(record)}, GeomRole::kCollision));
+  for (ShapeRecord& record : records) record.pose = X * record.pose;
+  return of(client.create_shape(std::move(records), GeomRole::kCollision));
 }
 
 constexpr Function kCreateCollision{

@@ -152,7 +152,6 @@ constexpr Function kLinkStates{
       for (const int link : links) {
         if (link < 0 || link >= client.num_joints(id)) throw Error("getLinkStates failed; invalid linkIndex");
       }
-      if (links.empty()) return none();
       return tuple_of(links, [&](int link) { return link_reading(client, id, link, with_velocity); });
     }};
 

@@ -128,15 +128,17 @@ class Assembler {
   std::vector<HeightFieldId> fields_;
 };
 
-/// Link `id` of the model and its joint; `numbers` tells the number of each link in the plan.
+}  // namespace
+
 LinkPlan link_plan(const Model& model, LinkId id, const std::vector<int>& numbers) {
   const Link& part = model.link(id);
   LinkPlan link;
-  link.name = part.name;
+  link.name = part.name == "world_" ? "world" : part.name;  // as the file has it
   link.mass = part.inertial.mass;
   link.X_LI = {part.inertial_axes, part.inertial.com};
   link.file_inertia = part.inertial.inertia;
   link.has_file_inertia = true;
+  link.inertia_scale = part.inertia_scale;
   for (const GeomId geom_id : model.geoms_of(id)) {
     ShapePlan shape{.geom = model.geoms()[geom_id.index()]};
     if (shape.geom.shape.mesh.is_valid()) {
@@ -164,8 +166,6 @@ LinkPlan link_plan(const Model& model, LinkId id, const std::vector<int>& number
   return link;
 }
 
-}  // namespace
-
 bool BodyPlan::has_ground() const { return std::ranges::any_of(base.collisions, &ShapePlan::is_ground); }
 
 std::string model_name(const LinkPlan& link) { return link.name == "world" ? "world_" : link.name; }
@@ -180,6 +180,7 @@ std::vector<BodyPlan> plans_of(const Model& model) {
     BodyPlan plan;
     plan.name = model.name();
     plan.base = link_plan(model, id, numbers);
+    plan.root = id;
     plan.fixed = id.value() == 0 || !model.link(id).joint.is_valid() ||
                  model.joint(model.link(id).joint).type != JointType::kFloating || plan.base.mass == 0;
     plan.self_collision = model.contact_rules().self_collision;
@@ -206,35 +207,76 @@ std::vector<BodyPlan> plans_of(const Model& model) {
   return plans;
 }
 
-void merge_fixed_links(BodyPlan& plan) {
-  for (int i = plan.num_links() - 1; i >= 0; --i) {
-    const LinkPlan link = plan.link(i);
-    if (link.joint != JointType::kFixed) continue;
-    LinkPlan& parent = plan.link(link.parent);
-    const Inertial own{.mass = link.mass, .com = link.X_LI.p, .inertia = link.file_inertia};
-    const Inertial theirs{.mass = parent.mass, .com = parent.X_LI.p, .inertia = parent.file_inertia};
-    const Inertial both = sum(theirs, placed(link.X_PJ, own));
-    parent.mass = both.mass;
-    parent.X_LI = {parent.X_LI.R, both.com};
-    parent.file_inertia = both.inertia;
-    const auto move = [&](std::vector<ShapePlan> shapes, std::vector<ShapePlan>& into) {
-      for (ShapePlan& shape : shapes) {
-        shape.geom.X_LG = link.X_PJ * shape.geom.X_LG;
-        into.push_back(std::move(shape));
-      }
-    };
-    move(link.collisions, parent.collisions);
-    move(link.visuals, parent.visuals);
-    for (LinkPlan& other : plan.links) {
-      if (other.parent == i) {
-        other.parent = link.parent;
-        other.X_PJ = link.X_PJ * other.X_PJ;
-      }
-      if (other.parent > i) --other.parent;
+namespace {
+
+/// Adds a link on a fixed joint to the one that carries it.
+void absorb(LinkPlan& parent, const LinkPlan& link) {
+  const Inertial own{.mass = link.mass, .com = link.X_LI.p, .inertia = link.file_inertia};
+  const Inertial theirs{.mass = parent.mass, .com = parent.X_LI.p, .inertia = parent.file_inertia};
+  const Inertial both = sum(theirs, placed(link.X_PJ, own));
+  parent.mass = both.mass;
+  parent.X_LI = {parent.X_LI.R, both.com};
+  parent.file_inertia = both.inertia;
+  const auto move = [&](const std::vector<ShapePlan>& shapes, std::vector<ShapePlan>& into) {
+    for (ShapePlan shape : shapes) {
+      shape.geom.X_LG = link.X_PJ * shape.geom.X_LG;
+      into.push_back(std::move(shape));
     }
-    plan.links.erase(plan.links.begin() + i);
-  }
+  };
+  move(link.collisions, parent.collisions);
+  move(link.visuals, parent.visuals);
 }
+
+/// Numbers links anew as PyBullet does, which fills the gap that a merged link leaves with the last of its siblings,
+/// and then appends its children.
+class Merger {
+ public:
+  explicit Merger(BodyPlan& plan) : plan_(plan), children_(plan.links.size() + 1) {
+    for (int i = 0; i < plan.num_links(); ++i) of(plan.link(i).parent).push_back(i);
+  }
+
+  void merge() {
+    visit(-1, -1);
+    plan_.links = std::move(merged_);
+  }
+
+ private:
+  std::vector<int>& of(int link) { return children_[static_cast<std::size_t>(link + 1)]; }
+
+  /// `number`: that of the link from now on.
+  void visit(int link, int number) {
+    std::vector<int>& children = of(link);
+    for (std::size_t k = 0; k < children.size();) {
+      const int child = children[k];
+      if (plan_.link(child).joint != JointType::kFixed) {
+        ++k;
+        continue;
+      }
+      for (const int grandchild : of(child)) {
+        plan_.link(grandchild).X_PJ = plan_.link(child).X_PJ * plan_.link(grandchild).X_PJ;
+      }
+      absorb(plan_.link(link), plan_.link(child));
+      children[k] = children.back();
+      children.pop_back();
+      children.insert(children.end(), of(child).begin(), of(child).end());
+    }
+    if (link >= 0) merged_[static_cast<std::size_t>(number)] = plan_.link(link);
+    for (const int child : children) {
+      const int next = static_cast<int>(merged_.size());
+      plan_.link(child).parent = number;
+      merged_.push_back(plan_.link(child));
+      visit(child, next);
+    }
+  }
+
+  BodyPlan& plan_;
+  std::vector<std::vector<int>> children_;  // of the base, then of the links
+  std::vector<LinkPlan> merged_;
+};
+
+}  // namespace
+
+void merge_fixed_links(BodyPlan& plan) { Merger(plan).merge(); }
 
 JointCode joint_code(JointType type) {
   switch (type) {

@@ -43,9 +43,16 @@ struct LinkPlan {
   Vec3<double> inertia = Vec3<double>::zero();             ///< about the axes of I [kg m^2]
   SymMat3<double> file_inertia = SymMat3<double>::zero();  ///< as the file has it, about the axes of L
   bool has_file_inertia = false;
+  double inertia_scale = 1;  ///< a factor of inertias that follow from shapes
   SurfaceMaterial surface{};
   std::vector<ShapePlan> collisions{}, visuals{};
 
+  /// Whether its margin is its radius.
+  [[nodiscard]] bool is_round() const {
+    if (collisions.size() != 1) return false;
+    const ShapeType type = collisions[0].geom.shape.type;
+    return type == ShapeType::kSphere || type == ShapeType::kCapsule;
+  }
   [[nodiscard]] bool is_limited() const {
     return (joint == JointType::kRevolute || joint == JointType::kPrismatic) && lower <= upper;
   }
@@ -54,9 +61,11 @@ struct LinkPlan {
 struct BodyPlan {
   std::string name{};
   LinkPlan base{};
+  LinkId root{};  ///< the base in the loader's model; invalid where it is none of that
   std::vector<LinkPlan> links{};
   std::vector<Mesh> meshes{};
   std::vector<HeightField> height_fields{};
+  bool from_file = false;                                     ///< not made by a program
   bool fixed = false;                                         ///< the base stands where it is put
   bool self_collision = false;                                ///< between its links
   bool includes_parents = false, excludes_ancestors = false;  ///< see URDF_USE_SELF_COLLISION_...
@@ -78,6 +87,9 @@ struct BodyPlan {
 
 /// The bodies of a model that a loader made: one for each part that stands on the world of its own.
 [[nodiscard]] std::vector<BodyPlan> plans_of(const Model& model);
+
+/// Link `id` of the model and its joint; `numbers` tells the number of each link in the plan.
+[[nodiscard]] LinkPlan link_plan(const Model& model, LinkId id, const std::vector<int>& numbers);
 
 /// Lumps links on fixed joints into their parents.
 void merge_fixed_links(BodyPlan& plan);

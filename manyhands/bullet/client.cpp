@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "manyhands/bullet/aim.h"
 #include "manyhands/bullet/client_body.h"
 
 namespace manyhands::bullet {
@@ -22,6 +23,7 @@ void Client::reset() {
   edition_ = world_.edition();
   torqued_.clear();
   constraints_.clear();
+  constraint_order_.clear();
   next_constraint_ = 1;
   contacts_.clear();
   contacts_known_ = true;
@@ -59,10 +61,14 @@ void Client::step() {
       Body& body = *bodies_[id];
       apply_damping(body);
       if (body.has_clamps) apply_motors(body, h);
+      if (body.is_capped) cap_speeds(body);
     }
     if (!constraints_.empty()) approach_constraints();
     if (screen_ != nullptr) follow_grips(h);
     world_.step();
+  }
+  for (const int id : order_) {
+    if (bodies_[id]->is_capped) cap_speeds(*bodies_[id]);
   }
   clear_torques();
   contacts_known_ = false;
@@ -83,6 +89,26 @@ void Client::apply_damping(Body& body) {
     const Vec3<double> spin = transpose_times(X_WI.R, V.w), I = link.inertia;
     const Vec3<double> L = X_WI.R * Vec3<double>{I.x * spin.x, I.y * spin.y, I.z * spin.z};
     world_.apply_link_force(link_id(body, i), (-link.mass * linear * (1 + v)) * V.v, (-angular * (1 + w)) * L, X_WI.p);
+  }
+}
+
+/// Keeps each number of the velocities of base and joints at or below the body's largest.
+void Client::cap_speeds(Body& body) {
+  const double most = body.max_joint_velocity;
+  const auto capped = [&](const Vec3<double>& v) {
+    return Vec3<double>{std::clamp(v.x, -most, most), std::clamp(v.y, -most, most), std::clamp(v.z, -most, most)};
+  };
+  if (!body.plan.fixed) {
+    const Motion<double> V = inertial_velocity(body, -1);
+    if (norm(V.v - capped(V.v)) + norm(V.w - capped(V.w)) > 0) reset_base_velocity(body.id, capped(V.v), capped(V.w));
+  }
+  for (int i = 0; i < body.plan.num_links(); ++i) {
+    const JointId joint = joint_id(body, i);
+    const std::span<const double> q = world_.joint_q(joint), v = world_.joint_v(joint);
+    if (std::ranges::all_of(v, [&](double x) { return std::abs(x) <= most; })) continue;
+    std::vector<double> slower(v.begin(), v.end());
+    for (double& x : slower) x = std::clamp(x, -most, most);
+    world_.set_joint(joint, std::vector(q.begin(), q.end()), slower);
   }
 }
 

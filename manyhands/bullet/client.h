@@ -102,7 +102,7 @@ class Client {
   void change_constraint(int id, const ConstraintChange& change);
   void remove_constraint(int id);
   [[nodiscard]] const UserConstraint& constraint(int id) const;
-  [[nodiscard]] std::vector<int> constraint_ids() const;
+  [[nodiscard]] std::span<const int> constraint_ids() const { return constraint_order_; }
 
   // ---- kinematics (client_kinematics.cpp) ----------------------------------------------------------------------
   [[nodiscard]] std::vector<double> inverse_kinematics(int body, const IkRequest& request);
@@ -118,8 +118,9 @@ class Client {
   [[nodiscard]] std::vector<ContactReading> contacts(int body_a, int body_b, int link_a, int link_b);
   [[nodiscard]] std::vector<ContactReading> closest_points(int body_a, int body_b, double distance, int link_a,
                                                            int link_b);
+  /// `number`: of the link to report, the nearest being 0.
   [[nodiscard]] std::vector<RayReading> cast_rays(std::span<const Vec3<double>> from, std::span<const Vec3<double>> to,
-                                                  int mask);
+                                                  int mask, int number);
   void set_collision_pair(int body_a, int body_b, int link_a, int link_b, bool enabled);
   void set_collision_mask(int body, int link, int group, int mask);
 
@@ -174,10 +175,13 @@ class Client {
   void apply_pd(Body& body, int joint, double h);
   void stop_pd(Body& body, int joint);
   void apply_ball_motor(Body& body, int joint, double h);
+  void cap_speeds(Body& body);
   void clear_torques();
   void keep_contacts();
   void apply_filters(int body);
+  [[nodiscard]] bool counts(const WorldRayHit& hit, int mask);
   [[nodiscard]] bool may_collide(const Body& a, int link_a, const Body& b, int link_b) const;
+  void drop_constraint(int id);
   void write_constraints();
   void approach_constraints();
   [[nodiscard]] EqualityConstraint equality_of(int id, const UserConstraint& constraint);
@@ -204,12 +208,13 @@ class Client {
   std::int64_t edition_ = 0;
   std::vector<std::array<int, 2>> torqued_;  // joints whose tau is to be taken back
   std::map<int, UserConstraint> constraints_;
+  std::vector<int> constraint_order_;  // serial numbers
   int next_constraint_ = 1;
   std::vector<ContactReading> contacts_;
   bool contacts_known_ = true;
   std::map<std::array<int, 4>, bool> pair_rules_;
   std::map<int, std::shared_ptr<const std::vector<ShapeRecord>>> collision_shapes_, visual_shapes_;
-  int next_shape_ = 0;
+  int next_collision_ = 0, next_visual_ = 0;
   std::map<int, std::shared_ptr<const Image>> textures_;
   std::map<int, std::vector<std::uint8_t>> states_;
   std::vector<std::string> notes_;

@@ -25,7 +25,8 @@ void apply_flags(BodyPlan& plan, const LoadOptions& options) {
       if ((options.flags & kImplicitCylinder) != 0) shape.is_urdf_cylinder = false;
     }
   }
-  set_inertias(plan, (options.flags & kInertiaFromFile) != 0, true);
+  plan.from_file = true;
+  set_inertias(plan, (options.flags & kInertiaFromFile) != 0);
   plan.self_collision = (options.flags & kSelfCollision) != 0;
   plan.excludes_ancestors = (options.flags & kExcludeAllParents) != 0;
   plan.includes_parents = (options.flags & kIncludeParent) != 0;
@@ -43,8 +44,8 @@ void show_collisions(BodyPlan& plan) {
 
 /// Where a base stands in the world of its own file, or begins there.
 Transform<double> place_of(const Model& model, const BodyPlan& plan) {
-  if (model.find_link(plan.base.name).value() <= 0) return Transform<double>::identity();
-  const Link& link = model.link(model.link_id(plan.base.name));
+  if (!plan.root.is_valid() || plan.root.value() == 0) return Transform<double>::identity();
+  const Link& link = model.link(plan.root);
   if (!link.joint.is_valid()) return link.X_BL;
   const Joint& joint = model.joint(link.joint);
   const std::vector<double>& q = joint.initial;
@@ -63,8 +64,9 @@ int Client::load_urdf(const std::filesystem::path& path, const Transform<double>
   take_notes(loaded.report);
   BodyPlan plan = plans_of(loaded.model).at(0);
   plan.fixed = options.fixed_base || !(plan.base.mass > 0);
-  show_collisions(plan);
   apply_flags(plan, options);
+  show_collisions(plan);
+  if (options.fixed_base) plan.base.inertia = Vec3<double>::zero();
   return add(std::move(plan), X_WB);
 }
 
@@ -74,8 +76,8 @@ std::vector<int> Client::add_all(const LoadedModel& loaded, const LoadOptions& o
   for (BodyPlan& plan : plans_of(loaded.model)) {
     Transform<double> X_WB = place_of(loaded.model, plan);
     if (from_mjcf) X_WB = X_WB * inverse(plan.base.X_LI);  // its centre of mass stands where the file has the body
-    show_collisions(plan);
     apply_flags(plan, options);
+    show_collisions(plan);
     ids.push_back(add(std::move(plan), X_WB));
   }
   return ids;
@@ -124,10 +126,9 @@ int Client::add(BodyPlan plan, const Transform<double>& X_WB) {
   }
   for (int i = -1; i < static_cast<int>(n); ++i) {
     for (const ShapePlan& shape : body->plan.link(i).visuals) body->of(i).rgba.push_back(shape.geom.rgba);
-    const std::vector<ShapePlan>& shapes = body->plan.link(i).collisions;
-    const bool round = shapes.size() == 1 && (shapes[0].geom.shape.type == ShapeType::kSphere ||
-                                              shapes[0].geom.shape.type == ShapeType::kCapsule);
-    if (round) body->of(i).margin = shapes[0].geom.shape.size.x;
+    const LinkPlan& link = body->plan.link(i);
+    if (link.is_round()) body->of(i).margin = link.collisions[0].geom.shape.size.x;
+    if (!body->plan.from_file && !stands_for_link(link)) body->of(i).margin = 0;
     const SurfaceMaterial& surface = body->plan.link(i).surface;
     if (surface.stiffness && surface.damping) {
       body->of(i).contact_stiffness = surface.stiffness;
@@ -153,13 +154,12 @@ void Client::remove(int id) {
   Body* const body = find(id);
   if (body == nullptr) return;
   keep_contacts();
-  bool cuts = false;
-  std::erase_if(constraints_, [&](const auto& entry) {
-    const bool uses = entry.second.parent == id || entry.second.child == id;
-    cuts = cuts || uses;
-    return uses;
-  });
-  if (cuts) write_constraints();
+  std::vector<int> cut;
+  for (const auto& [number, c] : constraints_) {
+    if (c.parent == id || c.child == id) cut.push_back(number);
+  }
+  for (const int number : cut) drop_constraint(number);
+  if (!cut.empty()) write_constraints();
   world_.remove(body_label(id));
   ++scene_;
   const auto place = std::ranges::find(order_, id);

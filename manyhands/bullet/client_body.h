@@ -49,6 +49,7 @@ struct Client::Body {
   int num_dofs = 0;
   double linear_damping = 0.04, angular_damping = 0.04;
   double max_joint_velocity = 100;
+  bool is_capped = false;  ///< a program asked for it: PyBullet's own cap would only hide that something goes wrong
   std::vector<MotorMemory> motors{};       ///< (links)
   std::vector<LinkMemory> memory{};        ///< base, then links
   bool has_clamps = false;                 ///< some motor's command depends on the state

@@ -135,8 +135,7 @@ std::vector<ContactReading> Client::closest_points(int body_a, int body_b, doubl
 }
 
 std::vector<RayReading> Client::cast_rays(std::span<const Vec3<double>> from, std::span<const Vec3<double>> to,
-                                          int mask) {
-  constexpr int kMostTransparent = 64;  // links behind one another that the mask lets through
+                                          int mask, int number) {
   locate_all();
   std::vector<RayReading> readings(from.size());
   std::vector<Vec3<double>> origins(from.begin(), from.end()), directions(from.size());
@@ -150,27 +149,26 @@ std::vector<RayReading> Client::cast_rays(std::span<const Vec3<double>> from, st
   }
   const auto hits = world_.ray_cast(origins, directions, farthest);
   for (std::size_t i = 0; i < from.size(); ++i) {
-    std::optional<WorldRayHit> hit = hits[i];
-    double passed = 0;
-    for (int k = 0; hit && k < kMostTransparent; ++k) {
-      const auto [id, link] = owners_[hit->link.index()];
-      if (passed + hit->distance > lengths[i]) break;
-      if (id >= 0 && (find(id)->of(link).filter[0] & mask) != 0) {
-        readings[i] = {.body = id,
-                       .link = link,
-                       .fraction = (passed + hit->distance) / lengths[i],
-                       .point = hit->point,
-                       .normal = hit->normal};
-        break;
-      }
-      constexpr double kStep = 1e-6;  // behind the surface [m]
-      const Vec3<double> unit = (1 / lengths[i]) * directions[i];
-      passed += hit->distance + kStep;
-      const Vec3<double> next = from[i] + passed * unit;
-      hit = world_.ray_cast(std::span(&next, 1), std::span(&unit, 1), lengths[i] - std::min(passed, lengths[i]))[0];
+    if (!hits[i] || hits[i]->distance > lengths[i]) continue;
+    std::vector<WorldRayHit> all{*hits[i]};
+    if (number > 0 || !counts(*hits[i], mask)) all = world_.ray_cast_all(origins[i], directions[i], lengths[i]);
+    std::vector<LinkId> met;  // each link counts once
+    for (const WorldRayHit& hit : all) {
+      if (!counts(hit, mask) || std::ranges::find(met, hit.link) != met.end()) continue;
+      met.push_back(hit.link);
+      if (static_cast<int>(met.size()) <= number) continue;
+      const auto [body, link] = owners_[hit.link.index()];
+      readings[i] = {body, link, hit.distance / lengths[i], hit.point, hit.normal};
+      break;
     }
   }
   return readings;
+}
+
+/// PyBullet's rays tell nothing of what they begin in.
+bool Client::counts(const WorldRayHit& hit, int mask) {
+  const auto [body, link] = owners_[hit.link.index()];
+  return hit.distance > 0 && body >= 0 && (find(body)->of(link).filter[0] & mask) != 0;
 }
 
 // ---- what may touch -----------------------------------------------------------------------------------------------

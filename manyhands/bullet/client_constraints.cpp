@@ -93,6 +93,7 @@ int Client::create_constraint(const UserConstraint& given) {
   const int id = next_constraint_++;
   world_.add_equality(equality_of(id, c));
   constraints_[id] = c;
+  constraint_order_.push_back(id);
   return id;
 }
 
@@ -124,7 +125,8 @@ void Client::change_constraint(int id, const ConstraintChange& change) {
 }
 
 void Client::remove_constraint(int id) {
-  if (constraints_.erase(id) == 0) return;
+  if (!constraints_.contains(id)) return;
+  drop_constraint(id);
   keep_contacts();
   world_.remove_equality(constraint_label(id));
 }
@@ -135,10 +137,11 @@ const UserConstraint& Client::constraint(int id) const {
   return found->second;
 }
 
-std::vector<int> Client::constraint_ids() const {
-  std::vector<int> ids;
-  for (const auto& [id, c] : constraints_) ids.push_back(id);
-  return ids;
+/// The last one takes the serial number of one that goes.
+void Client::drop_constraint(int id) {
+  constraints_.erase(id);
+  *std::ranges::find(constraint_order_, id) = constraint_order_.back();
+  constraint_order_.pop_back();
 }
 
 /// Makes the world's constraints those of the client, after bodies have been made anew.

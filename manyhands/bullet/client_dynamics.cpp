@@ -32,7 +32,7 @@ void Client::change_dynamics(int id, int link, const DynamicsChange& change) {
   bool rebuild = false;
   if (change.mass && *change.mass >= 0) {
     plan.mass = *change.mass;
-    plan.inertia = inertia_of_shapes(body->plan, plan, plan.mass, false);
+    plan.inertia = inertia_of_shapes(body->plan, plan, plan.mass);
     if (change.inertia) plan.inertia = *change.inertia;
     const bool fixed = link < 0 && plan.mass == 0;
     rebuild = link < 0 && fixed != body->plan.fixed;
@@ -54,8 +54,8 @@ void Client::change_dynamics(int id, int link, const DynamicsChange& change) {
   if (touched) write_surface(*body, link);
   (void)take(change.linear_damping, body->linear_damping);
   (void)take(change.angular_damping, body->angular_damping);
-  (void)take(change.max_joint_velocity, body->max_joint_velocity);
-  (void)take(change.collision_margin, body->of(link).margin);
+  if (take(change.max_joint_velocity, body->max_joint_velocity)) body->is_capped = true;
+  if (!plan.is_round()) (void)take(change.collision_margin, body->of(link).margin);
   if (change.contact_stiffness) {
     body->of(link).contact_stiffness = surface.stiffness = change.contact_stiffness;
     body->of(link).contact_damping = surface.damping = change.contact_damping;
@@ -87,7 +87,7 @@ DynamicsReading Client::dynamics(int id, int link) const {
   const LinkMemory& memory = body.of(link);
   return {.mass = still ? 0 : plan.mass,
           .lateral_friction = plan.surface.lateral_friction,
-          .inertia = still ? Vec3<double>::zero() : plan.inertia,
+          .inertia = plan.inertia,
           .X_LI = plan.X_LI,
           .restitution = plan.surface.restitution,
           .rolling_friction = plan.surface.rolling_friction,

@@ -28,6 +28,23 @@ std::vector<ShapePlan> put(BodyPlan& plan, const std::vector<ShapeRecord>& recor
   return shapes;
 }
 
+/// PyBullet numbers links so, whatever their order in the lists.
+std::vector<LinkPlan> depth_first(std::vector<LinkPlan> given) {
+  std::vector<LinkPlan> links;
+  const auto visit = [&](auto&& self, int parent, int number) -> void {
+    for (std::size_t i = 0; i < given.size(); ++i) {
+      if (given[i].parent != parent || given[i].name.empty()) continue;
+      LinkPlan link = std::move(given[i]);
+      given[i].name.clear();
+      link.parent = number;
+      links.push_back(std::move(link));
+      self(self, static_cast<int>(i), static_cast<int>(links.size()) - 1);
+    }
+  };
+  visit(visit, -1, -1);
+  return links;
+}
+
 JointType joint_type(int code) {
   switch (code) {
     case kRevolute:
@@ -48,9 +65,11 @@ JointType joint_type(int code) {
 }  // namespace
 
 int Client::create_shape(std::vector<ShapeRecord> parts, GeomRole role) {
-  auto& shapes = role == GeomRole::kCollision ? collision_shapes_ : visual_shapes_;
-  shapes[next_shape_] = std::make_shared<const std::vector<ShapeRecord>>(std::move(parts));
-  return next_shape_++;
+  const bool collides = role == GeomRole::kCollision;
+  const int id = (collides ? next_collision_ : next_visual_)++;
+  (collides ? collision_shapes_ : visual_shapes_)[id] =
+      std::make_shared<const std::vector<ShapeRecord>>(std::move(parts));
+  return id;
 }
 
 void Client::remove_shape(int id) { collision_shapes_.erase(id); }
@@ -93,7 +112,8 @@ int Client::create_body(const MultiBodyRequest& request, const Transform<double>
     dress(link, given.collision_shape, given.visual_shape);
     plan.links.push_back(std::move(link));
   }
-  set_inertias(plan, false, false);
+  plan.links = depth_first(std::move(plan.links));
+  set_inertias(plan, false);
   plan.self_collision = (request.flags & kSelfCollision) != 0;
   plan.excludes_ancestors = (request.flags & kExcludeAllParents) != 0;
   return add(std::move(plan), X_WB);

@@ -159,11 +159,14 @@ Bounds Client::bounds(int id, int link) {
 }
 
 std::vector<std::array<int, 2>> Client::overlapping(const Bounds& box) {
+  constexpr double kThreshold = 0.02;  // that PyBullet adds to the boxes of links [m]
+  constexpr Vec3<double> kReach{kThreshold, kThreshold, kThreshold};
+  const Bounds wide{box.low - kReach, box.high + kReach};
   std::vector<std::array<int, 2>> found;
   for (const int id : order_) {
     for (int i = -1; i < num_joints(id); ++i) {
       if (find(id)->plan.link(i).collisions.empty()) continue;
-      if (box.meets(bounds(id, i))) found.push_back({id, i});
+      if (wide.meets(bounds(id, i))) found.push_back({id, i});
     }
   }
   return found;

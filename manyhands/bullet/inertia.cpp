@@ -17,12 +17,14 @@ Vec3<double> box_inertia(double mass, const Vec3<double>& half) {
   return (mass / 3) * Vec3<double>{s.y + s.z, s.x + s.z, s.x + s.y};
 }
 
-/// How far PyBullet's AABB of a shape reaches beyond it: three margins of hulls, four of those in OBJ files, whose
-/// objects are shapes within a shape, and one of others that do not lie along the inertial frame.
-double reach_beyond(const ShapePlan& shape, bool lies_alone) {
+/// How far PyBullet's AABB of a shape reaches beyond it: three margins of hulls, two of those in a program's compound,
+/// and one more where the shape of a file lies in another: an OBJ file's, whose objects are shapes, or one that does
+/// not lie along the inertial frame.
+double reach_beyond(const ShapePlan& shape, bool lies_alone, bool from_file) {
   const bool is_hull = shape.is_urdf_cylinder || shape.geom.shape.mesh.is_valid();
+  if (is_hull && !from_file) return (lies_alone ? 3 : 2) * kMargin;
   if (is_hull) return (shape.file.ends_with(".obj") ? 4 : 3) * kMargin;
-  return lies_alone ? 0 : kMargin;
+  return lies_alone || !from_file ? 0 : kMargin;
 }
 
 /// Along the shape's own axes.
@@ -51,9 +53,15 @@ Bounds own_bounds(const BodyPlan& plan, const ShapePlan& shape) {
 Bounds all_bounds(const BodyPlan& plan, const LinkPlan& link, bool lies_alone) {
   Bounds all;
   for (const ShapePlan& shape : link.collisions) {
-    const double more = reach_beyond(shape, lies_alone);
+    const double more = reach_beyond(shape, lies_alone, plan.from_file);
     const Bounds own = own_bounds(plan, shape);
-    all.widen(inverse(link.X_LI) * shape.geom.X_LG, own.centre(), own.half() + Vec3<double>{more, more, more});
+    const Transform<double> X_IG = inverse(link.X_LI) * shape.geom.X_LG;
+    const Vec3<double> half = own.half() + Vec3<double>{more, more, more};
+    if (shape.geom.shape.type == ShapeType::kSphere) {
+      all.widen(X_IG.p, half);
+    } else {
+      all.widen(X_IG, own.centre(), half);
+    }
   }
   return all;
 }
@@ -67,15 +75,22 @@ bool is_centred(const LinkPlan& link, const ShapePlan& shape) {
 
 }  // namespace
 
-Vec3<double> inertia_of_shapes(const BodyPlan& plan, const LinkPlan& link, double mass, bool from_file) {
+bool stands_for_link(const LinkPlan& link) {
+  return link.collisions.size() == 1 && is_centred(link, link.collisions.front());
+}
+
+namespace {
+
+/// Without the link's factor.
+Vec3<double> plain_inertia(const BodyPlan& plan, const LinkPlan& link, double mass) {
   if (link.collisions.empty()) {
     constexpr double kCube = 6.67e-7;  // of 2 mm, for 1 kg
-    return from_file ? Vec3<double>{kCube * mass, kCube * mass, kCube * mass} : Vec3<double>::zero();
+    return plan.from_file ? Vec3<double>{kCube * mass, kCube * mass, kCube * mass} : Vec3<double>::zero();
   }
   if (std::ranges::any_of(link.collisions, &ShapePlan::is_ground)) return Vec3<double>::zero();
   const ShapePlan& first = link.collisions.front();
   const Vec3<double>& s = first.geom.shape.size;
-  const bool lies_alone = link.collisions.size() == 1 && is_centred(link, first);
+  const bool lies_alone = stands_for_link(link);
   if (lies_alone) {
     if (first.geom.shape.type == ShapeType::kSphere) {
       const double I = 0.4 * mass * s.x * s.x;
@@ -89,7 +104,13 @@ Vec3<double> inertia_of_shapes(const BodyPlan& plan, const LinkPlan& link, doubl
   return box_inertia(mass, all_bounds(plan, link, lies_alone).half());
 }
 
-void set_inertias(BodyPlan& plan, bool use_file, bool from_file) {
+}  // namespace
+
+Vec3<double> inertia_of_shapes(const BodyPlan& plan, const LinkPlan& link, double mass) {
+  return link.inertia_scale * plain_inertia(plan, link, mass);
+}
+
+void set_inertias(BodyPlan& plan, bool use_file) {
   for (int i = -1; i < plan.num_links(); ++i) {
     LinkPlan& link = plan.link(i);
     if (use_file && link.has_file_inertia) {
@@ -104,7 +125,7 @@ void set_inertias(BodyPlan& plan, bool use_file, bool from_file) {
       link.X_LI.R = R * axes.R;
       link.inertia = axes.moments;
     } else {
-      link.inertia = inertia_of_shapes(plan, link, link.mass, from_file);
+      link.inertia = inertia_of_shapes(plan, link, link.mass);
     }
   }
 }

@@ -45,6 +45,7 @@ struct Link {
   std::string name{};
   Inertial inertial{};
   Mat3<double> inertial_axes = Mat3<double>::identity();  ///< those of the file's <inertial>, in the link frame
+  double inertia_scale = 1;         ///< Bullet's <inertia_scaling>, which is in `inertial` already
   double gravity_compensation = 0;  ///< share of its weight that is carried for it: 1, and it floats
   LinkId parent{};                  ///< invalid for a root
   JointId joint{};                  ///< the joint to the parent; invalid for a root

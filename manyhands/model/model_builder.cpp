@@ -259,6 +259,10 @@ void ModelBuilder::compile_dofs(Model& model) {
       model.dof_joint_.push_back(body.joint.value());
       model.dof_q_.push_back(body.nq == body.nv ? body.iq + k : -1);
       model.dof_limits_.push_back(body.nv == 1 ? joint.limits : JointLimits{});
+      if (joint.type == JointType::kContinuous) {  // whatever range a file tells
+        model.dof_limits_.back().lower = JointLimits{}.lower;
+        model.dof_limits_.back().upper = JointLimits{}.upper;
+      }
       model.dof_damping_.push_back(joint.damping);
       model.dof_armature_.push_back(joint.armature);
       model.dof_friction_.push_back(joint.friction);

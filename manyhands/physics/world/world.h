@@ -237,6 +237,9 @@ class World {
   [[nodiscard]] std::vector<std::optional<WorldRayHit>> ray_cast(std::span<const Vec3<double>> origins,
                                                                  std::span<const Vec3<double>> directions,
                                                                  double max_distance) const;
+  /// All that one ray meets, the nearest first, each geom where the ray enters it: at distance 0 if it begins inside.
+  [[nodiscard]] std::vector<WorldRayHit> ray_cast_all(const Vec3<double>& origin, const Vec3<double>& direction,
+                                                      double max_distance) const;
 
   /// Of a link or geom of a query's result. The id is that of `model`; these do not ask for it, since that clears out
   /// what was removed.

@@ -51,6 +51,32 @@ std::vector<LinkDistance> World::near_links(double d, std::string_view link) con
   return found;
 }
 
+namespace {
+
+/// Throws std::invalid_argument.
+Vec3<double> unit_of_ray(const Vec3<double>& origin, const Vec3<double>& direction, std::size_t i) {
+  internal::require_vector("origin", origin);
+  const double length = norm(direction);
+  if (!(length > 1e-150 && is_finite(length))) {
+    throw std::invalid_argument("direction " + std::to_string(i) + " has a length of " + std::to_string(length) +
+                                "; expected a finite one above 0");
+  }
+  return (1 / length) * direction;
+}
+
+void require_reach(double max_distance) {
+  if (max_distance >= 0) return;
+  throw std::invalid_argument("max_distance is " + std::to_string(max_distance) + " m; expected 0 or more");
+}
+
+WorldRayHit shown(const WorldCore& now, WorldRayHit hit) {
+  hit.link = now.shown(hit.link);
+  hit.geom = now.shown(hit.geom);
+  return hit;
+}
+
+}  // namespace
+
 std::vector<std::optional<WorldRayHit>> World::ray_cast(std::span<const Vec3<double>> origins,
                                                         std::span<const Vec3<double>> directions,
                                                         double max_distance) const {
@@ -58,26 +84,24 @@ std::vector<std::optional<WorldRayHit>> World::ray_cast(std::span<const Vec3<dou
     throw std::invalid_argument("there are " + std::to_string(origins.size()) + " origins and " +
                                 std::to_string(directions.size()) + " directions of rays; expected as many of both");
   }
-  if (!(max_distance >= 0)) {
-    throw std::invalid_argument("max_distance is " + std::to_string(max_distance) + " m; expected 0 or more");
-  }
-  std::vector<Vec3<double>> unit(directions.begin(), directions.end());
-  for (std::size_t i = 0; i < unit.size(); ++i) {
-    internal::require_vector("origin", origins[i]);
-    const double length = norm(unit[i]);
-    if (!(length > 1e-150 && is_finite(length))) {
-      throw std::invalid_argument("direction " + std::to_string(i) + " has a length of " + std::to_string(length) +
-                                  "; expected a finite one above 0");
-    }
-    unit[i] = (1 / length) * unit[i];
-  }
+  require_reach(max_distance);
+  std::vector<Vec3<double>> unit;
+  for (std::size_t i = 0; i < origins.size(); ++i) unit.push_back(unit_of_ray(origins[i], directions[i], i));
   const WorldCore& now = loose();
   std::vector<std::optional<WorldRayHit>> hits = manyhands::ray_cast(placed_geoms(now), origins, unit, max_distance);
   for (std::optional<WorldRayHit>& hit : hits) {
-    if (!hit) continue;
-    hit->link = now.shown(hit->link);
-    hit->geom = now.shown(hit->geom);
+    if (hit) hit = shown(now, *hit);
   }
+  return hits;
+}
+
+std::vector<WorldRayHit> World::ray_cast_all(const Vec3<double>& origin, const Vec3<double>& direction,
+                                             double max_distance) const {
+  require_reach(max_distance);
+  const Vec3<double> unit = unit_of_ray(origin, direction, 0);
+  const WorldCore& now = loose();
+  std::vector<WorldRayHit> hits = manyhands::ray_cast_all(placed_geoms(now), origin, unit, max_distance);
+  for (WorldRayHit& hit : hits) hit = shown(now, hit);
   return hits;
 }
 

@@ -16,6 +16,23 @@ std::optional<WorldRayHit> cast(const World& world, const Vec3<double>& origin, 
   return world.ray_cast({&origin, 1}, {&direction, 1}, far).front();
 }
 
+TEST(WorldQueries, ARayTellsAllThatItMeets) {
+  ModelBuilder builder("two");
+  testing::add_floor(builder);
+  testing::add_cube(builder, "low", {0, 0, 0.05});
+  testing::add_cube(builder, "high", {0, 0, 0.15});
+  const World world(std::make_shared<const Model>(builder.build()));
+  const auto hits = world.ray_cast_all({0, 0, 1}, {0, 0, -2}, kInfinity);
+  ASSERT_EQ(hits.size(), 3u);
+  EXPECT_NEAR(hits[0].distance, 0.83, 1e-12);
+  EXPECT_NEAR(hits[1].distance, 0.93, 1e-12);
+  EXPECT_NEAR(hits[2].distance, 1, 1e-12);
+  EXPECT_EQ(hits[1].link, world.model().link_id("low"));
+  EXPECT_EQ(world.ray_cast_all({0, 0, 1}, {0, 0, -1}, 0.9).size(), 1u);
+  EXPECT_EQ(world.ray_cast_all({0, 0, 0.15}, {0, 0, 1}, 1)[0].distance, 0) << "it begins inside";
+  EXPECT_THROW((void)world.ray_cast_all({0, 0, 0}, {0, 0, 0}, 1), std::invalid_argument);
+}
+
 TEST(WorldQueries, FollowTheStateAndTheParts) {
   ModelBuilder builder("two");
   testing::add_floor(builder);

@@ -124,7 +124,7 @@ Read read_joint(const MjcfScene& scene, const MjcfElement& e, const Transform<do
   if (!(norm(axis) > 1e-10)) e.fail("its axis is 0; expected a direction such as \"0 0 1\"");
   joint.axis = X_BF.R * at_unit_length(axis);
   const double unit = joint.type == JointType::kPrismatic ? 1 : scene.settings_of(e).radians(1);
-  result.reference = unit * e.number_or("ref", 0);
+  result.reference = e.source().is_bullet() ? 0 : unit * e.number_or("ref", 0);
   joint.spring_reference = {unit * e.number_or("springref", 0)};
   return result;
 }

@@ -12,8 +12,9 @@ namespace {
 
 constexpr SymMat3<double> kUnitInertia{1, 1, 1, 0, 0, 0};  // the format's own default
 
-Inertial read_inertial(const SdfElement& link) {
+Inertial read_inertial(const SdfElement& link, bool bullet) {
   const SdfElement inertial = link.child("inertial");
+  if (!inertial && bullet && link.name() == "world") return {};
   if (!inertial) {
     link.note(LoadAction::kDefaulted, "no <inertial>; a mass of 1 kg and moments of inertia of 1 kg m^2 taken");
     return {.mass = 1, .inertia = kUnitInertia};
@@ -27,7 +28,7 @@ Inertial read_inertial(const SdfElement& link) {
   }
   const Transform<double> X_LC = inertial.pose().X;
   Inertial result{inertial.number_or("mass", 1), X_LC.p, rotated(X_LC.R, I)};
-  if (result.mass == 0) return {};  // a fixed base, as Bullet's files write it
+  if (result.mass == 0) return {.com = X_LC.p};  // a fixed base, as Bullet's files write it
   const bool is_negative = result.mass < 0;
   if (const auto repair = repair_inertial(result)) {
     is_negative ? inertial.note_serious(LoadAction::kRepaired, *repair) : inertial.note(LoadAction::kRepaired, *repair);
@@ -69,7 +70,8 @@ CollisionFilter read_filter(const SdfElement& collision) {
 
 SdfLink read_link(const SdfElement& link, const SdfOptions& options, bool masks) {
   link.expect({"pose", "inertial", "collision", "visual", "contact", "gravity", "self_collide"});
-  SdfLink result{.source = link, .name = link.name(), .scope = {}, .key = {}, .inertial = read_inertial(link)};
+  SdfLink result{
+      .source = link, .name = link.name(), .scope = {}, .key = {}, .inertial = read_inertial(link, options.bullet)};
   if (!link.flag_or("gravity", true)) result.gravity_compensation = 1;
   for (const SdfElement& element : link.children("visual")) {
     if (std::optional<SdfGeom> geom = read_geom(element, GeomRole::kVisual)) result.geoms.push_back(std::move(*geom));

@@ -94,6 +94,7 @@ class Assembler {
     inertial.com = options_.scale * inertial.com;
     const LinkId id = ids_[link.name] = builder_.add_link(name, inertial);
     builder_.link(id).inertial_axes = link.inertial_axes;
+    builder_.link(id).inertia_scale = link.inertia_scale;
     return id;
   }
 

@@ -99,8 +99,9 @@ JointLimits read_limits(const UrdfElement& joint, JointType type) {
     if (has_range(type)) joint.note(LoadAction::kDefaulted, "no <limit>; unlimited");
     return limits;
   }
-  if (type == JointType::kFixed) return limits;
-  if (has_range(type)) {
+  const bool is_told = joint.is_bullet();  // of joints that have none, Bullet tells them all the same
+  if (type == JointType::kFixed && !is_told) return limits;
+  if (has_range(type) || (is_told && (limit.has("lower") || limit.has("upper")))) {
     limit.expect({"lower", "upper", "effort", "velocity"});
     read_range(limit, limits);
   } else {

@@ -35,6 +35,7 @@ struct UrdfLink {
   std::string name;
   Inertial inertial;
   Mat3<double> inertial_axes = Mat3<double>::identity();  ///< of its <inertial>
+  double inertia_scale = 1;                               ///< Bullet's
   std::vector<UrdfGeom> geoms;
 };
 

@@ -129,14 +129,14 @@ Materials read_materials(const UrdfElement& robot) {
 namespace {
 
 /// Bullet's <inertia_scaling>.
-void scale_inertia(const UrdfElement& link, Inertial& inertial) {
-  const UrdfElement contact = link.child("contact");
+void scale_inertia(const UrdfElement& source, UrdfLink& link) {
+  const UrdfElement contact = source.child("contact");
   const UrdfElement scaling = contact ? contact.child("inertia_scaling") : contact;
   if (!scaling) return;
-  const double factor = scaling.number("value");
+  const double factor = link.inertia_scale = scaling.number("value");
   if (!(factor > 0)) scaling.fail("<inertia_scaling> is not above 0");
-  const SymMat3<double>& I = inertial.inertia;
-  inertial.inertia = {factor * I.xx, factor * I.yy, factor * I.zz, factor * I.xy, factor * I.xz, factor * I.yz};
+  const SymMat3<double>& I = link.inertial.inertia;
+  link.inertial.inertia = {factor * I.xx, factor * I.yy, factor * I.zz, factor * I.xy, factor * I.xz, factor * I.yz};
 }
 
 }  // namespace
@@ -145,7 +145,7 @@ UrdfLink read_link(const UrdfElement& link, const Materials& materials) {
   link.expect({"name"}, {"inertial", "visual", "collision", "contact"});
   UrdfLink result{.source = link, .name = link.text("name"), .inertial = read_inertial(link), .geoms = {}};
   if (const UrdfElement inertial = link.child("inertial")) result.inertial_axes = inertial.origin().R;
-  if (link.is_bullet()) scale_inertia(link, result.inertial);
+  if (link.is_bullet()) scale_inertia(link, result);
   const SurfaceMaterial surface = read_contact(link);
   const auto read_all = [&](const char* tag, GeomRole role) {
     for (const UrdfElement& element : link.children(tag)) {

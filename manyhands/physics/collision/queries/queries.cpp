@@ -140,6 +140,20 @@ std::vector<LinkDistance> links_within(const Model& model, const PlacedGeoms& ge
   return nearest_of(geoms, d, pairs);
 }
 
+std::vector<WorldRayHit> ray_cast_all(const PlacedGeoms& geoms, const Vec3<double>& origin,
+                                      const Vec3<double>& direction, double far) {
+  std::vector<WorldRayHit> hits;
+  for (std::size_t g = 0; g < geoms.size(); ++g) {
+    if (!may_meet(geoms, g, origin, direction, far)) continue;
+    const auto hit = ray_cast(geoms.shape(g), geoms.pose(g), origin, direction, far);
+    if (!hit) continue;
+    hits.push_back({LinkId(geoms.geom(g).link), GeomId(geoms.geom(g).geom), fma(hit->distance, direction, origin),
+                    hit->normal, hit->distance});
+  }
+  std::ranges::stable_sort(hits, {}, &WorldRayHit::distance);
+  return hits;
+}
+
 std::vector<std::optional<WorldRayHit>> ray_cast(const PlacedGeoms& geoms, std::span<const Vec3<double>> origins,
                                                  std::span<const Vec3<double>> directions, double far) {
   MANYHANDS_ASSERT(origins.size() == directions.size());

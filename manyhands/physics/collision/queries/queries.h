@@ -78,6 +78,10 @@ struct WorldRayHit {
   double distance{};      ///< along the ray [m]
 };
 
+/// Where a ray enters each geom that it meets, the nearest first; distance 0 where it begins inside. As below.
+[[nodiscard]] std::vector<WorldRayHit> ray_cast_all(const PlacedGeoms& geoms, const Vec3<double>& origin,
+                                                    const Vec3<double>& direction, double far);
+
 /// Of each ray from origins[i] along the unit vector directions[i], no farther than `far` [m]; all in world axes. The
 /// spans are of one length.
 [[nodiscard]] std::vector<std::optional<WorldRayHit>> ray_cast(const PlacedGeoms& geoms,
