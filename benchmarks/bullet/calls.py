@@ -4,8 +4,12 @@ import re
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from benchmarks.bullet.differences import DIFFERENCES, NOT_COMPARED
+
+if TYPE_CHECKING:
+    from benchmarks.bullet.beside import Compared
 
 ROOT = Path(__file__).parents[2]
 TESTS = ROOT / "tests/oracles/pybullet_module"
@@ -56,7 +60,7 @@ def main(_: Sequence[str] = ()) -> int:
     return 0
 
 
-def table_of(record: "dict[str, beside.Compared]") -> str:  # noqa: F821
+def table_of(record: "dict[str, Compared]") -> str:
     """The table of what was compared."""
     from benchmarks.bullet.beside import given
 

@@ -88,6 +88,7 @@ Vec3<double> triple(const std::vector<double>& numbers, double fallback) {
 void set_multi_dof(Client& client, int id, int joint, int mode, const MultiDof& given) {
   if (joint < 0 || joint >= client.num_joints(id)) throw Error("Joint index out-of-range.");
   const bullet::ControlMode control = mode_of(mode, bullet::kStablePd);
+  if (control == bullet::kVelocity || control == bullet::kPd) throw Error("Illegal control mode.");
   const bool torque = control == bullet::kTorque;
   if (client.is_ball(id, joint)) {
     bullet::BallSetting s{.mode = control,

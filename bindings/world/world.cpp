@@ -240,7 +240,8 @@ void bind_making(nb::class_<World>& world) {
           },
           "path"_a, "time_step"_a = nb::none(), "integrator"_a = "semi_implicit", nb::kw_only(),
           "allow_outside_package"_a = false, "compliance"_a = "stated", nb::sig(from_file.c_str()),
-          "A world of a URDF file, its base fixed, of an MJCF or of an SDF file; what the loader changed is in `report`, "
+          "A world of a URDF file, its base fixed, of an MJCF or of an SDF file; what the loader changed is in "
+          "`report`, "
           "and it warns of parts that it had to leave out. "
           "time_step [s]: None for the file's own, or 0.002. allow_outside_package: whether the files that it names "
           "may "

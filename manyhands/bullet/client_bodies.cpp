@@ -42,6 +42,16 @@ void show_collisions(BodyPlan& plan) {
   }
 }
 
+/// What PyBullet reads of an MJCF file's joints: no damping and friction, and no limits as a range that is reversed.
+void take_mjcf_rules(BodyPlan& plan) {
+  for (LinkPlan& link : plan.links) {
+    link.damping = link.friction = 0;
+    const bool turns = link.joint == JointType::kContinuous || link.joint == JointType::kPrismatic ||
+                       link.joint == JointType::kRevolute;
+    if (turns && !link.is_limited()) std::tie(link.lower, link.upper) = std::pair(1.0, 0.0);
+  }
+}
+
 /// Where a base stands in the world of its own file, or begins there.
 Transform<double> place_of(const Model& model, const BodyPlan& plan) {
   if (!plan.root.is_valid() || plan.root.value() == 0) return Transform<double>::identity();
@@ -75,7 +85,10 @@ std::vector<int> Client::add_all(const LoadedModel& loaded, const LoadOptions& o
   std::vector<int> ids;
   for (BodyPlan& plan : plans_of(loaded.model)) {
     Transform<double> X_WB = place_of(loaded.model, plan);
-    if (from_mjcf) X_WB = X_WB * inverse(plan.base.X_LI);  // its centre of mass stands where the file has the body
+    if (from_mjcf) {
+      X_WB = X_WB * inverse(plan.base.X_LI);  // its centre of mass stands where the file has the body
+      take_mjcf_rules(plan);
+    }
     apply_flags(plan, options);
     show_collisions(plan);
     ids.push_back(add(std::move(plan), X_WB));
@@ -84,15 +97,7 @@ std::vector<int> Client::add_all(const LoadedModel& loaded, const LoadOptions& o
 }
 
 std::vector<int> Client::load_mjcf(const std::filesystem::path& path, const LoadOptions& options) {
-  const std::vector<int> ids =
-      add_all(manyhands::load_mjcf(path, {.allow_outside_package = true, .bullet = true}), options, true);
-  for (const int id : ids) {
-    for (LinkPlan& link : find(id)->plan.links) {
-      const bool turns = link.joint == JointType::kContinuous || link.joint == JointType::kPrismatic;
-      if (turns && !link.is_limited()) std::tie(link.lower, link.upper) = std::pair(1.0, 0.0);
-    }
-  }
-  return ids;
+  return add_all(manyhands::load_mjcf(path, {.allow_outside_package = true, .bullet = true}), options, true);
 }
 
 std::vector<int> Client::load_sdf(const std::filesystem::path& path, const LoadOptions& options) {

@@ -287,21 +287,6 @@ std::vector<double> Client::inverse_kinematics(int id, const IkRequest& request)
   return Search<3>(m, link, plan, request, goal).run(std::move(q));
 }
 
-namespace {
-
-/// Rows over the velocity of a free base and of joints, the base's (omega, v) in its link frame: makes them rows over
-/// that of its inertial frame.
-void take_inertial_base(Numbers& rows, std::size_t columns, const Transform<double>& X_LI) {
-  for (std::size_t at = 0; at < rows.size(); at += columns) {
-    const Vec3<double> w{rows[at], rows[at + 1], rows[at + 2]}, v{rows[at + 3], rows[at + 4], rows[at + 5]};
-    const Vec3<double> turn = transpose_times(X_LI.R, w + cross(v, X_LI.p)), move = transpose_times(X_LI.R, v);
-    const std::array<double, 6> there{turn.x, turn.y, turn.z, move.x, move.y, move.z};
-    std::ranges::copy(there, rows.begin() + static_cast<std::ptrdiff_t>(at));
-  }
-}
-
-}  // namespace
-
 std::vector<double> Client::jacobian(int id, int link, const Vec3<double>& point, std::span<const double> q) {
   Body& body = at(id, "Error in calculateJacobian: there is no such body.");
   if (!body.has_link(link)) throw Error("Error in calculateJacobian: link index out-of-range.");
@@ -321,7 +306,6 @@ std::vector<double> Client::jacobian(int id, int link, const Vec3<double>& point
     for (std::size_t r = 0; r < 6; ++r)
       J[r * dofs.size() + static_cast<std::size_t>(found - dofs.begin())] = numbers[r];
   });
-  if (free) take_inertial_base(J, dofs.size(), body.plan.base.X_LI);
   return J;
 }
 
@@ -347,12 +331,6 @@ std::vector<double> Client::mass_matrix(int id, std::span<const double> q, bool 
       M.push_back(meets ? tree_row(m.tree, m.ws.M.data(), row)[static_cast<std::size_t>(column)] : 0.0);
     }
   }
-  if (body.plan.fixed) return M;
-  take_inertial_base(M, dofs.size(), body.plan.base.X_LI);
-  for (std::size_t r = 0; r < dofs.size(); ++r) {
-    for (std::size_t c = 0; c < r; ++c) std::swap(M[r * dofs.size() + c], M[c * dofs.size() + r]);
-  }
-  take_inertial_base(M, dofs.size(), body.plan.base.X_LI);
   return M;
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "manyhands/bullet/aim.h"
 #include "manyhands/bullet/client_body.h"
 #include "manyhands/math/quaternion.h"
 
@@ -111,12 +112,13 @@ Vec3<double> error_of(const BallSetting& setting, std::span<const double> q) {
 void Client::apply_ball_motor(Body& body, int joint, double h) {
   const BallSetting& s = *body.motor(joint).ball;
   const JointId in_world = joint_id(body, joint);
-  const Vec3<double> e = s.mode == kPosition ? error_of(s, world_.joint_q(in_world)) : Vec3<double>::zero();
-  constexpr double kShare = 0.2;  // of the error that the gain counts by
-  const Vec3<double> v = (kShare * s.kp / h) * e + s.kd * s.target_v;
+  const std::span<const double> q = world_.joint_q(in_world);
+  const Vec3<double> angles = s.target_q ? aiming_angles({q[0], q[1], q[2], q[3]}, *s.target_q) : Vec3<double>::zero();
+  constexpr double kShare = 0.2;  // of the angles that the gain counts by; in PyBullet all else counts for nothing
+  const Vec3<double> v = (-kShare * s.kp / h) * angles;
   const std::array<JointMotor, 3> motors{JointMotor{.target_v = v.x, .kd = 1, .max_force = s.force.x},
-                                         JointMotor{.target_v = v.y, .kd = 1, .max_force = s.force.y},
-                                         JointMotor{.target_v = v.z, .kd = 1, .max_force = s.force.z}};
+                                         JointMotor{.target_v = v.y, .kd = 1, .max_force = s.force.x},
+                                         JointMotor{.target_v = v.z, .kd = 1, .max_force = s.force.x}};
   world_.set_joint_motors(in_world, motors);
 }
 

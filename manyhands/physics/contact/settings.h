@@ -161,8 +161,8 @@ inline constexpr int kMaxFailures = 2, kManyFailures = 4;
 inline constexpr double kNearEnough = 5, kBearable = 1000;
 /// By how much an outer step reduces the defect of its own equations.
 inline constexpr double kInnerGain = 1e-5;
-/// One whose defect ends within so many times that is solved. If the violation is then no smaller, but less than so many
-/// times what it was, the step was too soft; else it was too stiff.
+/// One whose defect ends within so many times that is solved. If the violation is then no smaller, but less than so
+/// many times what it was, the step was too soft; else it was too stiff.
 inline constexpr double kSolved = 100, kSlow = 3;
 /// Gauss-Seidel iterations between outer steps; the most after steps that were taken back.
 inline constexpr int kIterationsBetween = 3, kMaxIterationsBetween = 48;
