@@ -115,7 +115,9 @@ void Client::apply_ball_motor(Body& body, int joint, double h) {
   const std::span<const double> q = world_.joint_q(in_world);
   const Vec3<double> angles = s.target_q ? aiming_angles({q[0], q[1], q[2], q[3]}, *s.target_q) : Vec3<double>::zero();
   constexpr double kShare = 0.2;  // of the angles that the gain counts by; in PyBullet all else counts for nothing
-  const Vec3<double> v = (-kShare * s.kp / h) * angles;
+  const Mat3<double> R =
+      to_matrix(Quat<double>{q[0], q[1], q[2], q[3]});  // of the link, whose axes the angles are along
+  const Vec3<double> v = (-kShare * s.kp / h) * (R * angles);
   const std::array<JointMotor, 3> motors{JointMotor{.target_v = v.x, .kd = 1, .max_force = s.force.x},
                                          JointMotor{.target_v = v.y, .kd = 1, .max_force = s.force.x},
                                          JointMotor{.target_v = v.z, .kd = 1, .max_force = s.force.x}};

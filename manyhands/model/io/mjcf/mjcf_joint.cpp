@@ -208,8 +208,16 @@ LinkId add_bullets_joints(MjcfScene& scene, MjcfBody& body, LinkId parent, const
     X_CB = {Mat3<double>::identity(), -read.anchor};
     if (&placed == &joints.front()) X_LB = X_CB;
   }
-  const std::string name = "jointfix_" + std::to_string(counts.fixed++) + "_" + std::to_string(number);
-  return add_joint(scene, {.name = name, .type = JointType::kFixed, .X_PF = X_LB}, carrier, own);
+  body.bullet_carrier = number;
+  // It is named once all that hangs on the body has been read.
+  return add_joint(scene, {.name = "fixed to " + own, .type = JointType::kFixed, .X_PF = X_LB}, carrier, own);
+}
+
+void name_bullets_joint(MjcfScene& scene, const MjcfBody& body) {
+  if (body.bullet_carrier < 0) return;
+  const JointId id = scene.builder.link(body.link).joint;
+  scene.builder.joint(id).name =
+      "jointfix_" + std::to_string(scene.bullet_counts.fixed++) + "_" + std::to_string(body.bullet_carrier);
 }
 
 // MuJoCo lets joints of one body act in turn, each about its own anchor. Here each gets a link whose frame is the

@@ -20,9 +20,10 @@ struct MjcfBody {
   int parent = -1;         ///< index of the body around it; -1 for the world
   int first_moving = 0;    ///< the body whose joints move it: itself, or one around it; 0 for what is fixed
   bool has_joints = false;
-  bool is_mocap = false;   ///< a user moves it
-  bool has_chain = false;  ///< several joints, so that links without a name of their own lie between
-  int bullet_number = 0;   ///< of its link, where Bullet's rules hold
+  bool is_mocap = false;    ///< a user moves it
+  bool has_chain = false;   ///< several joints, so that links without a name of their own lie between
+  int bullet_number = 0;    ///< of its link, where Bullet's rules hold
+  int bullet_carrier = -1;  ///< the number of the link that it is fixed to by them
   std::optional<MjcfElement> source{};
 };
 
@@ -155,6 +156,8 @@ struct MjcfPlaced {
 /// Adds the joints between a parent link and a new body; returns the body's link.
 [[nodiscard]] LinkId add_joints(MjcfScene& scene, MjcfBody& body, LinkId parent, const Transform<double>& X_PB,
                                 const std::vector<MjcfPlaced>& joints);
+/// The name by Bullet's rules of the joint that fixes the body, once what hangs on the body has been read.
+void name_bullets_joint(MjcfScene& scene, const MjcfBody& body);
 /// A link that begins at X_WB or stands there; '_' behind its name if another has it.
 LinkId add_bullets_base(MjcfScene& scene, std::string name, const Transform<double>& X_WB, bool is_free);
 /// A coefficient that recent files may give as a polynomial, of which the linear part counts.

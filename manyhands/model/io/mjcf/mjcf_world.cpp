@@ -167,6 +167,7 @@ class WorldReader {
     }
     for (const MjcfPlaced& site : contents.sites) add_site(index, {site.element, X_NB * site.X_BF});
     for (const MjcfPlaced& body : contents.bodies) read_body(static_cast<int>(index), body);
+    name_bullets_joint(scene_, scene_.bodies[index]);
   }
 
   /// To Bullet each geom of the world is a body that stands there.
