@@ -4,6 +4,7 @@ import sys
 from importlib import import_module
 
 COMMANDS = {
+    "speed": "times frequent calls on both sides",
     "examples": "runs the example programs and environments of the wheel on both sides",
     "calls": "writes docs/pybullet_coverage.md: what is compared with the real PyBullet, call by call",
     "files": "writes docs/pybullet_files.md: every file of pybullet_data beside the real PyBullet",
