@@ -18,10 +18,13 @@ from manyhands.files import replacing, write_text
 Part = tuple[NDArray[np.float32], NDArray[np.int32]]  # vertices (n, 3) [m], triangles (m, 3)
 
 # A tree search that is a fifth of CoACD's own: parts of the same quality on handles and holes, in seconds.
-_SEARCH: dict[str, Any] = {"mcts_iterations": 60, "mcts_nodes": 10, "mcts_max_depth": 2, "resolution": 1000, "seed": 0}
+_SEARCH: dict[str, Any] = {
+    "mcts_iterations": 60, "mcts_nodes": 10, "mcts_max_depth": 2, "resolution": 1000, "preprocess_resolution": 30,
+    "seed": 0,
+}  # fmt: skip
 
 
-def decompose(mesh: str | PathLike[str] | tuple[ArrayLike, ArrayLike], *, threshold: float = 0.02) -> list[Part]:
+def decompose(mesh: str | PathLike[str] | tuple[ArrayLike, ArrayLike], *, threshold: float = 0.05) -> list[Part]:
     """Convex parts of a mesh: a file, or vertices (n, 3) [m] and triangles (m, 3) that face outwards.
 
     threshold: how far parts may reach beyond the mesh, relative to its size, 0.01 to 1; smaller gives more parts.
@@ -39,7 +42,7 @@ def decompose(mesh: str | PathLike[str] | tuple[ArrayLike, ArrayLike], *, thresh
     return parts
 
 
-def decompose_model(model: Model, *, threshold: float = 0.02) -> Model:
+def decompose_model(model: Model, *, threshold: float = 0.05) -> Model:
     """The model with convex parts in place of the meshes that collide on bodies which move, as `decompose` makes them.
     Meshes that one part can stand for stay as they are."""
     meshes = {geom.mesh for geom in model.geoms if geom.shape == "mesh" and not geom.is_visual}
