@@ -40,6 +40,7 @@ class OuterSteps {
              NewtonSystem& system, const Violation& violation)
       : tolerance_(settings.tolerance),
         bearable_(violation.bearable),
+        near_(std::max(violation.bearable, cs::kBearable * settings.newton_tolerance)),
         context_(context),
         island_(island),
         system_(system),
@@ -63,7 +64,7 @@ class OuterSteps {
     }
     system_.take_back(context_);
     budget.steps = 0;
-    return residual_ < cs::kBearable * bearable_;
+    return residual_ < near_;
   }
 
  private:
@@ -100,11 +101,11 @@ class OuterSteps {
   }
 
   [[nodiscard]] bool is_stuck() const {
-    const double enough = failures_ < cs::kManyFailures ? cs::kNearEnough : cs::kBearable;
-    return failures_ >= cs::kMaxFailures && residual_ < enough * bearable_;
+    const double enough = failures_ < cs::kManyFailures ? cs::kNearEnough * bearable_ : near_;
+    return failures_ >= cs::kMaxFailures && residual_ < enough;
   }
 
-  double tolerance_, bearable_;  ///< [m/s] where it ends; where it ends if it gains little
+  double tolerance_, bearable_, near_;  ///< [m/s] where it ends; if it gains little; after many failures
   const NewtonContext& context_;
   const ContactIsland& island_;
   NewtonSystem& system_;
