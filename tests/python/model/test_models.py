@@ -180,7 +180,10 @@ def test_scenes_that_cannot_be_loaded(tmp_path: Path) -> None:
 
 
 def test_an_asset_that_is_not_there_is_answered_by_those_that_are() -> None:
-    with pytest.raises(FileNotFoundError, match=r"'foo/bar.urdf' is not in .* there are 'arm6/arm6.urdf', \d+ models in 'bullet', 'panda/"):
+    with pytest.raises(
+        FileNotFoundError,
+        match=r"'foo/bar.urdf' is not in .* there are 'arm6/arm6.urdf', \d+ models in 'bullet', 'panda/",
+    ):
         mh.asset_path("foo/bar.urdf")
 
 
