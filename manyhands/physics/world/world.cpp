@@ -101,7 +101,9 @@ std::string joints_without_numbers(const WorldCore& core) {
   std::string names;
   int count = 0;
   for (const Body& body : core.model->bodies()) {
-    const auto all_finite = [](const double* x, int size) { return std::all_of(x, x + size, &is_finite<double>); };
+    const auto all_finite = [](const double* x, int size) {
+      return std::all_of(x, x + size, [](double a) { return is_finite(a); });
+    };
     if (all_finite(core.state.q() + body.iq, body.nq) && all_finite(core.state.v() + body.iv, body.nv)) continue;
     if (++count > kMostNamed) continue;
     names += (names.empty() ? "'" : ", '") + core.model->joint(body.joint).name + "'";

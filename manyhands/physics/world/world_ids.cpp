@@ -15,7 +15,9 @@ using internal::require_vector;
 namespace {
 
 /// Messages are made only where a check fails: these calls are frequent.
-bool all_finite(std::span<const double> numbers) { return std::ranges::all_of(numbers, is_finite<double>); }
+bool all_finite(std::span<const double> numbers) {
+  return std::ranges::all_of(numbers, [](double x) { return is_finite(x); });
+}
 bool all_finite(std::initializer_list<double> numbers) {
   return all_finite(std::span(numbers.begin(), numbers.size()));
 }
