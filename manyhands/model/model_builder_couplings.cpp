@@ -84,7 +84,6 @@ ActuatorId ModelBuilder::add_actuator(Actuator actuator) {
   require_transmission(what, actuator);
   if (!finite(actuator.ctrl_scale) || !finite(actuator.ctrl_offset))
     throw ModelError(what + ": ctrl_scale and ctrl_offset must be finite");
-  const auto finite = [](double x) { return is_finite(x); };
   if (!std::ranges::all_of(actuator.gain, finite) || !std::ranges::all_of(actuator.bias, finite))
     throw ModelError(what + ": gain and bias must be finite");
   if (!(actuator.kp >= 0) || !(actuator.kd >= 0) || !(actuator.max_force >= 0)) {
