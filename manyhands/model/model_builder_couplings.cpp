@@ -84,7 +84,8 @@ ActuatorId ModelBuilder::add_actuator(Actuator actuator) {
   require_transmission(what, actuator);
   if (!finite(actuator.ctrl_scale) || !finite(actuator.ctrl_offset))
     throw ModelError(what + ": ctrl_scale and ctrl_offset must be finite");
-  if (!std::ranges::all_of(actuator.gain, finite) || !std::ranges::all_of(actuator.bias, finite))
+  const auto is_number = [](double x) { return finite(x); };
+  if (!std::ranges::all_of(actuator.gain, is_number) || !std::ranges::all_of(actuator.bias, is_number))
     throw ModelError(what + ": gain and bias must be finite");
   if (!(actuator.kp >= 0) || !(actuator.kd >= 0) || !(actuator.max_force >= 0)) {
     throw ModelError(what + ": kp, kd and max_force must be 0 or more");
