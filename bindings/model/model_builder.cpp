@@ -17,6 +17,7 @@
 
 #include "bindings/bindings.h"
 #include "bindings/model/builder_names.h"
+#include "bindings/model/mesh_arrays.h"
 #include "bindings/model/model_values.h"
 #include "bindings/model/python_model.h"
 #include "manyhands/model/convex_parts.h"
@@ -32,10 +33,12 @@ namespace {
 using bindings::joint_of;
 using bindings::kInfinity;
 using bindings::link_of;
+using bindings::mesh_of;
 using bindings::named;
 using bindings::NumberOrNumbers;
 using bindings::Numbers3;
 using bindings::Numbers4;
+using bindings::Rows3;
 using bindings::size_of;
 using bindings::tendon_of;
 using bindings::transform;
@@ -57,23 +60,6 @@ SymMat3<double> symmetric(const std::string& what, const Matrix3& m) {
     if (m[r][c] != m[c][r]) throw ModelError(what + ": the inertia matrix must be symmetric");
   }
   return {m[0][0], m[1][1], m[2][2], m[0][1], m[0][2], m[1][2]};
-}
-
-/// A row of three numbers for each vertex or triangle.
-template <class T>
-using Rows3 = nb::ndarray<const T, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
-
-Mesh mesh_of(const Rows3<float>& vertices, const Rows3<int>& triangles) {
-  Mesh mesh{.source = "arrays"};
-  for (std::size_t i = 0; i < vertices.shape(0); ++i) {
-    const float* const v = vertices.data() + 3 * i;
-    mesh.vertices.push_back({v[0], v[1], v[2]});
-  }
-  for (std::size_t i = 0; i < triangles.shape(0); ++i) {
-    const int* const t = triangles.data() + 3 * i;
-    mesh.triangles.push_back({t[0], t[1], t[2]});
-  }
-  return mesh;
 }
 
 nb::class_<ModelBuilder> bind_tree(nb::module_& m) {

@@ -3,8 +3,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
-#include <algorithm>
-
+#include "bindings/model/mesh_arrays.h"
 #include "bindings/pybullet/arguments.h"
 
 namespace nb = nanobind;
@@ -12,24 +11,6 @@ namespace nb = nanobind;
 namespace manyhands::pybullet {
 
 namespace {
-
-template <class T>
-using Rows3 = nb::ndarray<const T, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
-
-Mesh mesh_of(const nb::handle& part) {
-  const auto vertices = nb::cast<Rows3<float>>(part[0]);
-  const auto triangles = nb::cast<Rows3<int>>(part[1]);
-  Mesh mesh;
-  for (std::size_t i = 0; i < vertices.shape(0); ++i) {
-    const float* const v = vertices.data() + 3 * i;
-    mesh.vertices.push_back({v[0], v[1], v[2]});
-  }
-  for (std::size_t i = 0; i < triangles.shape(0); ++i) {
-    const int* const t = triangles.data() + 3 * i;
-    mesh.triangles.push_back({t[0], t[1], t[2]});
-  }
-  return mesh;
-}
 
 constexpr FreeFunction kVhacd{
     "vhacd",
@@ -54,7 +35,10 @@ std::vector<Mesh> convex_parts(const Mesh& mesh) {
   const nb::object parts = module.attr("parts_or_none")(rows(&mesh.vertices.data()->x, mesh.vertices.size()),
                                                         rows(mesh.triangles.data()->data(), mesh.triangles.size()));
   std::vector<Mesh> meshes;
-  for (const nb::handle part : parts) meshes.push_back(mesh_of(part));
+  for (const nb::handle part : parts) {
+    meshes.push_back(
+        bindings::mesh_of(nb::cast<bindings::Rows3<float>>(part[0]), nb::cast<bindings::Rows3<int>>(part[1])));
+  }
   return meshes;
 }
 

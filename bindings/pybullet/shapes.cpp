@@ -122,7 +122,8 @@ ShapeRecord height_field_of(const Arguments& a) {
   return record;
 }
 
-PyObject* create_collision(Client& client, const Arguments& a) {
+/// The arguments that both functions have; `vertices` and `indices` stand at that number.
+ShapeArguments shape_arguments(const Arguments& a, std::size_t vertices) {
   ShapeArguments s{.type = a.integer(0), .radius = a.number(1, 0.5)};
   s.half_extents = a.optional_vec3(2, "halfExtents needs 3 numbers.");
   s.length = a.number(3, 1);
@@ -130,8 +131,13 @@ PyObject* create_collision(Client& client, const Arguments& a) {
   s.scale = a.vec3(5, {1, 1, 1}, "meshScale needs 3 numbers.");
   s.normal = a.vec3(6, {0, 0, 1}, "planeNormal needs 3 numbers.");
   s.flags = a.integer(7, 0);
-  s.vertices = a.points(10, "vertices needs a list of 3 numbers each.");
-  s.indices = a.integers(11);
+  s.vertices = a.points(vertices, "vertices needs a list of 3 numbers each.");
+  s.indices = a.integers(vertices + 1);
+  return s;
+}
+
+PyObject* create_collision(Client& client, const Arguments& a) {
+  const ShapeArguments s = shape_arguments(a, 10);
   std::vector<ShapeRecord> records;
   if (s.type == bullet::kHeightField) {
     records.push_back(height_field_of(a));
@@ -155,15 +161,7 @@ constexpr Function kCreateCollision{
     create_collision};
 
 PyObject* create_visual(Client& client, const Arguments& a) {
-  ShapeArguments s{.type = a.integer(0), .radius = a.number(1, 0.5)};
-  s.half_extents = a.optional_vec3(2, "halfExtents needs 3 numbers.");
-  s.length = a.number(3, 1);
-  s.file = a.text(4, "");
-  s.scale = a.vec3(5, {1, 1, 1}, "meshScale needs 3 numbers.");
-  s.normal = a.vec3(6, {0, 0, 1}, "planeNormal needs 3 numbers.");
-  s.flags = a.integer(7, 0);
-  s.vertices = a.points(12, "vertices needs a list of 3 numbers each.");
-  s.indices = a.integers(13);
+  const ShapeArguments s = shape_arguments(a, 12);
   if (s.type == bullet::kMesh && s.vertices.empty() && find_file(s.file).empty()) {
     PySys_FormatStdout("b3Warning: createVisualShape: there is no file '%s'; nothing will be seen\n", s.file.c_str());
     return of(client.create_shape({}, GeomRole::kVisual));

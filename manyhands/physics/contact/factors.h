@@ -85,14 +85,20 @@ MANYHANDS_INLINE void unconstrained_change(const ContactProblem<T>& problem, Fac
   solve_ltdl(tree.dofs_from_leaves, tree.M_parent.data(), tree.M_row.data(), factors.L.data(), dv.data());
 }
 
+/// dv += B y over free dofs in the order of Factors::free_dofs, whole trees of them.
+template <Number T>
+MANYHANDS_INLINE void add_change(const ContactProblem<T>& problem, const Factors<T>& factors,
+                                 std::span<const int> free_dofs, Iterate<T>& iterate) {
+  solve_to_leaves(free_dofs, factors.free_parent.data(), problem.tree->M_row.data(), factors.L.data(), iterate.y.data(),
+                  [&](int k) { return factors.sqrt_D_inverse[index(k)]; });
+  for (const int k : free_dofs) iterate.dv[index(k)] += iterate.y[index(k)];
+}
+
 /// dv += B y, and y = 0. Over the dofs of which there are factors: what else lies there is of other steps, and even
 /// times 0 it would spread what is not finite.
 template <Number T>
 MANYHANDS_INLINE void apply_change(const ContactProblem<T>& problem, const Factors<T>& factors, Iterate<T>& iterate) {
-  const Tree<real_t<T>>& tree = *problem.tree;
-  solve_to_leaves(std::span<const int>(factors.free_dofs), factors.free_parent.data(), tree.M_row.data(),
-                  factors.L.data(), iterate.y.data(), [&](int k) { return factors.sqrt_D_inverse[index(k)]; });
-  for (const int k : factors.free_dofs) iterate.dv[index(k)] += iterate.y[index(k)];
+  add_change(problem, factors, std::span<const int>(factors.free_dofs), iterate);
   for (T& y : iterate.y) y = constant<T>(0);
 }
 

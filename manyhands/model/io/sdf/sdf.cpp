@@ -8,7 +8,7 @@
 #include "manyhands/model/compose.h"
 #include "manyhands/model/hull_mesh.h"
 #include "manyhands/model/io/ellipsoid_points.h"
-#include "manyhands/model/io/mesh_shelf.h"
+#include "manyhands/model/io/geom_part.h"
 #include "manyhands/model/io/missing_inertia.h"
 #include "manyhands/model/io/sdf/sdf_parts.h"
 #include "manyhands/model/io/sdf/sdf_tree.h"
@@ -245,32 +245,15 @@ class Assembler {
       geom.shape.mesh = builder_.add_mesh(hull_of(io::points_on_ellipsoid(*part.ellipsoid)));
       part.source.note(LoadAction::kRepaired, "the ellipsoid became the hull of 162 points on it");
     }
-    if (!part.texture_file.empty()) geom.texture = texture_of(part);
-    if (geom.shape.type == ShapeType::kMesh) return add_meshes(part, geom);
-    builder_.add_geom(std::move(geom));
-  }
-
-  /// In Bullet the hulls of a file's objects touch; else its triangles do, or its hull where it moves.
-  void add_meshes(const io::SdfGeom& part, Geom& geom) {
-    if (!options_.load_meshes) {
+    if (!part.texture_file.empty()) geom.texture = texture_of(part, part.source.file().paths);
+    if (geom.shape.type != ShapeType::kMesh) {
+      builder_.add_geom(std::move(geom));
+    } else if (options_.load_meshes) {
+      const std::string file = local_name(part.mesh_file);
+      add_meshes(part, std::move(geom), {part.source.file().paths, file, part.mesh_scale, options_.bullet}, meshes_,
+                 builder_);
+    } else {
       ++meshes_left_out_;
-      return;
-    }
-    const bool by_objects = options_.bullet && geom.role == GeomRole::kCollision && !part.is_concave;
-    if (by_objects) geom.shape.type = ShapeType::kConvex;
-    const std::string mesh = "mesh " + io::in_quotes(part.mesh_file) + ": ";
-    try {
-      const io::ShelvedMeshes found =
-          meshes_.find(part.source.file().paths, local_name(part.mesh_file), part.mesh_scale, by_objects);
-      if (found.ids.empty()) {
-        part.source.note_serious(LoadAction::kIgnored, mesh + found.problem + "; the geom is left out");
-      }
-      for (const MeshId id : found.ids) {
-        geom.shape.mesh = id;
-        builder_.add_geom(geom);
-      }
-    } catch (const io::PathEscape& error) {
-      part.source.fail(mesh + error.what());
     }
   }
 
@@ -278,17 +261,6 @@ class Assembler {
   static std::string local_name(const std::string& uri) {
     std::error_code error;
     return uri.starts_with('/') && !fs::exists(uri, error) ? uri.substr(1) : uri;
-  }
-
-  /// Nothing, which is noted, if there is no such file that may be read.
-  static std::optional<GeomTexture> texture_of(const io::SdfGeom& part) {
-    try {
-      return GeomTexture{.file = part.source.file().paths.resolve(part.texture_file).string()};
-    } catch (const std::runtime_error& error) {
-      part.source.note(LoadAction::kIgnored, "texture " + io::in_quotes(part.texture_file) + ": " + error.what() +
-                                                 "; the colour alone is shown");
-      return std::nullopt;
-    }
   }
 
   const io::SdfFrames& frames_;

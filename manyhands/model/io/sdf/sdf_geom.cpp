@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "manyhands/model/io/geom_part.h"
 #include "manyhands/model/io/sdf/sdf_parts.h"
 #include "manyhands/model/io/text_numbers.h"
 #include "manyhands/model/unit.h"
@@ -61,28 +62,9 @@ bool read_shape(const SdfElement& shape, SdfGeom& result) {
   return true;
 }
 
-/// Whether the shape has an extent along every axis.
-bool is_solid(const SdfGeom& geom) {
-  const Vec3<double>& size = geom.geom.shape.size;
-  const Vec3<double>& scale = geom.mesh_scale;
-  switch (geom.geom.shape.type) {
-    case ShapeType::kSphere:
-      return size.x > 0;
-    case ShapeType::kCapsule:
-      return size.x > 0 && size.y >= 0;
-    case ShapeType::kCylinder:
-      return size.x > 0 && size.y > 0;
-    case ShapeType::kBox:
-      return size.x > 0 && size.y > 0 && size.z > 0;
-    case ShapeType::kMesh:
-      return scale.x != 0 && scale.y != 0 && scale.z != 0;
-    case ShapeType::kConvex:
-      return geom.ellipsoid->x > 0 && geom.ellipsoid->y > 0 && geom.ellipsoid->z > 0;
-    case ShapeType::kPlane:
-    case ShapeType::kHeightField:
-      return true;
-  }
-  return false;
+bool is_solid(const SdfGeom& part) {
+  const Vec3<double> half = part.ellipsoid.value_or(Vec3<double>{1, 1, 1});
+  return has_extent(part.geom.shape, part.mesh_scale) && half.x > 0 && half.y > 0 && half.z > 0;
 }
 
 void read_colour(const SdfElement& visual, SdfGeom& result) {

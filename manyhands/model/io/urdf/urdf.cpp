@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "manyhands/model/io/mesh_shelf.h"
+#include "manyhands/model/io/geom_part.h"
 #include "manyhands/model/io/missing_inertia.h"
 #include "manyhands/model/io/package_paths.h"
 #include "manyhands/model/io/text_file.h"
@@ -121,43 +121,14 @@ class Assembler {
     geom.link = link;
     geom.X_LG.p = options_.scale * geom.X_LG.p;
     geom.shape.size = options_.scale * geom.shape.size;
-    if (!part.texture_file.empty()) geom.texture = texture_of(part);
-    if (geom.shape.type == ShapeType::kMesh) return add_meshes(part, geom);
-    builder_.add_geom(std::move(geom));
-  }
-
-  /// In Bullet the hulls of a file's objects touch; else its triangles do, or its hull where it moves.
-  void add_meshes(const io::UrdfGeom& part, Geom& geom) {
-    if (!options_.load_meshes) {
+    if (!part.texture_file.empty()) geom.texture = texture_of(part, paths_);
+    if (geom.shape.type != ShapeType::kMesh) {
+      builder_.add_geom(std::move(geom));
+    } else if (options_.load_meshes) {
+      const Vec3<double> scale = options_.scale * part.mesh_scale;
+      add_meshes(part, std::move(geom), {paths_, part.mesh_file, scale, options_.bullet}, meshes_, builder_);
+    } else {
       ++meshes_left_out_;
-      return;
-    }
-    const bool by_objects = options_.bullet && geom.role == GeomRole::kCollision && !part.is_concave;
-    if (by_objects) geom.shape.type = ShapeType::kConvex;
-    const std::string mesh = "mesh " + io::in_quotes(part.mesh_file) + ": ";
-    try {
-      const io::ShelvedMeshes found =
-          meshes_.find(paths_, part.mesh_file, options_.scale * part.mesh_scale, by_objects);
-      if (found.ids.empty()) {
-        part.source.note_serious(LoadAction::kIgnored, mesh + found.problem + "; the geom is left out");
-      }
-      for (const MeshId id : found.ids) {
-        geom.shape.mesh = id;
-        builder_.add_geom(geom);
-      }
-    } catch (const io::PathEscape& error) {
-      part.source.fail(mesh + error.what());
-    }
-  }
-
-  /// Nothing, which is noted, if there is no such file that may be read.
-  std::optional<GeomTexture> texture_of(const io::UrdfGeom& part) const {
-    try {
-      return GeomTexture{.file = paths_.resolve(part.texture_file).string()};
-    } catch (const std::runtime_error& error) {
-      part.source.note(LoadAction::kIgnored, "texture " + io::in_quotes(part.texture_file) + ": " + error.what() +
-                                                 "; the colour alone is shown");
-      return std::nullopt;
     }
   }
 

@@ -1,6 +1,7 @@
 // The shapes, colours and places of <visual> and <collision>.
 #include <cstdint>
 
+#include "manyhands/model/io/geom_part.h"
 #include "manyhands/model/io/text_numbers.h"
 #include "manyhands/model/io/urdf/urdf_parts.h"
 #include "manyhands/model/unit.h"
@@ -57,29 +58,6 @@ bool read_shape(const UrdfElement& element, UrdfGeom& result) {
   return true;
 }
 
-/// Whether the shape has an extent along every axis.
-bool is_solid(const UrdfGeom& geom) {
-  const Vec3<double>& size = geom.geom.shape.size;
-  const Vec3<double>& scale = geom.mesh_scale;
-  switch (geom.geom.shape.type) {
-    case ShapeType::kSphere:
-      return size.x > 0;
-    case ShapeType::kCapsule:
-      return size.x > 0 && size.y >= 0;
-    case ShapeType::kCylinder:
-      return size.x > 0 && size.y > 0;
-    case ShapeType::kBox:
-      return size.x > 0 && size.y > 0 && size.z > 0;
-    case ShapeType::kMesh:
-    case ShapeType::kConvex:
-      return scale.x != 0 && scale.y != 0 && scale.z != 0;
-    case ShapeType::kPlane:
-    case ShapeType::kHeightField:
-      return true;
-  }
-  return false;
-}
-
 /// The visual's own material, or the one that it names.
 void wear_material(const UrdfElement& visual, const Materials& materials, UrdfGeom& result) {
   if (visual.is_bullet()) result.geom.rgba = {1, 1, 1, 1};
@@ -128,7 +106,7 @@ std::optional<UrdfGeom> read_geom(const UrdfElement& element, GeomRole role, con
   }
   if (!read_shape(shapes[0], result)) return std::nullopt;
   if (role == GeomRole::kVisual) wear_material(element, materials, result);
-  if (!is_solid(result)) {
+  if (!has_extent(result.geom.shape, result.mesh_scale)) {
     shapes[0].note_serious(LoadAction::kIgnored,
                            "the <" + std::string(shapes[0].tag()) + "> has no size; the geom is left out");
     return std::nullopt;

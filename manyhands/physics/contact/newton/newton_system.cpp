@@ -167,16 +167,10 @@ void NewtonSystem::iterate(const NewtonContext& context, int count) const {
   apply_change(context);
 }
 
-/// As the function of factors.h, over the island alone.
+/// dv += B y, and y = 0, over the island.
 void NewtonSystem::apply_change(const NewtonContext& context) const {
-  const Factors<double>& factors = context.factors;
-  Iterate<double>& iterate = context.iterate;
-  solve_to_leaves(std::span<const int>(free_dofs_), factors.free_parent.data(), context.tree().M_row.data(),
-                  factors.L.data(), iterate.y.data(), [&](int k) { return factors.sqrt_D_inverse[index(k)]; });
-  for (const int k : free_dofs_) {
-    iterate.dv[index(k)] += iterate.y[index(k)];
-    iterate.y[index(k)] = 0;
-  }
+  add_change(context.problem, context.factors, std::span<const int>(free_dofs_), context.iterate);
+  for (const int k : free_dofs_) context.iterate.y[index(k)] = 0;
 }
 
 /// M with the penalties of held tendons.
