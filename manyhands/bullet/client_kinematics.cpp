@@ -109,8 +109,6 @@ class Search {
  public:
   Search(Mechanism& m, LinkId link, const LinkPlan& plan, const IkRequest& request, const Transform<double>& goal)
       : m_(m), link_(m.model.link(link)), plan_(plan), request_(request), goal_(goal), n_(m.iq.size()) {
-    J_.resize(kRows * n_);
-    scaled_.resize(kRows * n_);
     step_.resize(n_);
     softness_.resize(n_, 1 / kDamping);
     for (std::size_t i = 0; i < n_ && request.damping.size() >= n_; ++i) {
@@ -118,8 +116,8 @@ class Search {
     }
     for (BodyId b = link_.body; b.value() > 0; b = m_.model.body(b).parent) path_.push_back(b.index());
     std::ranges::reverse(path_);
-    column_.assign(static_cast<std::size_t>(m.model.nv()), -1);
-    for (std::size_t i = 0; i < n_; ++i) column_[static_cast<std::size_t>(m.iv[i])] = static_cast<int>(i);
+    joint_of_.assign(static_cast<std::size_t>(m.model.nv()), -1);
+    for (std::size_t i = 0; i < n_; ++i) joint_of_[static_cast<std::size_t>(m.iv[i])] = static_cast<int>(i);
   }
 
   Numbers run(Numbers q) {
@@ -146,6 +144,11 @@ class Search {
   }
 
  private:
+  struct Column {
+    std::size_t joint{};
+    std::array<double, kRows> rows{};
+  };
+
   static constexpr double kLargestStep = 0.7853981633974483;  // of a joint in one iteration [rad]
   static constexpr double kDamping = 0.5, kLeastDamping = 1e-9;
 
@@ -178,33 +181,43 @@ class Search {
   }
 
   void set_jacobian() {
-    std::ranges::fill(J_, 0.0);
+    J_.clear();
     visit_jacobian(m_.tree, link_.body, link_.X_BL.p, m_.ws, [&](int dof, const Motion<double>& S) {
-      const int i = column_[static_cast<std::size_t>(dof)];
+      const int i = joint_of_[static_cast<std::size_t>(dof)];
       if (i < 0) return;
-      double* const column = &J_[static_cast<std::size_t>(i)];
       const std::array<double, 6> numbers{S.v.x, S.v.y, S.v.z, S.w.x, S.w.y, S.w.z};
-      for (std::size_t r = 0; r < kRows; ++r) column[r * n_] = numbers[r];
+      Column& column = J_.emplace_back(Column{.joint = static_cast<std::size_t>(i)});
+      std::copy_n(numbers.begin(), kRows, column.rows.begin());
     });
+  }
+
+  /// (J W J^T + c I)^-1 x, with a weight of each joint.
+  template <class Weight>
+  [[nodiscard]] std::array<double, kRows> solved(std::array<double, kRows> x, double c, Weight&& weight) const {
+    std::array<double, kRows * kRows> A{};
+    for (std::size_t r = 0; r < kRows; ++r) A[r * kRows + r] = c;
+    for (const Column& column : J_) {
+      const double w = weight(column.joint);
+      for (std::size_t r = 0; r < kRows; ++r) {
+        const double scaled = w * column.rows[r];
+        for (std::size_t s = 0; s <= r; ++s) A[r * kRows + s] += scaled * column.rows[s];
+      }
+    }
+    solve<kRows>(A, x);
+    return x;
+  }
+
+  [[nodiscard]] static double product(const Column& column, const std::array<double, kRows>& x) {
+    double sum = 0;
+    for (std::size_t r = 0; r < kRows; ++r) sum += column.rows[r] * x[r];
+    return sum;
   }
 
   /// dq = (J^T J + D)^-1 J^T e = D^-1 J^T (J D^-1 J^T + 1)^-1 e, with D the damping of each joint.
   void step_damped() {
-    std::array<double, kRows * kRows> A{};
-    for (std::size_t r = 0; r < kRows; ++r) {
-      for (std::size_t i = 0; i < n_; ++i) scaled_[r * n_ + i] = J_[r * n_ + i] * softness_[i];
-      for (std::size_t s = 0; s <= r; ++s) {
-        double a = r == s ? 1 : 0;
-        for (std::size_t i = 0; i < n_; ++i) a += scaled_[r * n_ + i] * J_[s * n_ + i];
-        A[r * kRows + s] = a;
-      }
-    }
-    std::array<double, kRows> y = e_;
-    solve<kRows>(A, y);
-    for (std::size_t i = 0; i < n_; ++i) {
-      step_[i] = 0;
-      for (std::size_t r = 0; r < kRows; ++r) step_[i] += scaled_[r * n_ + i] * y[r];
-    }
+    const std::array<double, kRows> y = solved(e_, 1, [&](std::size_t i) { return softness_[i]; });
+    std::ranges::fill(step_, 0.0);
+    for (const Column& column : J_) step_[column.joint] = softness_[column.joint] * product(column, y);
   }
 
   [[nodiscard]] bool uses_null_space() const {
@@ -212,39 +225,21 @@ class Search {
            request_.rest.size() == n_;
   }
 
-  /// (J J^T + c I)^-1 x
-  [[nodiscard]] std::array<double, kRows> solved(std::array<double, kRows> x, double c) const {
-    std::array<double, kRows * kRows> A{};
-    for (std::size_t r = 0; r < kRows; ++r) {
-      for (std::size_t s = 0; s <= r; ++s) {
-        double a = r == s ? c : 0;
-        for (std::size_t i = 0; i < n_; ++i) a += J_[r * n_ + i] * J_[s * n_ + i];
-        A[r * kRows + s] = a;
-      }
-    }
-    solve<kRows>(A, x);
-    return x;
-  }
-
   /// dq = J^+ e + (1 - J^+ J) v with J^+ = J^T (J J^T + 0.36)^-1, and v towards the rest pose and into the limits.
   void step_in_null_space(const Numbers& q) {
     constexpr double kNullDamping = 0.36, kRestGain = 0.001, kLimitGain = 10;
-    const std::array<double, kRows> y = solved(e_, kNullDamping);
-    Numbers v(n_);
+    Numbers& v = step_;
     for (std::size_t i = 0; i < n_; ++i) {
       v[i] = kRestGain * (request_.rest[i] - q[i]);
       if (q[i] > request_.upper[i]) v[i] += kLimitGain * (request_.upper[i] - q[i]) / request_.range[i];
       if (q[i] < request_.lower[i]) v[i] += kLimitGain * (request_.lower[i] - q[i]) / request_.range[i];
     }
-    std::array<double, kRows> Jv{};
-    for (std::size_t r = 0; r < kRows; ++r) {
-      for (std::size_t i = 0; i < n_; ++i) Jv[r] += J_[r * n_ + i] * v[i];
+    std::array<double, kRows> left = e_;  // e - J v
+    for (const Column& column : J_) {
+      for (std::size_t r = 0; r < kRows; ++r) left[r] -= column.rows[r] * v[column.joint];
     }
-    const std::array<double, kRows> z = solved(Jv, kNullDamping);
-    for (std::size_t i = 0; i < n_; ++i) {
-      step_[i] = v[i];
-      for (std::size_t r = 0; r < kRows; ++r) step_[i] += J_[r * n_ + i] * (y[r] - z[r]);
-    }
+    const std::array<double, kRows> y = solved(left, kNullDamping, [](std::size_t) { return 1.0; });
+    for (const Column& column : J_) v[column.joint] += product(column, y);
   }
 
   Mechanism& m_;
@@ -254,9 +249,10 @@ class Search {
   const Transform<double>& goal_;
   std::size_t n_;
   std::array<double, kRows> e_{};
-  Numbers J_, scaled_, step_, softness_;
+  std::vector<Column> J_;  // of the joints that move the link
+  Numbers step_, softness_;
   std::vector<std::size_t> path_;  // bodies from the base to the link
-  std::vector<int> column_;        // (nv) of J, or -1
+  std::vector<int> joint_of_;      // (nv), or -1
 };
 
 }  // namespace

@@ -71,23 +71,68 @@ MANYHANDS_INLINE void relax_patch(const ContactProblem<T>& problem, const Factor
   add_patch_YT(patch, factors.Y.data(), change, iterate.y.data());
 }
 
+/// How far the trees of a patch have moved under impulses in these iterations [m/s], at least.
+template <Number T>
+MANYHANDS_INLINE T moved(const RowBlock& rows, const Iterate<T>& iterate) {
+  T sum = constant<T>(0);
+  if (rows.begin_a < rows.end_a) sum += iterate.moved[index(rows.begin_a)];
+  if (rows.begin_b < rows.end_b) sum += iterate.moved[index(rows.begin_b)];
+  return sum;
+}
+
+template <Number T>
+MANYHANDS_INLINE void add_moved(const RowBlock& rows, T change, Iterate<T>& iterate) {
+  if (rows.begin_a < rows.end_a) iterate.moved[index(rows.begin_a)] += change;
+  if (rows.begin_b < rows.end_b) iterate.moved[index(rows.begin_b)] += change;
+}
+
+/// Visits the patches whose trees have moved by more than `least` since their last visit began: by how much that
+/// changed a contact's velocity, at most [m/s].
+template <Number T>
+MANYHANDS_INLINE T visit_contacts(const ContactProblem<T>& problem, const Factors<T>& factors, mask_t<T> active,
+                                  T least, Iterate<T>& iterate) {
+  T largest = constant<T>(0);
+  for (std::size_t k = 0; k < problem.patches.size(); ++k) {
+    const RowBlock& rows = problem.patches[k].linear;
+    const T now = moved(rows, iterate);
+    const auto asked = active & (now - iterate.patches[k].seen > least);
+    if (none(asked)) continue;
+    T change = constant<T>(0);
+    relax_patch(problem, factors, k, asked, iterate, change);
+    iterate.patches[k].seen = select(asked, now, iterate.patches[k].seen);
+    add_moved(rows, change, iterate);
+    largest = max(largest, change);
+  }
+  return largest;
+}
+
 /// Iterates over all contacts, always in the same order (orders that go back and forth converge more slowly, see
 /// docs/contact_solver.md), until every world has converged to the tolerance [m/s] or used up its `budget` of
 /// iterations, which counts down. How many there were; `change` is by how much a world's last one changed a contact's
 /// velocity [m/s].
+///
+/// Where little has moved a patch is not visited: in a heap most are at rest while some still find their impulses. Only
+/// an iteration over all patches tells that a world has converged.
 template <Number T>
 MANYHANDS_INLINE int iterate_contacts(const ContactProblem<T>& problem, const Factors<T>& factors, T tolerance,
                                       T& budget, Iterate<T>& iterate, T& change) {
-  const T zero = constant<T>(0), one = constant<T>(1);
+  using Traits = SolverTraits<real_t<T>>;
+  const T zero = constant<T>(0), one = constant<T>(1), all = constant<T>(-1), part = constant<T>(Traits::kLittleMoved);
   int iterations = 0;
   change = problem.points.empty() ? zero : constant<T>(std::numeric_limits<double>::infinity());
-  for (std::size_t k = 0; k < problem.patches.size(); ++k)
+  iterate.moved.assign(iterate.dv.size(), zero);
+  for (std::size_t k = 0; k < problem.patches.size(); ++k) {
     iterate.patches[k].start = patch_motion(*problem.tree, problem.patches[k], problem.rows, iterate.dv.data());
-  for (auto active = budget > zero; any(active); active = (change > tolerance) & (budget > zero)) {
-    T largest = zero;
-    for (std::size_t k = 0; k < problem.patches.size(); ++k) relax_patch(problem, factors, k, active, iterate, largest);
-    change = select(active, largest, change);
+    iterate.patches[k].seen = zero;
+  }
+  T least = all;
+  for (auto active = budget > zero; any(active);) {
+    const T largest = visit_contacts(problem, factors, active, least, iterate);
+    const auto settles = largest <= tolerance, visited_all = least < zero;
+    change = select(active & (visited_all | !settles), largest, change);
     budget = select(active, budget - one, budget);
+    active = active & !(settles & visited_all) & (budget > zero);
+    least = select(settles, all, part * largest);
     ++iterations;
   }
   apply_change(problem, factors, iterate);

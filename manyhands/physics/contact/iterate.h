@@ -20,6 +20,7 @@ struct PatchIterate {
   PatchIterate() {}  // NOLINT: as above
 
   Motion<T> start;      ///< J dv when the iterations began
+  T seen;               ///< how far its trees had moved when it was last visited [m/s]
   Force<T> at_closing;  ///< the force when the equality constraints were last closed
 };
 
@@ -37,6 +38,7 @@ struct Iterate {
   std::vector<Vec3<T>> equalities;        ///< (equalities) [N s or N m s]
   std::vector<PatchIterate<T>> patches;   ///< (patches)
   std::vector<T> y;                       ///< (laws) change of dv = B y that is not yet in dv
+  std::vector<T> moved;                   ///< (laws) by how much contacts moved a cluster, at its first dof [m/s]
   T iterations{};                         ///< that each world took
   T calm{};                               ///< steps to come in which constraints demand nothing: see runaway.h
 };

@@ -177,6 +177,27 @@ TEST(BoxBox, StackedCubesShareFourCorners) {
   }
 }
 
+// However little a cube is tilted before it lands, and wherever its edges cross those below, all four corners land.
+TEST(BoxBox, CubeThatLandsFlatLandsOnFourCorners) {
+  RandomBodies random(19);
+  const Vec half{0.02, 0.02, 0.02};
+  for (int trial = 0; trial < 5000; ++trial) {
+    const auto noise = [&] { return random.uniform(-1, 1) * std::pow(10.0, random.uniform(-14, -4.5)); };
+    const auto turn = [&] { return to_matrix(normalized(Quat<double>{noise(), noise(), noise(), 1})); };
+    const double gap = std::pow(10.0, random.uniform(-5, -2.5));
+    const Body low{ShapeType::kBox, half, {turn(), {0.5, 0.3, 0.02}}};
+    const Body high{ShapeType::kBox, half, {turn(), {0.502, 0.299, 0.06 + gap}}};
+    std::vector<Vec> corners;
+    for (const double x : {0.482, 0.52}) {
+      for (const double y : {0.28, 0.319}) corners.push_back({x, y, 0.04 + 0.5 * gap});
+    }
+    const auto exact = collide(low, high);
+    ASSERT_LT(worst_miss(exact, corners), 4e-4) << trial;
+    ASSERT_NEAR(exact.phi[deepest(exact)], gap, 3e-6) << trial;
+    ASSERT_LT(worst_miss(collide_as<float>(low, high), corners), 4e-4) << trial;
+  }
+}
+
 // A cube tipped about one of its lower edges rests on both ends of that edge, at every tilt and in single precision.
 TEST(BoxBox, TippedCubeRestsOnBothEndsOfItsEdge) {
   RandomBodies random(18);

@@ -120,20 +120,24 @@ Manifold<T> collide_box_box(const Vec3<T>& size_A, const Transform<T>& X_WA, con
   const mask_t<T> near = face.separation <= margin;
   when(near, [&] {
     const auto edge = internal::best_edge(boxes);
-    // Between boxes that are apart the distance must be true, and nothing rests on it.
+    // Between boxes that are apart the distance must be true.
     const T preference = max(boxes.bias - max(face.best, zero), boxes.rounding);
-    const mask_t<T> by_edge = near & (edge.separation > face.best + preference);
-    const T separation = select(by_edge, edge.separation, face.separation);
+    const mask_t<T> crosses = near & (edge.separation > face.best + preference);
+    const T separation = select(crosses, edge.separation, face.separation);
 
     const auto overlap = internal::overlap_of_faces(boxes, face, X_WA, X_WB, margin);
     m.normal = select(near, overlap.normal, m.normal);
+    const T least = select(crosses, edge.separation, -far);
     T lowest = far;
     for (std::size_t k = 0; k < m.phi.size(); ++k) {
       m.p[k] = select(near, overlap.p[k], m.p[k]);
-      m.phi[k] = select(near, overlap.phi[k], far);
+      m.phi[k] = select(near, max(overlap.phi[k], least), far);
       lowest = min(overlap.phi[k], lowest);
     }
-    mask_t<T> past = (near ^ by_edge) & (lowest > fma(T(R(1.0001)), face.best, T(R(0.5)) * boxes.bias));
+    // A box that lands flat, but for rounding, lands on its face and not where two edges cross first.
+    const mask_t<T> flat = (edge.separation <= face.best + boxes.bias) & (lowest <= edge.separation + boxes.bias);
+    const mask_t<T> by_edge = crosses & !flat;
+    mask_t<T> past = (near ^ crosses) & (lowest > fma(T(R(1.0001)), face.best, T(R(0.5)) * boxes.bias));
 
     const auto put = [&](mask_t<T> where, const internal::BoxPoint<T>& point) {
       m.normal = select(where, X_WA.R * point.normal, m.normal);
