@@ -30,7 +30,7 @@ inline Model random_parts(std::mt19937& random, const std::string& prefix) {
     if (below(4) == 0) {
       builder.place_root(link, pose());
     } else {
-      const auto type = static_cast<JointType>(below(parent == builder.world() ? 7 : 6));
+      const auto type = static_cast<JointType>(below(parent == builder.world() ? 8 : 6));
       Joint joint{.name = name + "_joint", .type = type, .parent = parent, .child = link, .X_PF = pose()};
       joint.axis = {x(), x(), 2};
       if (velocity_size(type) == 1) {

@@ -115,6 +115,7 @@ void expect_same_trees(const Tree<double>& a, const Tree<double>& b) {
   EXPECT_EQ(a.M_row, b.M_row);
   EXPECT_EQ(a.M_size, b.M_size);
   EXPECT_EQ(a.dofs_from_leaves, b.dofs_from_leaves);
+  EXPECT_EQ(a.mocap_bodies, b.mocap_bodies);
   EXPECT_EQ(a.dof_q, b.dof_q);
   EXPECT_EQ(a.dof_limited, b.dof_limited);
   EXPECT_EQ(a.cluster_begin, b.cluster_begin);
