@@ -37,7 +37,7 @@ class DrawerOpen(WorldEnv):
         """options: `render_mode` and `randomize`, see `WorldEnv`."""
         world = World(time_step=0.004)
         world.add_plane("floor")
-        world.add_box("stand", (0.24, 0.32, 0.31), position=(0.81, 0.0, 0.31), fixed=True)
+        world.add_box("stand", (0.21, 0.31, 0.31), position=(0.78, 0.0, 0.31), fixed=True)
         chest, _ = load_urdf(asset_path("bullet/drawer/drawer.urdf"), fixed_base=False)  # it stands by its weight
         world.add(chest, self.CHEST, self.TURNED, name="drawer")
         world.add(asset_path("panda/panda.urdf"), name="panda")
@@ -50,7 +50,7 @@ class DrawerOpen(WorldEnv):
         found = inverse_kinematics(model, HAND, self.START, self.LEVEL, start=start)
         world.q = self._home = found.q
         super().__init__(
-            world, actions=4, observations=12, substeps=10, view=View((0.4, 0.0, 0.5), 2.0, 40, -20), **options
+            world, actions=4, observations=12, substeps=10, view=View((0.4, 0.0, 0.6), 1.5, -35, -20), **options
         )
         self._goal, self._target = np.zeros(3), self._home
 

@@ -32,7 +32,7 @@ class KukaReach(WorldEnv):
         world.add(marker("target", self.CLOSE / 2))
         world.q = self.HOME
         super().__init__(
-            world, actions=7, observations=20, substeps=10, view=View((0.3, 0.0, 0.45), 1.9, 50, -20), **options
+            world, actions=7, observations=20, substeps=10, view=View((0.25, 0.0, 0.45), 1.6, 25, -15), **options
         )
         joints = [joint for joint in self.model.joints if joint.nv == 1]
         self._lower, self._upper = (np.array([getattr(j, end) for j in joints]) for end in ("lower", "upper"))

@@ -85,7 +85,7 @@ class Quadrotors(WorldEnv):
             actions=4 * drones,
             observations=drones * (_OWN + 3 * (drones - 1)),
             substeps=4,
-            view=View((0.0, 0.0, 0.95), 1.3 + 0.7 * drones, 50, -20),
+            view=View((0.0, 0.0, 0.95), 0.9 + 0.5 * drones, 70, -25),
             **options,
         )
         self._links = [f"drone{k}/base_link" for k in range(drones)]

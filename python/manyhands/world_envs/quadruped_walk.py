@@ -36,7 +36,7 @@ class QuadrupedWalk(WorldEnv):
         world.add(robot, (0.0, 0.0, self.HEIGHT), name="a1")
         world.q = np.concatenate([world.q[:7], self.STANDING])
         super().__init__(
-            world, actions=12, observations=35, substeps=5, view=View((0.2, 0.0, 0.2), 1.3, 50, -18), **options
+            world, actions=12, observations=35, substeps=5, view=View((0.15, 0.0, 0.15), 1.1, 40, -18), **options
         )
         self.speed, self._last = 0.0, np.zeros(12)
 

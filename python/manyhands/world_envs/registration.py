@@ -14,10 +14,10 @@ _OPTIONS = {"QuadrotorTeam": {"drones": 3}}
 
 
 def register() -> None:
-    """Registers "manyhands/KukaReach-v0" and the like."""
+    """Registers "KukaReach-v0" and the like."""
     for name, length in _LENGTHS.items():
         gymnasium.register(
-            id=f"manyhands/{name}-v0",
+            id=f"{name}-v0",
             entry_point=f"manyhands.world_envs:{_MAKERS.get(name, name)}",
             max_episode_steps=length,
             kwargs=_OPTIONS.get(name, {}),

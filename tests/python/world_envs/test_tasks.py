@@ -19,7 +19,7 @@ IDS = ["DrawerOpen", "KukaReach", "QuadrotorHover", "QuadrotorTeam", "QuadrupedW
 
 
 def make(name: str, **options: Any) -> WorldEnv:
-    env = gymnasium.make(f"manyhands/{name}-v0", **options).unwrapped
+    env = gymnasium.make(f"{name}-v0", **options).unwrapped
     assert isinstance(env, WorldEnv)
     return env
 
@@ -65,7 +65,7 @@ def test_bad_actions_are_refused(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["DrawerOpen", "KukaReach", "QuadrupedWalk"])  # who does nothing flies away
 def test_time_limits_truncate(name: str) -> None:
-    env = gymnasium.make(f"manyhands/{name}-v0")
+    env = gymnasium.make(f"{name}-v0")
     env.reset(seed=0)
     assert env.spec is not None and env.spec.max_episode_steps is not None
     still = np.zeros(env.action_space.shape or ())

@@ -53,7 +53,7 @@ def measured(env: KukaReach, seed: int = 4) -> dict[str, float]:
     share = (env.goal - middle) / half
     witness = env.world = Witness(world)  # pyright: ignore[reportAttributeAccessIssue]
     env.render()
-    eye = witness.told["camera"].position - [0.3, 0, 0.45]
+    eye = witness.told["camera"].position - env._view.target
     late = 0
     env.step(np.ones(7))
     while np.array_equal(witness.told["target_q"], env.HOME):
