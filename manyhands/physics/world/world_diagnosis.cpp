@@ -42,8 +42,8 @@ BodyId root_of(const Model& model, BodyId body) {
 }
 
 bool collides(const Model& model, LinkId link) {
-  return std::ranges::any_of(
-      model.geoms_of(link), [&](GeomId id) { return model.geoms()[id.index()].role == GeomRole::kCollision; });
+  return std::ranges::any_of(model.geoms_of(link),
+                             [&](GeomId id) { return model.geoms()[id.index()].role == GeomRole::kCollision; });
 }
 
 std::vector<std::uint8_t> trees_that_collide(const Model& model) {
@@ -105,8 +105,9 @@ void find_motors(const WorldCore& now, double h, std::vector<Finding>& found) {
     if (now.has_stepped && given >= kSaturated * most && std::abs(needed[i]) > most) {
       found.push_back({"weak_motor",
                        {name},
-                       "'" + name + "': its motor gives all that it may, " + number(most) + unit + "; to hold still takes " +
-                           number(std::abs(needed[i])) + unit + ": give it a larger max_force"});
+                       "'" + name + "': its motor gives all that it may, " + number(most) + unit +
+                           "; to hold still takes " + number(std::abs(needed[i])) + unit +
+                           ": give it a larger max_force"});
     }
     const double target = now.state.target_q()[i], lower = now.params.lower[i], upper = now.params.upper[i];
     if (now.params.motor_kp[i] > 0 && (target < lower - kBeyond || target > upper + kBeyond)) {

@@ -25,7 +25,7 @@ class QuadrotorTeam(ParallelEnv):
     end together, after 250 steps at the latest.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"name": "quadrotor_team_v0", **Quadrotors.metadata, "is_parallelizable": True}
+    metadata: ClassVar[dict[str, Any]] = {"name": "quadrotor_team_v0", **Quadrotors.metadata}
     MAX_STEPS = 250
 
     def __init__(self, drones: int = 3, **options: Any) -> None:
