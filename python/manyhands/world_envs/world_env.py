@@ -131,7 +131,7 @@ class WorldEnv(gymnasium.Env[Row, Row]):
     def render(self) -> NDArray[np.uint8] | None:  # pyright: ignore[reportIncompatibleMethodOverride]
         """ "rgb_array": (480, 720, 3) uint8. "human" shows the world on a page in the browser, in real time."""
         if self.render_mode == "human":
-            self._page.show(self.world)
+            self._page.show(self)
             return None
         if self.render_mode is None:
             warn_modeless("make")
