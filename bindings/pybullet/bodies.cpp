@@ -141,10 +141,10 @@ constexpr Function kDofs{
     [](Client& client, const Arguments& a) -> PyObject* { return of(client.num_dofs(a.integer(0))); }};
 
 PyObject* joint_info(Client& client, const Arguments& a) {
-  constexpr const char* kError = "GetJointInfo failed.";
+  constexpr const char* kError = "GetJointInfo failed";
   const int id = a.integer(0), joint = a.integer(1);
+  client.require_joint(id, joint, kError);
   const bullet::BodyPlan& plan = client.plan(id, kError);
-  if (joint < 0 || joint >= plan.num_links()) throw Error(kError);
   const bullet::LinkPlan& link = plan.link(joint);
   const Transform<double>& X_PI = plan.link(link.parent).X_LI;
   const Transform<double> X_in_parent = inverse(X_PI) * link.X_PJ;

@@ -151,6 +151,9 @@ void bind_frame(nb::module_& m) {
 
 void bind_people(nb::module_& m) {
   m.def(
+      "diagnose", [](int client) { return (*ClientLock(client)).world().diagnose(); }, "client"_a = 0,
+      "What commonly goes wrong with a client's world: see `World.diagnose`.");
+  m.def(
       "set_parameter",
       [](int client, int item, double value) {
         const ClientLock lock(client);

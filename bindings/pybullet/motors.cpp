@@ -16,7 +16,7 @@ bullet::ControlMode mode_of(int mode, int last) {
 
 PyObject* set_motor(Client& client, const Arguments& a) {
   const int id = a.integer(0), joint = a.integer(1), mode = a.integer(2);
-  if (joint < 0 || joint >= client.num_joints(id)) throw Error("Joint index out-of-range.");
+  client.require_joint(id, joint);
   MotorSetting s{.mode = mode_of(mode, bullet::kPd),
                  .target_q = a.number(3, 0),
                  .target_v = a.number(4, 0),
@@ -86,7 +86,7 @@ Vec3<double> triple(const std::vector<double>& numbers, double fallback) {
 }
 
 void set_multi_dof(Client& client, int id, int joint, int mode, const MultiDof& given) {
-  if (joint < 0 || joint >= client.num_joints(id)) throw Error("Joint index out-of-range.");
+  client.require_joint(id, joint);
   const bullet::ControlMode control = mode_of(mode, bullet::kStablePd);
   if (control == bullet::kVelocity || control == bullet::kPd) throw Error("Illegal control mode.");
   const bool torque = control == bullet::kTorque;

@@ -55,9 +55,7 @@ PyObject* joint_states(Client& client, const Arguments& a, Reading as) {
   const int id = a.integer(0);
   const std::vector<int> joints = a.integers(1);
   if (!client.has_body(id)) throw Error("getJointState failed.");
-  for (const int joint : joints) {
-    if (joint < 0 || joint >= client.num_joints(id)) throw Error("Joint index out-of-range.");
-  }
+  for (const int joint : joints) client.require_joint(id, joint);
   if (joints.empty()) return none();
   return tuple_of(joints, [&](int joint) { return as(client.joint_state(id, joint)); });
 }

@@ -110,6 +110,12 @@ void bind_distance(nb::module_& m) {
 }
 
 void bind_hits(nb::module_& m) {
+  nb::class_<Finding>(m, "Finding", "What `World.diagnose` noticed.")
+      .def_ro("kind", &Finding::kind,
+              "'no_step', 'gravity', 'no_shape', 'no_ground', 'weak_motor' or 'target_beyond_limit'.")
+      .def_ro("parts", &Finding::parts, "Names of links or joints.")
+      .def_ro("text", &Finding::text, "A sentence that says what to do.")
+      .def("__repr__", [](const Finding& finding) { return "<" + finding.kind + ": " + finding.text + ">"; });
   nb::class_<NamedHit>(m, "RayHit", "The first geom on a ray.")
       .def_ro("link", &NamedHit::link)
       .def_ro("geom", &NamedHit::geom, "Its name, or 'link#k' for the k-th nameless geom of a link.")
@@ -166,6 +172,11 @@ void bind_world_queries(nb::module_& m, nb::class_<World>& world) {
           "Every two links that may touch and are less than `distance` [m] apart; only those with `link`, which takes "
           "a "
           "fraction of the time, if it is given.")
+      .def("diagnose", &World::diagnose,
+           "What commonly goes wrong, if it does here: that no step was taken, that gravity is zero; free bodies "
+           "without "
+           "a shape, or that fall with nothing below; motors that give all they may and still cannot hold their joint, "
+           "or are to go beyond its limits. The world does not change.")
       .def("ray_cast", &cast_ray, "origin"_a, "direction"_a, "max_distance"_a = kInfinity,
            nb::sig("def ray_cast(self, origin: collections.abc.Sequence[float], "
                    "direction: collections.abc.Sequence[float], max_distance: float = ...) -> RayHit | None"),

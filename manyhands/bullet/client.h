@@ -67,6 +67,9 @@ class Client {
   [[nodiscard]] bool has_body(int body) const;
   [[nodiscard]] const BodyPlan& plan(int body, const char* error) const;
   [[nodiscard]] int num_joints(int body) const;
+  static constexpr const char* kJointRange = "Joint index out-of-range";
+  /// Throws Error, which begins with `error` and lists the joints there are.
+  void require_joint(int body, int joint, const char* error = kJointRange) const;
   [[nodiscard]] int num_dofs(int body) const;  ///< of its joints; the base has none
   /// Where joint's numbers stand in PyBullet's q (after seven of the base) and v (after six); -1 of fixed joints.
   [[nodiscard]] std::array<int, 2> joint_indices(int body, int joint) const;
@@ -154,7 +157,7 @@ class Client {
   [[nodiscard]] const Body* find(int body) const;
   [[nodiscard]] Body& at(int body, const char* error);
   [[nodiscard]] const Body& at(int body, const char* error) const;
-  void require_joint(const Body* body, int joint) const;
+  void require_joint(const Body* body, int joint, const char* error = kJointRange) const;
   void locate(Body& body);
   void locate_all();
   void own_links(const Body& body);

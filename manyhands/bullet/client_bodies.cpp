@@ -223,9 +223,27 @@ const BodyPlan& Client::plan(int id, const char* error) const { return at(id, er
 int Client::num_joints(int id) const { return has_body(id) ? find(id)->plan.num_links() : 0; }
 int Client::num_dofs(int id) const { return has_body(id) ? find(id)->num_dofs : 0; }
 
-void Client::require_joint(const Body* body, int joint) const {
-  if (body == nullptr || !body->has_joint(joint)) throw Error("Joint index out-of-range.");
+namespace {
+
+/// "there is no joint 9; body 1 has 0 'shoulder', 1 'elbow'", on one line.
+std::string none_of(const BodyPlan& plan, int id, int joint) {
+  constexpr int kListed = 16;
+  std::string text = "there is no joint " + std::to_string(joint) + "; body " + std::to_string(id) + " has ";
+  if (plan.num_links() == 0) return text + "none";
+  for (int i = 0; i < std::min(plan.num_links(), kListed); ++i) {
+    text += (i > 0 ? ", " : "") + std::to_string(i) + " '" + plan.link(i).joint_name + "'";
+  }
+  return plan.num_links() > kListed ? text + " ... to " + std::to_string(plan.num_links() - 1) : text;
 }
+
+}  // namespace
+
+void Client::require_joint(const Body* body, int joint, const char* error) const {
+  if (body == nullptr) throw Error(std::string(error) + ": there is no such body");
+  if (!body->has_joint(joint)) throw Error(std::string(error) + ": " + none_of(body->plan, body->id, joint));
+}
+
+void Client::require_joint(int id, int joint, const char* error) const { require_joint(find(id), joint, error); }
 
 std::array<int, 2> Client::joint_indices(int id, int joint) const {
   const Body& body = at(id, "GetJointInfo failed.");

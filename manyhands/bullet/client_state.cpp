@@ -49,7 +49,7 @@ void Client::reset_base_velocity(int id, const std::optional<Vec3<double>>& line
 
 JointReading Client::joint_state(int id, int joint) {
   Body& body = at(id, "getJointState failed.");
-  if (!body.has_joint(joint)) throw Error("getJointState failed (2).");
+  require_joint(&body, joint, "getJointState failed (2)");
   JointReading reading;
   const JointId in_world = joint_id(body, joint);
   const MotorMemory& motor = body.motor(joint);

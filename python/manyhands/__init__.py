@@ -5,7 +5,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from manyhands import collision, dynamics, envs
+from manyhands import collision, dynamics, envs, world_envs
 from manyhands._core import (
     Actuator,
     Batch,
@@ -15,6 +15,7 @@ from manyhands._core import (
     ContactResiduals,
     ContactWrench,
     EqualityConstraint,
+    Finding,
     Frame,
     Geom,
     HeightField,
@@ -67,6 +68,7 @@ if _assets.is_dir():
     set_asset_root(_assets)
 
 envs.register()
+world_envs.register()
 
 if not TYPE_CHECKING:  # a type checker knows all names as it is
 
@@ -87,6 +89,7 @@ __all__ = [
     "ContactResiduals",
     "ContactWrench",
     "EqualityConstraint",
+    "Finding",
     "Frame",
     "Geom",
     "HeightField",
@@ -134,4 +137,5 @@ __all__ = [
     "save_urdf_string",
     "video",
     "view",
+    "world_envs",
 ]

@@ -9,8 +9,8 @@
 namespace manyhands::testing {
 
 /// Trees on joints and on welded links, with geoms, frames, drives, couplings and exclusions; all names begin with
-/// `prefix`.
-inline Model random_parts(std::mt19937& random, const std::string& prefix) {
+/// `prefix`. with_mocap: some links are carried by mocap joints.
+inline Model random_parts(std::mt19937& random, const std::string& prefix, bool with_mocap = false) {
   const auto below = [&](int n) { return std::uniform_int_distribution(0, n - 1)(random); };
   const auto x = [&] { return std::uniform_real_distribution(-1.0, 1.0)(random); };
   const auto pose = [&] {
@@ -30,7 +30,7 @@ inline Model random_parts(std::mt19937& random, const std::string& prefix) {
     if (below(4) == 0) {
       builder.place_root(link, pose());
     } else {
-      const auto type = static_cast<JointType>(below(parent == builder.world() ? 7 : 6));
+      const auto type = static_cast<JointType>(below(parent == builder.world() ? 7 + with_mocap : 6));
       Joint joint{.name = name + "_joint", .type = type, .parent = parent, .child = link, .X_PF = pose()};
       joint.axis = {x(), x(), 2};
       if (velocity_size(type) == 1) {

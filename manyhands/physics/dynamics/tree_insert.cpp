@@ -24,7 +24,10 @@ void insert_paths(const Tree<R>& part, const Insertion& at, Tree<R>& tree) {
     tree.path_begin[index(b)] += index(entries.new_first);
   }
   std::vector<std::size_t> begins;
-  for (int b = 1; b < part.nb; ++b) begins.push_back(index(entries.of_new(begin(part, b))));
+  for (int b = 1; b < part.nb; ++b) {  // not by its entries' section: a mocap body has none
+    const bool in_first = b <= at.bodies.new_first;
+    begins.push_back(index(begin(part, b) + (in_first ? entries.old_first : entries.old_size)));
+  }
   at.bodies.apply(tree.path_begin, begins);
   tree.path_begin.push_back(tree.path.size());
 }
@@ -90,7 +93,7 @@ void renumber(TreeEquality<R>& equality, const Body& body, const Dof& dof, const
 
 template <Real R>
 void insert_equalities(const Tree<R>& part, const Insertion& at, Tree<R>& tree) {
-  if (at.v.shifts()) {
+  if (at.bodies.shifts()) {
     for (TreeEquality<R>& equality : tree.equalities) {
       const auto body = [&](int b) { return at.bodies.of_old(b); };
       renumber(equality, body, [&](int i) { return at.v.of_old(i); }, [&](int i) { return at.q.of_old(i); });
@@ -168,7 +171,7 @@ void Tree<R>::insert(const Tree& part, const Insertion& at) {
     body.iq = at.q.of_new(body.iq);
     body.iv = at.v.of_new(body.iv);
   }
-  for (std::size_t b = index(at.bodies.old_first); at.v.shifts() && b < bodies.size(); ++b) {
+  for (std::size_t b = index(at.bodies.old_first); at.bodies.shifts() && b < bodies.size(); ++b) {
     bodies[b].parent = at.bodies.of_old(bodies[b].parent);
     bodies[b].iq = at.q.of_old(bodies[b].iq);
     bodies[b].iv = at.v.of_old(bodies[b].iv);

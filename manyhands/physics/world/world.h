@@ -61,6 +61,13 @@ struct NewBody {
   bool fixed = false;  ///< welded to the world; planes and triangle meshes must be
 };
 
+/// What `World::diagnose` noticed.
+struct Finding {
+  std::string kind;  ///< "no_step", "gravity", "no_shape", "no_ground", "weak_motor", "target_beyond_limit"
+  std::vector<std::string> parts;  ///< links or joints
+  std::string text;                ///< a sentence that says what to do
+};
+
 /// A model in motion. Arrays are copied in and out; setters throw std::invalid_argument if a length is not what the
 /// model asks for, a number is not finite, or a quaternion not of unit length (to 1e-5; it is normalised). Names that
 /// are not there throw std::out_of_range. Not to be shared by threads, its const members included.
@@ -245,6 +252,11 @@ class World {
   /// what was removed.
   [[nodiscard]] std::string link_name(LinkId id) const;
   [[nodiscard]] std::string geom_name(GeomId id) const;  ///< or "link#k" for the k-th nameless geom of a link
+
+  /// What commonly goes wrong, if it does here: that no step was taken, that gravity is zero; free bodies without a
+  /// shape, or that fall with nothing below; motors that give all they may and still cannot hold their joint, or are to
+  /// go beyond its limits. Costs a pass over the world; the world does not change.
+  [[nodiscard]] std::vector<Finding> diagnose() const;  // world_diagnosis.cpp
 
   // ---- parts (world_edit.cpp): a change costs what it touches, not what is there --------------------------------
   /// Adds a model at X_WM. With a name, its parts are called "name/part". Throws ModelError if a name is taken.

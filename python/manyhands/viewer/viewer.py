@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from gymnasium import Env
 from gymnasium.vector import VectorEnv
 from numpy.typing import ArrayLike, NDArray
 
@@ -338,6 +339,10 @@ def _source(shown: Any, title: str) -> Source:
         return shown
     if isinstance(shown, World):
         return WorldSource(shown, title)
+    if isinstance(shown, Env) and isinstance(world := getattr(shown.unwrapped, "world", None), World):
+        return WorldSource(
+            world, title or (shown.spec.id if shown.spec is not None else type(shown.unwrapped).__name__)
+        )
     if isinstance(getattr(shown, "world", None), World):
         return SimulationSource(shown, title or "simulation")
     if isinstance(shown, VectorEnv):

@@ -151,3 +151,16 @@ def test_mocap_bodies_are_shown_where_they_are() -> None:
     assert np.array_equal(source.mocap, world.mocap)
     source.reset()
     assert np.allclose(source.poses()[0][names.index("hand")], [0, 0, 1])
+
+
+def test_an_environment_on_a_world_is_shown_as_that_world() -> None:
+    env = gymnasium.make("KukaReach-v0")
+    env.reset(seed=0)
+    with mh.view(env, open_browser=False) as viewer:
+        assert isinstance(viewer.source, WorldSource) and viewer.source.title == "KukaReach-v0"
+        before = viewer.source.q.copy()
+        for _ in range(3):
+            env.step(np.ones(7))
+            viewer.sync()
+        assert viewer.source.time == pytest.approx(3 * 0.04)
+        assert np.abs(viewer.source.q - before).max() > 0.1

@@ -222,3 +222,25 @@ def test_parameters_are_read_back() -> None:
     assert world.max_iterations == 7
     with pytest.raises(ValueError, match="mass"):
         world.set_mass("low", 0)
+
+
+def test_mocap_bodies_join_a_world_with_an_arm() -> None:
+    """They come before what stands on a welded link, and have no dofs: the arm's bodies move up, its dofs do not."""
+    world = mh.World.from_file(mh.asset_path("panda/panda.urdf"))
+    rng = np.random.default_rng(0)
+    for k in range(2):
+        builder = mh.ModelBuilder(f"ghost{k}")
+        builder.add_link(f"ghost{k}")
+        builder.add_joint(f"place{k}", "mocap", "world", f"ghost{k}")
+        world.add(builder)
+        world.set_mocap(f"ghost{k}", [k, 0, 1])
+    world.q = rng.uniform(-0.5, 0, world.model.nq)
+    for link in world.model.links:
+        if not link.name.startswith("ghost"):
+            expected = mh.dynamics.frame_pose(world.model, world.q, link.name)[0]
+            np.testing.assert_allclose(world.body_pose(link.name)[0], expected, atol=1e-12)
+    twin = mh.World(world.model)  # built at once
+    twin.q = world.q
+    world.step(20)
+    twin.step(20)
+    np.testing.assert_array_equal(world.q, twin.q)
