@@ -109,6 +109,7 @@ class Search {
  public:
   Search(Mechanism& m, LinkId link, const LinkPlan& plan, const IkRequest& request, const Transform<double>& goal)
       : m_(m), link_(m.model.link(link)), plan_(plan), request_(request), goal_(goal), n_(m.iq.size()) {
+    J_.reserve(n_);
     step_.resize(n_);
     softness_.resize(n_, 1 / kDamping);
     for (std::size_t i = 0; i < n_ && request.damping.size() >= n_; ++i) {
@@ -185,9 +186,17 @@ class Search {
     visit_jacobian(m_.tree, link_.body, link_.X_BL.p, m_.ws, [&](int dof, const Motion<double>& S) {
       const int i = joint_of_[static_cast<std::size_t>(dof)];
       if (i < 0) return;
-      const std::array<double, 6> numbers{S.v.x, S.v.y, S.v.z, S.w.x, S.w.y, S.w.z};
-      Column& column = J_.emplace_back(Column{.joint = static_cast<std::size_t>(i)});
-      std::copy_n(numbers.begin(), kRows, column.rows.begin());
+      Column& column = J_.emplace_back();
+      column.joint = static_cast<std::size_t>(i);
+      // Number by number: an array copied as a whole would wait until each of them is written.
+      column.rows[0] = S.v.x;
+      column.rows[1] = S.v.y;
+      column.rows[2] = S.v.z;
+      if constexpr (kRows == 6) {
+        column.rows[3] = S.w.x;
+        column.rows[4] = S.w.y;
+        column.rows[5] = S.w.z;
+      }
     });
   }
 
