@@ -12,6 +12,7 @@
 #include "bindings/arrays.h"
 #include "bindings/bindings.h"
 #include "manyhands/envs/env_batch.h"
+#include "manyhands/envs/experts/expert.h"
 #include "manyhands/learn/archive.h"
 #include "manyhands/learn/trainer.h"
 #include "manyhands/learn/trainer_config.h"
@@ -47,6 +48,10 @@ void visit_settings(Visit&& visit) {
   visit("target_noise", &C::target_noise, "Standard deviation of the smoothing noise on target actions; TD3: 0.2.");
   visit("target_noise_clip", &C::target_noise_clip, "Its largest magnitude.");
   visit("action_penalty", &C::action_penalty, "Weight of |action|^2 in the policy's loss.");
+  visit("cloning_weight", &C::cloning_weight,
+        "In the policy's loss, of |action - the expert's|^2 where the goal is the task's.");
+  visit("cloning_filter", &C::cloning_filter,
+        "Only where the first critic prefers the expert's action to the policy's.");
   visit("input_clip", &C::input_clip, "Largest normalised network input, in standard deviations.");
   visit("updates_per_iteration", &C::updates_per_iteration, "Gradient steps after each step of the batch.");
   visit("replay_capacity", &C::replay_capacity, "Transitions.");
@@ -55,6 +60,8 @@ void visit_settings(Visit&& visit) {
   visit("hindsight_fraction", &C::hindsight_fraction,
         "Of a mini-batch gets a goal achieved later in the same episode; 0: no hindsight.");
   visit("success_terminates", &C::success_terminates, "Whether the task ends an episode at its goal.");
+  visit("expert_rate", &C::expert_rate,
+        "Share of the worlds in which the expert acts; if not 0, in all of them until learning.");
   visit("exploration_noise", &C::exploration_noise, "Standard deviation of the noise on actions.");
   visit("random_action_rate", &C::random_action_rate, "Probability of a uniform action instead.");
   visit("evaluation_interval", &C::evaluation_interval, "Iterations between evaluations.");
@@ -66,6 +73,7 @@ void visit_settings(Visit&& visit) {
 void bind_config(nb::module_& m) {
   auto config = nb::class_<TrainerConfig>(m, "TrainerConfig", "Everything that can be set about training.");
   config.def(nb::init<>(), "The defaults.")
+      .def_prop_ro("wants_expert", &TrainerConfig::wants_expert, "Whether a setting asks for the task's expert.")
       .def("validate", &TrainerConfig::validate, "Raises ValueError naming the first setting that makes no sense.")
       .def(
           "to_dict",
@@ -145,10 +153,10 @@ void bind_trainer(nb::module_& m) {
       m, "Trainer",
       "Learns a goal-reaching policy on a batch of environments: off-policy actor-critic with hindsight "
       "replay.")
-      .def(nb::init<EnvBatch&, EnvBatch*, const TrainerConfig&>(), "envs"_a, "evaluation"_a.none(), "config"_a,
-           nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>(),
+      .def(nb::init<EnvBatch&, EnvBatch*, const TrainerConfig&, Expert*>(), "envs"_a, "evaluation"_a.none(), "config"_a,
+           "expert"_a.none() = nb::none(), nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>(), nb::keep_alive<1, 5>(),
            "Trains on `envs`; `evaluation`, another batch of the same environment, serves the periodic evaluations "
-           "that end the training (None: no evaluations). Raises ValueError if the config makes no sense.")
+           "that end the training (None: no evaluations). `expert` is needed by a config that wants one. Raises ValueError if the config makes no sense.")
       .def("advance", &Trainer::advance, "iterations"_a, Release(),
            "Runs up to `iterations` more: each one step of the batch and `updates_per_iteration` gradient steps. Stops "
            "early when solved. Raises RuntimeError if the networks diverge.")

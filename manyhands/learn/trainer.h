@@ -53,8 +53,9 @@ class Trainer {
  public:
   /// Borrows both batches, which must outlive the trainer and be stepped by nobody else. `evaluation` serves the
   /// periodic evaluations (its worlds are the episodes run at a time); without it nothing is evaluated or stopped.
+  /// `expert`, borrowed likewise, is asked in every state if the config wants one; it may be null if not.
   /// Throws std::invalid_argument if the config makes no sense or the batches are of different kinds.
-  Trainer(EnvBatch& envs, EnvBatch* evaluation, const TrainerConfig& config);
+  Trainer(EnvBatch& envs, EnvBatch* evaluation, const TrainerConfig& config, Expert* expert = nullptr);
 
   [[nodiscard]] const TrainerConfig& config() const { return config_; }
 

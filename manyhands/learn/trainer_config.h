@@ -22,6 +22,8 @@ struct TrainerConfig {
   float target_noise = 0.0f;       ///< standard deviation of the smoothing noise on target actions; TD3: 0.2
   float target_noise_clip = 0.5f;  ///< its largest magnitude
   float action_penalty = 0.0f;     ///< weight of |action|^2 in the policy's loss
+  float cloning_weight = 0.0f;     ///< in the policy's loss, of |action - the expert's|^2 where the goal is the task's
+  bool cloning_filter = true;      ///< only where the first critic prefers the expert's action to the policy's
   float input_clip = 5.0f;         ///< largest normalised network input, in standard deviations
 
   // Experience
@@ -30,6 +32,7 @@ struct TrainerConfig {
   int warmup_transitions = 2000;    ///< in the replay before learning starts; until then actions are random
   double hindsight_fraction = 0.8;  ///< of a mini-batch gets a goal achieved later in the same episode; 0: no HER
   bool success_terminates = true;   ///< whether the task ends an episode at its goal
+  double expert_rate = 0.0;         ///< share of the worlds in which the expert acts; if not 0, in all of them until learning
   float exploration_noise = 0.2f;   ///< standard deviation of the noise on actions
   double random_action_rate = 0.2;  ///< probability of a uniform action instead
 
@@ -41,6 +44,9 @@ struct TrainerConfig {
 
   /// Throws std::invalid_argument naming the first field that makes no sense, its value and what would.
   void validate() const;
+
+  /// Whether something here asks for the task's expert.
+  [[nodiscard]] bool wants_expert() const { return expert_rate > 0 || cloning_weight > 0; }
 };
 
 }  // namespace manyhands::learn
