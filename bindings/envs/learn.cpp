@@ -45,6 +45,7 @@ void visit_settings(Visit&& visit) {
   visit("actor_learning_rate", &C::actor_learning_rate, "Adam's step size for the policy.");
   visit("critic_learning_rate", &C::critic_learning_rate, "Adam's step size for the critics.");
   visit("policy_delay", &C::policy_delay, "Critic steps per policy (and target) step; TD3: 2.");
+  visit("average_policy", &C::average_policy, "Act by the policy's target network, a running mean of its weights.");
   visit("target_noise", &C::target_noise, "Standard deviation of the smoothing noise on target actions; TD3: 0.2.");
   visit("target_noise_clip", &C::target_noise_clip, "Its largest magnitude.");
   visit("action_penalty", &C::action_penalty, "Weight of |action|^2 in the policy's loss.");

@@ -43,7 +43,8 @@ class Agent {
  public:
   Agent(int state_dim, int action_dim, const TrainerConfig& config);
 
-  [[nodiscard]] const Mlp<float>& actor() const { return actor_; }
+  /// The policy that acts.
+  [[nodiscard]] const Mlp<float>& actor() const { return config_.average_policy ? actor_target_ : actor_; }
 
   /// The two halves, to be filled before `update`; a half owns its columns, so each may be filled on its own thread.
   [[nodiscard]] AgentBatch& half(int index) { return halves_[static_cast<std::size_t>(index)].batch; }

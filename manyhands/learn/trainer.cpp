@@ -93,7 +93,8 @@ void Trainer::choose_actions() {
   act(collector_.envs(), acting_);
   const bool warming_up = replay_.size() < config_.warmup_transitions;
   const Eigen::Index worlds = actions_.cols();
-  const Eigen::Index led = config_.expert_rate > 0 && warming_up ? worlds : std::lround(config_.expert_rate * worlds);
+  const bool all_led = config_.expert_rate > 0 && warming_up;
+  const Eigen::Index led = all_led ? worlds : std::lround(config_.expert_rate * static_cast<double>(worlds));
   Random random(config_.seed, Purpose::kExploration, static_cast<std::uint64_t>(metrics_.iterations));
   for (Eigen::Index world = 0; world < worlds; ++world) {
     const bool random_now = random.uniform() < static_cast<float>(config_.random_action_rate);

@@ -19,6 +19,7 @@ struct TrainerConfig {
   float actor_learning_rate = 1e-3f;
   float critic_learning_rate = 1e-3f;
   int policy_delay = 1;            ///< critic steps per policy (and target) step; TD3: 2
+  bool average_policy = false;     ///< act by the policy's target network, a running mean of its weights
   float target_noise = 0.0f;       ///< standard deviation of the smoothing noise on target actions; TD3: 0.2
   float target_noise_clip = 0.5f;  ///< its largest magnitude
   float action_penalty = 0.0f;     ///< weight of |action|^2 in the policy's loss
