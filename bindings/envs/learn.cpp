@@ -157,7 +157,8 @@ void bind_trainer(nb::module_& m) {
       .def(nb::init<EnvBatch&, EnvBatch*, const TrainerConfig&, Expert*>(), "envs"_a, "evaluation"_a.none(), "config"_a,
            "expert"_a.none() = nb::none(), nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>(), nb::keep_alive<1, 5>(),
            "Trains on `envs`; `evaluation`, another batch of the same environment, serves the periodic evaluations "
-           "that end the training (None: no evaluations). `expert` is needed by a config that wants one. Raises ValueError if the config makes no sense.")
+           "that end the training (None: no evaluations). `expert` is needed by a config that wants one. Raises "
+           "ValueError if the config makes no sense.")
       .def("advance", &Trainer::advance, "iterations"_a, Release(),
            "Runs up to `iterations` more: each one step of the batch and `updates_per_iteration` gradient steps. Stops "
            "early when solved. Raises RuntimeError if the networks diverge.")

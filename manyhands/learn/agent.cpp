@@ -174,8 +174,7 @@ void Agent::clone_expert(Half& half) const {
     half.target_value = half.critic.output().row(0).transpose();
     half.critic.input().bottomRows(action_dim_) = half.batch.advice;
     critics_.front().net.forward(half.critic);
-    half.cloned.array() *=
-        (half.critic.output().row(0).transpose().array() > half.target_value.array()).cast<float>();
+    half.cloned.array() *= (half.critic.output().row(0).transpose().array() > half.target_value.array()).cast<float>();
   }
   const float weight = 2 * config_.cloning_weight / static_cast<float>(config_.batch_size);
   for (Eigen::Index i = 0; i < half.cloned.size(); ++i) {

@@ -67,7 +67,7 @@ class Agent {
     AgentBatch batch;
     MlpTape<float> actor, critic;
     Vector<float> target_value;
-    Vector<float> cloned;  // per transition: whether the policy shall act as the expert
+    Vector<float> cloned;                        // per transition: whether the policy shall act as the expert
     std::vector<Vector<float>> critic_gradient;  // per critic
     Vector<float> actor_gradient;
     double squared_error{}, q_sum{}, policy_q_sum{};

@@ -69,7 +69,8 @@ void Mlp<S>::forward(MlpTape<S>& tape) const {
     const auto l = static_cast<std::size_t>(layer);
     const int inputs = sizes_[l], outputs = sizes_[l + 1];
     Matrix<S>& y = tape.activation[l + 1];
-    const Operand<S> weights{parameters_.data() + weight_begin(layer), 1, outputs}, x{tape.activation[l].data(), 1, inputs};
+    const Operand<S> weights{parameters_.data() + weight_begin(layer), 1, outputs},
+        x{tape.activation[l].data(), 1, inputs};
     const S* bias = parameters_.data() + bias_begin(layer);
     if (layer + 1 < num_layers()) {
       multiply(outputs, batch, inputs, weights, x, y.data(), outputs, AddBias<S, true>{bias}, tape.panel);
@@ -97,7 +98,8 @@ void Mlp<S>::backward(MlpTape<S>& tape, BackwardWants wants, Vector<S>& gradient
     }
     const Operand<S> transposed{parameters_.data() + weight_begin(layer), outputs, 1}, d{delta.data(), 1, outputs};
     if (layer > 0) {
-      multiply(inputs, batch, outputs, transposed, d, tape.delta[l].data(), inputs, GateByRelu<S>{x.data()}, tape.panel);
+      multiply(inputs, batch, outputs, transposed, d, tape.delta[l].data(), inputs, GateByRelu<S>{x.data()},
+               tape.panel);
     } else if (wants.input) {
       multiply(inputs, batch, outputs, transposed, d, tape.delta[l].data(), inputs, Plain{}, tape.panel);
     }

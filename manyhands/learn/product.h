@@ -1,9 +1,9 @@
 // Products of small dense matrices, in tiles that stay in registers, with what follows them in a network fused in.
 //
-// C = then(A B), column-major C (rows, columns). A tile of C is a few registers of rows by a few columns; it walks along
-// A's columns and B's rows once. (Goto, van de Geijn, "Anatomy of high-performance matrix multiplication", 2008, without
-// the blocking for caches: networks of a few hundred units fit.) Sums run in one order, so results depend on nothing
-// but the operands. README.md says how this compares with Eigen.
+// C = then(A B), column-major C (rows, columns). A tile of C is a few registers of rows by a few columns; it walks
+// along A's columns and B's rows once. (Goto, van de Geijn, "Anatomy of high-performance matrix multiplication", 2008,
+// without the blocking for caches: networks of a few hundred units fit.) Sums run in one order, so results depend on
+// nothing but the operands. README.md says how this compares with Eigen.
 #pragma once
 
 #include <algorithm>

@@ -37,7 +37,8 @@ void ReplayBuffer::add(const EpisodeView& episode) {
   };
   if (length <= 0 || length > capacity_ || !has(episode.observation, length + 1, no) ||
       !has(episode.achieved_goal, length + 1, ng) || !has(episode.desired_goal, 1, ng) ||
-      !has(episode.action, length, na) || !has(episode.reward, length, 1) || !has(episode.advice, length, advice_dim_)) {
+      !has(episode.action, length, na) || !has(episode.reward, length, 1) ||
+      !has(episode.advice, length, advice_dim_)) {
     throw std::invalid_argument("ReplayBuffer::add: the arrays do not fit an episode of " + std::to_string(length) +
                                 " steps of " + spec_.id);
   }

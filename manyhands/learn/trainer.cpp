@@ -87,8 +87,8 @@ void Trainer::collect() {
   metrics_.env_steps += collector_.envs().num_envs();
 }
 
-/// The policy's action plus noise, or now and then, and during the warm-up always, a uniform one. Where the expert acts,
-/// its action plus noise: what it shows then leads back to its way, too (Laskey et al., DART, 2017).
+/// The policy's action plus noise, or now and then, and during the warm-up always, a uniform one. Where the expert
+/// acts, its action plus noise: what it shows then leads back to its way, too (Laskey et al., DART, 2017).
 void Trainer::choose_actions() {
   act(collector_.envs(), acting_);
   const bool warming_up = replay_.size() < config_.warmup_transitions;

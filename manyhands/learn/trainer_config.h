@@ -33,7 +33,7 @@ struct TrainerConfig {
   int warmup_transitions = 2000;    ///< in the replay before learning starts; until then actions are random
   double hindsight_fraction = 0.8;  ///< of a mini-batch gets a goal achieved later in the same episode; 0: no HER
   bool success_terminates = true;   ///< whether the task ends an episode at its goal
-  double expert_rate = 0.0;         ///< share of the worlds in which the expert acts; if not 0, in all of them until learning
+  double expert_rate = 0.0;  ///< share of the worlds in which the expert acts; if not 0, in all of them until learning
   float exploration_noise = 0.2f;   ///< standard deviation of the noise on actions
   double random_action_rate = 0.2;  ///< probability of a uniform action instead
 
