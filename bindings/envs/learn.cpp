@@ -53,6 +53,8 @@ void visit_settings(Visit&& visit) {
         "In the policy's loss, of |action - the expert's|^2 where the goal is the task's.");
   visit("cloning_filter", &C::cloning_filter,
         "Only where the first critic prefers the expert's action to the policy's.");
+  visit("differences", &C::differences,
+        "Pairs (i, k): the network also sees o[i:i+3] - o[k:k+3] of an observation o, as fine as 2 cm.");
   visit("input_clip", &C::input_clip, "Largest normalised network input, in standard deviations.");
   visit("updates_per_iteration", &C::updates_per_iteration, "Gradient steps after each step of the batch.");
   visit("replay_capacity", &C::replay_capacity, "Transitions.");
@@ -129,17 +131,18 @@ void bind_policy(nb::module_& m) {
       m, "Policy",
       "The deterministic policy as arrays: action = tanh(W_L relu(... relu(W_1 z + b_1) ...) + b_L) "
       "with z = clip((x - mean) * scale, -clip, clip) and x = [observation, desired_goal, desired_goal - "
-      "achieved_goal].")
+      "achieved_goal, observation[i:i+3] - observation[k:k+3] for each pair of differences].")
       .def_ro("observation_dim", &Policy::observation_dim)
       .def_ro("goal_dim", &Policy::goal_dim)
       .def_ro("action_dim", &Policy::action_dim)
       .def_ro("clip", &Policy::clip)
+      .def_ro("differences", &Policy::differences, "Pairs (i, k), one after the other.")
       .def_prop_ro(
           "mean", [](const Policy& policy) { return copied(policy.mean.data(), {policy.mean.size()}); },
-          nb::sig("def mean(self) -> numpy.typing.NDArray[numpy.float32]"), "(observation_dim + 2 goal_dim)")
+          nb::sig("def mean(self) -> numpy.typing.NDArray[numpy.float32]"), "(observation_dim + 2 goal_dim + 3 pairs)")
       .def_prop_ro(
           "scale", [](const Policy& policy) { return copied(policy.scale.data(), {policy.scale.size()}); },
-          nb::sig("def scale(self) -> numpy.typing.NDArray[numpy.float32]"), "(observation_dim + 2 goal_dim)")
+          nb::sig("def scale(self) -> numpy.typing.NDArray[numpy.float32]"), "(observation_dim + 2 goal_dim + 3 pairs)")
       .def_prop_ro("layers", &layers,
                    nb::sig("def layers(self) -> list[tuple[numpy.typing.NDArray[numpy.float32], "
                            "numpy.typing.NDArray[numpy.float32]]]"),

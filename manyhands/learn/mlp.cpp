@@ -93,7 +93,7 @@ void Mlp<S>::backward(MlpTape<S>& tape, BackwardWants wants, Vector<S>& gradient
     const Matrix<S>&delta = tape.delta[l + 1], &x = tape.activation[l];
     if (wants.parameters) {
       multiply<S>(outputs, inputs, batch, {delta.data(), 1, outputs}, {x.data(), inputs, 1},
-                  gradient.data() + weight_begin(layer), outputs, Plain{}, tape.panel);
+                  gradient.data() + weight_begin(layer), outputs, AsIs{}, tape.panel);
       gradient.segment(bias_begin(layer), outputs) = delta.rowwise().sum();
     }
     const Operand<S> transposed{parameters_.data() + weight_begin(layer), outputs, 1}, d{delta.data(), 1, outputs};
@@ -101,7 +101,7 @@ void Mlp<S>::backward(MlpTape<S>& tape, BackwardWants wants, Vector<S>& gradient
       multiply(inputs, batch, outputs, transposed, d, tape.delta[l].data(), inputs, GateByRelu<S>{x.data()},
                tape.panel);
     } else if (wants.input) {
-      multiply(inputs, batch, outputs, transposed, d, tape.delta[l].data(), inputs, Plain{}, tape.panel);
+      multiply(inputs, batch, outputs, transposed, d, tape.delta[l].data(), inputs, AsIs{}, tape.panel);
     }
   }
 }

@@ -28,7 +28,7 @@ struct Operand {
 };
 
 /// What becomes of each element of a product before it is stored.
-struct Plain {
+struct AsIs {
   template <class T>
   MANYHANDS_INLINE T operator()(T product, std::ptrdiff_t /*row*/, std::ptrdiff_t /*at*/) const {
     return product;
@@ -128,8 +128,8 @@ void multiply(int rows, int columns, int depth, const Operand<S>& a, const Opera
     std::ptrdiff_t stride = a.column_stride;
     if (a.row_stride != 1 || valid < height) {
       panel.assign(static_cast<std::size_t>(height) * static_cast<std::size_t>(depth), S(0));
-      for (int k = 0; k < depth; ++k) {
-        for (int i = 0; i < valid; ++i) panel[static_cast<std::size_t>(k * height + i)] = *a.at(row + i, k);
+      for (int i = 0; i < valid; ++i) {
+        for (int k = 0; k < depth; ++k) panel[static_cast<std::size_t>(k * height + i)] = *a.at(row + i, k);
       }
       from = panel.data();
       stride = height;

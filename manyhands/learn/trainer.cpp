@@ -51,7 +51,7 @@ Trainer::Trainer(EnvBatch& envs, EnvBatch* evaluation, const TrainerConfig& conf
       collector_(envs, wanted_expert(expert, config_, spec_), config.seed),
       replay_(spec_, config.replay_capacity, config.wants_expert() ? spec_.action_dim : 0),
       minibatch_(replay_.make_minibatch(config.batch_size)),
-      normaliser_(spec_.observation_dim, spec_.goal_dim, config.input_clip),
+      normaliser_(spec_.observation_dim, spec_.goal_dim, config.input_clip, config.differences),
       agent_(normaliser_.dim(), spec_.action_dim, config_),
       halves_(std::make_unique<Halves>(config.num_threads)),
       acting_(agent_.actor().make_tape(envs.num_envs())),
@@ -228,6 +228,7 @@ Policy Trainer::policy() const {
                    .mean = copied(normaliser_.mean()),
                    .scale = copied(normaliser_.scale()),
                    .clip = normaliser_.clip(),
+                   .differences = normaliser_.differences(),
                    .layers = {}};
   for (int layer = 0; layer < actor.num_layers(); ++layer) {
     const Matrix<float> row_major = actor.weight(layer).transpose();

@@ -36,7 +36,8 @@ struct EvalResult {
 };
 
 /// The deterministic policy as plain arrays: a = tanh(W_L relu(... relu(W_1 z + b_1) ...) + b_L) with
-/// z = clip((x - mean) * scale, -clip, clip) and x = [observation, desired_goal, desired_goal - achieved_goal].
+/// z = clip((x - mean) * scale, -clip, clip) and x = [observation, desired_goal, desired_goal - achieved_goal,
+/// observation[i, i + 3) - observation[k, k + 3) for each pair of `differences`].
 struct Policy {
   struct Layer {
     int inputs{}, outputs{};
@@ -44,8 +45,9 @@ struct Policy {
     std::vector<float> bias;    ///< (outputs)
   };
   int observation_dim{}, goal_dim{}, action_dim{};
-  std::vector<float> mean, scale;  ///< (observation_dim + 2 goal_dim)
+  std::vector<float> mean, scale;  ///< (observation_dim + 2 goal_dim + 3 pairs)
   float clip{};
+  std::vector<int> differences;  ///< pairs (i, k)
   std::vector<Layer> layers;
 };
 

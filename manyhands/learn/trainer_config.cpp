@@ -46,6 +46,8 @@ void TrainerConfig::validate() const {
   require_range("target_noise_clip", target_noise_clip, 0.0f, 10.0f);
   require_range("action_penalty", action_penalty, 0.0f, 1e6f);
   require_range("cloning_weight", cloning_weight, 0.0f, 1e6f);
+  require(differences.size() % 2 == 0, "the length of differences", differences.size(), "even, two for each pair");
+  for (const int i : differences) require_at_least("an index in differences", i, 0);
   require(input_clip > 0 && std::isfinite(input_clip), "input_clip", input_clip, "positive");
   require_at_least("updates_per_iteration", updates_per_iteration, 0);
   require_at_least("replay_capacity", replay_capacity, 1);

@@ -25,7 +25,10 @@ struct TrainerConfig {
   float action_penalty = 0.0f;     ///< weight of |action|^2 in the policy's loss
   float cloning_weight = 0.0f;     ///< in the policy's loss, of |action - the expert's|^2 where the goal is the task's
   bool cloning_filter = true;      ///< only where the first critic prefers the expert's action to the policy's
-  float input_clip = 5.0f;         ///< largest normalised network input, in standard deviations
+  /// Pairs (i, k): the network also sees o[i, i + 3) - o[k, k + 3) of an observation o, as fine as 2 cm: where a hand
+  /// must be within millimetres of something, both of which it knows to a tenth of a metre.
+  std::vector<int> differences = {};
+  float input_clip = 5.0f;  ///< largest normalised network input, in standard deviations
 
   // Experience
   int updates_per_iteration = 8;    ///< gradient steps after each step of the batch

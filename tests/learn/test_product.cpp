@@ -42,10 +42,10 @@ TEST_P(Product, TakesEitherOperandTransposed) {
   const Matrix<float> at = a_.transpose(), bt = b_.transpose();
   const Operand<float> a{a_.data(), 1, rows_}, a_transposed{at.data(), depth_, 1};
   const Operand<float> b{b_.data(), 1, depth_}, b_transposed{bt.data(), columns_, 1};
-  const Matrix<float> c = product(a, b, Plain{});
+  const Matrix<float> c = product(a, b, AsIs{});
   EXPECT_LT(error(c, expected_), tolerance_);
-  EXPECT_EQ(product(a_transposed, b, Plain{}), c) << "the same sums in the same order";
-  EXPECT_EQ(product(a, b_transposed, Plain{}), c);
+  EXPECT_EQ(product(a_transposed, b, AsIs{}), c) << "the same sums in the same order";
+  EXPECT_EQ(product(a, b_transposed, AsIs{}), c);
 }
 
 TEST_P(Product, FusesBiasAndRelu) {
