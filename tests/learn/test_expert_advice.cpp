@@ -116,6 +116,7 @@ TrainerConfig guided_config() {
   config.updates_per_iteration = 2;
   config.expert_rate = 0.25;
   config.cloning_weight = 2;
+  config.differences = {0, 3};
   return config;
 }
 
