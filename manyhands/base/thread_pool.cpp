@@ -60,7 +60,8 @@ void ThreadPool::run(int n, Call call, void* context) {
     const FloatEnvironment floats;
     work(0);
   }
-  // Nothing is left to take. A worker whose core another program holds may not even have woken up: it is not waited for.
+  // Nothing is left to take. A worker whose core another program holds may not even have woken up: it is not waited
+  // for.
   gate_ &= ~kOpen;
   for (std::uint32_t inside = gate_; inside != 0; inside = gate_) gate_.wait(inside);
   if (error_) std::rethrow_exception(std::exchange(error_, nullptr));

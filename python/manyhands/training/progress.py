@@ -59,9 +59,7 @@ class TrainingProgress:
         speed = f"{_speed(row):,.0f} steps/s"
         left = f"≤ {_clock(_seconds_left(row, self._limit))} left"
         if self._bar is not None:
-            self._bar.update(
-                self._task, completed=row.env_steps, figures=f"{speed}  success {_success(row)}  {left}"
-            )
+            self._bar.update(self._task, completed=row.env_steps, figures=f"{speed}  success {_success(row)}  {left}")
         elif time.monotonic() - self._last_line >= _SECONDS_BETWEEN_LINES:
             self._last_line = time.monotonic()
             self._console.print(
