@@ -37,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=int, help="of networks, exploration and episodes (default 0)")
     parser.add_argument("--recipe", type=Path, metavar="FILE", help="settings (default: those shipped for the task)")
     parser.add_argument(
-        "--num-envs", type=int, metavar="N", help="worlds stepped at a time (default: the recipe's, 64)"
+        "--num-envs", type=int, metavar="N", help="worlds stepped at a time (default: the recipe's)"
     )
     parser.add_argument("--threads", type=int, metavar="N", help="default: MANYHANDS_THREADS, or one for each core")
     parser.add_argument(

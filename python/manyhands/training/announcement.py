@@ -8,8 +8,8 @@ def announce(recipe: Recipe | None, settings: TrainSettings) -> list[str]:
     """A few lines about the run."""
     if recipe is None:
         return [
-            f"No recipe is known for {settings.env_id}: the trainer's defaults may not solve it, and the run ends after",
-            f"{settings.max_env_steps:,} steps. Recipes are shipped for {', '.join(recipe_ids())}.",
+            f"No recipe is known for {settings.env_id}: the trainer's defaults may not solve it, and the run ends",
+            f"after {settings.max_env_steps:,} steps. Recipes are shipped for {', '.join(recipe_ids())}.",
             "Try one of theirs with its environment changed (--recipe FILE), or single settings (--set; --help).",
         ]
     lines = [f"Recipe: {recipe.path}"]

@@ -39,7 +39,7 @@ class Recipe:
 
     def settings(self, **changes: Any) -> TrainSettings:
         """The settings of a run, with `changes`; those in `overrides` are added to the recipe's own."""
-        given = {"num_envs": self.num_envs, "max_env_steps": self.max_env_steps} | changes
+        given: dict[str, Any] = {"num_envs": self.num_envs, "max_env_steps": self.max_env_steps} | changes
         given["overrides"] = self.trainer | given.get("overrides", {})
         return TrainSettings(self.env_id, **given)
 

@@ -1,8 +1,8 @@
 """Reads the part of YAML in which recipes are written, and says on which line what stands.
 
-A file is a list of `name: value`; a value is a number, true, false, a list of them in brackets, a text, or, with nothing
-after the colon, the indented lines that follow, each again `name: value`. What this reads means the same to any reader
-of YAML.
+A file is a list of `name: value`; a value is a number, true, false, a list of them in brackets, a text, or, with
+nothing after the colon, the indented lines that follow, each again `name: value`. What this reads means the same to any
+reader of YAML.
 """
 
 import json
