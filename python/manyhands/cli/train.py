@@ -36,9 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--resume", type=Path, metavar="RUN_DIR", help="go on with this run instead of a new one")
     parser.add_argument("--seed", type=int, help="of networks, exploration and episodes (default 0)")
     parser.add_argument("--recipe", type=Path, metavar="FILE", help="settings (default: those shipped for the task)")
-    parser.add_argument(
-        "--num-envs", type=int, metavar="N", help="worlds stepped at a time (default: the recipe's)"
-    )
+    parser.add_argument("--num-envs", type=int, metavar="N", help="worlds stepped at a time (default: the recipe's)")
     parser.add_argument("--threads", type=int, metavar="N", help="default: MANYHANDS_THREADS, or one for each core")
     parser.add_argument(
         "--max-steps", type=int, metavar="N", help="environment steps at most, over all worlds (default: the recipe's)"
