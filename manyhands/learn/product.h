@@ -127,9 +127,13 @@ void multiply(int rows, int columns, int depth, const Operand<S>& a, const Opera
     const S* from = a.at(row, 0);
     std::ptrdiff_t stride = a.column_stride;
     if (a.row_stride != 1 || valid < height) {
-      panel.assign(static_cast<std::size_t>(height) * static_cast<std::size_t>(depth), S(0));
-      for (int i = 0; i < valid; ++i) {
-        for (int k = 0; k < depth; ++k) panel[static_cast<std::size_t>(k * height + i)] = *a.at(row + i, k);
+      const std::size_t size = static_cast<std::size_t>(height) * static_cast<std::size_t>(depth);
+      valid < height ? panel.assign(size, S(0)) : panel.resize(size);
+      for (int begin = 0; begin < valid; begin += kWidth) {  // a register's rows at a time: whole lines are written
+        const int end = std::min(begin + kWidth, valid);
+        for (int k = 0; k < depth; ++k) {
+          for (int i = begin; i < end; ++i) panel[static_cast<std::size_t>(k * height + i)] = *a.at(row + i, k);
+        }
       }
       from = panel.data();
       stride = height;
