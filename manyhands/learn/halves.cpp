@@ -1,7 +1,5 @@
 #include "manyhands/learn/halves.h"
 
-#include <algorithm>
-
 namespace manyhands::learn {
 
 namespace {
@@ -24,27 +22,7 @@ void await_change(const std::atomic<unsigned>& counter, unsigned old) {
   counter.wait(old, std::memory_order_acquire);
 }
 
-/// Saved in so many rounds, a helper is trusted; lost once, it is left alone for some rounds, at most for so many.
-constexpr int kTrusted = 16, kFirstPause = 16, kLongestPause = 2048;
-
 }  // namespace
-
-bool SharingJudge::share() {
-  if (alone_left_ == 0) return true;
-  --alone_left_;
-  return false;
-}
-
-void SharingJudge::record(double own, double waited) {
-  balance_ = std::min(balance_ + own - waited, kTrusted * own);
-  if (balance_ < 0) {
-    pause_ = std::min(2 * pause_ + kFirstPause, kLongestPause);
-    alone_left_ = pause_;
-    balance_ = 0;
-  } else if (balance_ >= kTrusted * own) {
-    pause_ = 0;
-  }
-}
 
 Halves::Halves(int num_threads) {
   if (num_threads > 1) helper_ = std::thread([this] { serve(); });

@@ -53,35 +53,5 @@ TEST(Halves, UsesTheHelper) {
   EXPECT_NE(ids[1], ids[0]);
 }
 
-/// How many of `rounds` are shared when every `period`-th shared one costs `lost`, in units of what a good one saves.
-int rounds_shared(int rounds, int period, double lost) {
-  SharingJudge judge;
-  int shared = 0;
-  for (int round = 0; round < rounds; ++round) {
-    if (judge.share()) judge.record(1.0, ++shared % period == 0 ? lost : 0.1);
-  }
-  return shared;
-}
-
-TEST(SharingJudge, SharesWhileItPays) {
-  EXPECT_EQ(rounds_shared(10'000, 50, 10), 10'000) << "a helper that is seldom late saves more than it costs";
-  EXPECT_LT(rounds_shared(10'000, 5, 10), 500) << "one that is late every fifth time costs more";
-  EXPECT_LT(rounds_shared(10'000, 1, 2), 100);
-}
-
-TEST(SharingJudge, ComesBackWhenTheCoreIsFree) {
-  SharingJudge judge;
-  for (int round = 0; round < 10'000; ++round) {
-    if (judge.share()) judge.record(1, 20);
-  }
-  int alone = 0;
-  while (!judge.share()) ++alone;
-  EXPECT_LE(alone, 2048);
-  for (int round = 0; round < 100; ++round) {
-    judge.record(1, 0.1);
-    EXPECT_TRUE(judge.share());
-  }
-}
-
 }  // namespace
 }  // namespace manyhands::learn
