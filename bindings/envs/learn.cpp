@@ -12,6 +12,7 @@
 #include "bindings/arrays.h"
 #include "bindings/bindings.h"
 #include "manyhands/envs/env_batch.h"
+#include "manyhands/envs/experts/expert.h"
 #include "manyhands/learn/archive.h"
 #include "manyhands/learn/trainer.h"
 #include "manyhands/learn/trainer_config.h"
@@ -44,9 +45,16 @@ void visit_settings(Visit&& visit) {
   visit("actor_learning_rate", &C::actor_learning_rate, "Adam's step size for the policy.");
   visit("critic_learning_rate", &C::critic_learning_rate, "Adam's step size for the critics.");
   visit("policy_delay", &C::policy_delay, "Critic steps per policy (and target) step; TD3: 2.");
+  visit("average_policy", &C::average_policy, "Act by the policy's target network, a running mean of its weights.");
   visit("target_noise", &C::target_noise, "Standard deviation of the smoothing noise on target actions; TD3: 0.2.");
   visit("target_noise_clip", &C::target_noise_clip, "Its largest magnitude.");
   visit("action_penalty", &C::action_penalty, "Weight of |action|^2 in the policy's loss.");
+  visit("cloning_weight", &C::cloning_weight,
+        "In the policy's loss, of |action - the expert's|^2 where the goal is the task's.");
+  visit("cloning_filter", &C::cloning_filter,
+        "Only where the first critic prefers the expert's action to the policy's.");
+  visit("differences", &C::differences,
+        "Pairs (i, k): the network also sees o[i:i+3] - o[k:k+3] of an observation o, as fine as 2 cm.");
   visit("input_clip", &C::input_clip, "Largest normalised network input, in standard deviations.");
   visit("updates_per_iteration", &C::updates_per_iteration, "Gradient steps after each step of the batch.");
   visit("replay_capacity", &C::replay_capacity, "Transitions.");
@@ -55,6 +63,8 @@ void visit_settings(Visit&& visit) {
   visit("hindsight_fraction", &C::hindsight_fraction,
         "Of a mini-batch gets a goal achieved later in the same episode; 0: no hindsight.");
   visit("success_terminates", &C::success_terminates, "Whether the task ends an episode at its goal.");
+  visit("expert_rate", &C::expert_rate,
+        "Share of the worlds in which the expert acts; if not 0, in all of them until learning.");
   visit("exploration_noise", &C::exploration_noise, "Standard deviation of the noise on actions.");
   visit("random_action_rate", &C::random_action_rate, "Probability of a uniform action instead.");
   visit("evaluation_interval", &C::evaluation_interval, "Iterations between evaluations.");
@@ -66,6 +76,7 @@ void visit_settings(Visit&& visit) {
 void bind_config(nb::module_& m) {
   auto config = nb::class_<TrainerConfig>(m, "TrainerConfig", "Everything that can be set about training.");
   config.def(nb::init<>(), "The defaults.")
+      .def_prop_ro("wants_expert", &TrainerConfig::wants_expert, "Whether a setting asks for the task's expert.")
       .def("validate", &TrainerConfig::validate, "Raises ValueError naming the first setting that makes no sense.")
       .def(
           "to_dict",
@@ -120,17 +131,18 @@ void bind_policy(nb::module_& m) {
       m, "Policy",
       "The deterministic policy as arrays: action = tanh(W_L relu(... relu(W_1 z + b_1) ...) + b_L) "
       "with z = clip((x - mean) * scale, -clip, clip) and x = [observation, desired_goal, desired_goal - "
-      "achieved_goal].")
+      "achieved_goal, observation[i:i+3] - observation[k:k+3] for each pair of differences].")
       .def_ro("observation_dim", &Policy::observation_dim)
       .def_ro("goal_dim", &Policy::goal_dim)
       .def_ro("action_dim", &Policy::action_dim)
       .def_ro("clip", &Policy::clip)
+      .def_ro("differences", &Policy::differences, "Pairs (i, k), one after the other.")
       .def_prop_ro(
           "mean", [](const Policy& policy) { return copied(policy.mean.data(), {policy.mean.size()}); },
-          nb::sig("def mean(self) -> numpy.typing.NDArray[numpy.float32]"), "(observation_dim + 2 goal_dim)")
+          nb::sig("def mean(self) -> numpy.typing.NDArray[numpy.float32]"), "(observation_dim + 2 goal_dim + 3 pairs)")
       .def_prop_ro(
           "scale", [](const Policy& policy) { return copied(policy.scale.data(), {policy.scale.size()}); },
-          nb::sig("def scale(self) -> numpy.typing.NDArray[numpy.float32]"), "(observation_dim + 2 goal_dim)")
+          nb::sig("def scale(self) -> numpy.typing.NDArray[numpy.float32]"), "(observation_dim + 2 goal_dim + 3 pairs)")
       .def_prop_ro("layers", &layers,
                    nb::sig("def layers(self) -> list[tuple[numpy.typing.NDArray[numpy.float32], "
                            "numpy.typing.NDArray[numpy.float32]]]"),
@@ -145,10 +157,11 @@ void bind_trainer(nb::module_& m) {
       m, "Trainer",
       "Learns a goal-reaching policy on a batch of environments: off-policy actor-critic with hindsight "
       "replay.")
-      .def(nb::init<EnvBatch&, EnvBatch*, const TrainerConfig&>(), "envs"_a, "evaluation"_a.none(), "config"_a,
-           nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>(),
+      .def(nb::init<EnvBatch&, EnvBatch*, const TrainerConfig&, Expert*>(), "envs"_a, "evaluation"_a.none(), "config"_a,
+           "expert"_a.none() = nb::none(), nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>(), nb::keep_alive<1, 5>(),
            "Trains on `envs`; `evaluation`, another batch of the same environment, serves the periodic evaluations "
-           "that end the training (None: no evaluations). Raises ValueError if the config makes no sense.")
+           "that end the training (None: no evaluations). `expert` is needed by a config that wants one. Raises "
+           "ValueError if the config makes no sense.")
       .def("advance", &Trainer::advance, "iterations"_a, Release(),
            "Runs up to `iterations` more: each one step of the batch and `updates_per_iteration` gradient steps. Stops "
            "early when solved. Raises RuntimeError if the networks diverge.")

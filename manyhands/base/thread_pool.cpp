@@ -16,6 +16,8 @@ namespace manyhands {
 namespace {
 
 constexpr int kMaxThreads = 1024;
+constexpr std::uint32_t kOpen = 1u << 31;  // of the gate; below it the number of workers inside
+
 /// Short rounds follow one another closely and waking a sleeping thread costs more than to look around for a while,
 /// unless the cores are wanted by other workers.
 int spins_for(int num_threads) {
@@ -50,7 +52,7 @@ void ThreadPool::run(int n, Call call, void* context) {
   context_ = context;
   next_ = 0;
   if (n > 1 && !threads_.empty() && process_ == getpid()) {
-    busy_ = static_cast<int>(threads_.size());
+    gate_ = kOpen;
     ++round_;
     round_.notify_all();
   }
@@ -58,7 +60,10 @@ void ThreadPool::run(int n, Call call, void* context) {
     const FloatEnvironment floats;
     work(0);
   }
-  for (int busy = busy_; busy != 0; busy = busy_) busy_.wait(busy);
+  // Nothing is left to take. A worker whose core another program holds may not even have woken up: it is not waited
+  // for.
+  gate_ &= ~kOpen;
+  for (std::uint32_t inside = gate_; inside != 0; inside = gate_) gate_.wait(inside);
   if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
 }
 
@@ -81,9 +86,23 @@ void ThreadPool::serve(int worker) {
     round_.wait(seen);
     seen = round_;
     if (stop_) return;
+    if (!enter()) continue;
     work(worker);
-    if (--busy_ == 0) busy_.notify_all();
+    leave();
   }
+}
+
+/// False if the round is over already.
+bool ThreadPool::enter() {
+  std::uint32_t gate = gate_;
+  while ((gate & kOpen) != 0) {
+    if (gate_.compare_exchange_weak(gate, gate + 1)) return true;
+  }
+  return false;
+}
+
+void ThreadPool::leave() {
+  if (--gate_ == 0) gate_.notify_all();
 }
 
 int choose_num_threads(int requested) {

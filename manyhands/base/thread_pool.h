@@ -40,9 +40,12 @@ class ThreadPool {
   void run(int n, Call call, void* context);
   void work(int worker);
   void serve(int worker);
+  bool enter();
+  void leave();
 
   std::atomic<std::uint32_t> round_{0};  // changes when there is work
-  std::atomic<int> next_{0}, busy_{0};
+  std::atomic<std::uint32_t> gate_{0};   // whether workers may still take part in the round, and how many do
+  std::atomic<int> next_{0};
   std::atomic<bool> stop_{false};
   int n_ = 0;
   Call call_ = nullptr;

@@ -62,6 +62,8 @@ Agent::Agent(int state_dim, int action_dim, const TrainerConfig& config)
     half.batch.state.setZero(state_dim, columns);
     half.batch.next_state.setZero(state_dim, columns);
     half.batch.action.setZero(action_dim, columns);
+    half.batch.advice.setZero(action_dim, columns);
+    half.batch.advised.setZero(columns);
     half.batch.reward.setZero(columns);
     half.batch.discount.setZero(columns);
     half.actor = actor_.make_tape(columns);
@@ -160,7 +162,25 @@ void Agent::compute_actor_gradient(Half& half) const {
   critic.backward(half.critic, {.parameters = false, .input = true}, half.critic_gradient[0]);
   half.actor.output_gradient() = half.critic.input_gradient().bottomRows(action_dim_) +
                                  (2 * weight * config_.action_penalty) * half.actor.output();
+  if (config_.cloning_weight > 0) clone_expert(half);
   actor_.backward(half.actor, {}, half.actor_gradient);
+}
+
+/// Adds cloning_weight |pi(s) - expert's action|^2 to the policy's loss where there is advice; filtered, where
+/// Q_0(s, expert's action) > Q_0(s, pi(s)) (Nair et al., 2018, equation 5).
+void Agent::clone_expert(Half& half) const {
+  half.cloned = half.batch.advised;
+  if (config_.cloning_filter) {
+    half.target_value = half.critic.output().row(0).transpose();
+    half.critic.input().bottomRows(action_dim_) = half.batch.advice;
+    critics_.front().net.forward(half.critic);
+    half.cloned.array() *= (half.critic.output().row(0).transpose().array() > half.target_value.array()).cast<float>();
+  }
+  const float weight = 2 * config_.cloning_weight / static_cast<float>(config_.batch_size);
+  for (Eigen::Index i = 0; i < half.cloned.size(); ++i) {
+    half.actor.output_gradient().col(i) +=
+        weight * half.cloned[i] * (half.actor.output().col(i) - half.batch.advice.col(i));
+  }
 }
 
 void Agent::apply_critics(int part, bool move_targets) {

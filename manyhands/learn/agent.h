@@ -19,6 +19,8 @@ namespace manyhands::learn {
 struct AgentBatch {
   Matrix<float> state, next_state;  ///< (state_dim, n), normalised
   Matrix<float> action;             ///< (action_dim, n)
+  Matrix<float> advice;             ///< (action_dim, n), an expert's actions; read if `cloning_weight` is not 0
+  Vector<float> advised;            ///< (n), 1 where there is advice, else 0
   Vector<float> reward;             ///< (n)
   Vector<float> discount;           ///< (n), gamma, or 0 where nothing follows
 };
@@ -41,7 +43,8 @@ class Agent {
  public:
   Agent(int state_dim, int action_dim, const TrainerConfig& config);
 
-  [[nodiscard]] const Mlp<float>& actor() const { return actor_; }
+  /// The policy that acts.
+  [[nodiscard]] const Mlp<float>& actor() const { return config_.average_policy ? actor_target_ : actor_; }
 
   /// The two halves, to be filled before `update`; a half owns its columns, so each may be filled on its own thread.
   [[nodiscard]] AgentBatch& half(int index) { return halves_[static_cast<std::size_t>(index)].batch; }
@@ -64,6 +67,7 @@ class Agent {
     AgentBatch batch;
     MlpTape<float> actor, critic;
     Vector<float> target_value;
+    Vector<float> cloned;                        // per transition: whether the policy shall act as the expert
     std::vector<Vector<float>> critic_gradient;  // per critic
     Vector<float> actor_gradient;
     double squared_error{}, q_sum{}, policy_q_sum{};
@@ -72,6 +76,7 @@ class Agent {
   void compute_targets(Half& half, int index, const ValueBounds& bounds) const;
   void compute_critic_gradients(Half& half) const;
   void compute_actor_gradient(Half& half) const;
+  void clone_expert(Half& half) const;
   void apply_critics(int part, bool move_targets);
   void apply_actor(int part);
 

@@ -6,8 +6,9 @@
 
 namespace manyhands::learn {
 
-Collector::Collector(EnvBatch& envs, std::uint64_t seed)
+Collector::Collector(EnvBatch& envs, Expert* expert, std::uint64_t seed)
     : envs_(envs),
+      expert_(expert),
       seed_(seed),
       worlds_(static_cast<std::size_t>(envs.num_envs())),
       no_(static_cast<std::size_t>(envs.spec().observation_dim)),
@@ -20,6 +21,10 @@ Collector::Collector(EnvBatch& envs, std::uint64_t seed)
   desired_.resize(worlds_ * ng_);
   action_.resize(worlds_ * max_steps_ * na_);
   reward_.resize(worlds_ * max_steps_);
+  if (expert != nullptr) {
+    advice_.resize(action_.size());
+    advice_now_.resize(worlds_ * na_);
+  }
   mask_.resize(worlds_);
   seeds_.resize(worlds_);
   finished_.reserve(worlds_);
@@ -40,6 +45,12 @@ void Collector::begin(std::span<const std::uint8_t> mask) {
     std::copy_n(envs_.desired_goal().data() + w * ng_, ng_, desired_.data() + w * ng_);
     record_state(w);
   }
+  ask_expert();
+}
+
+/// Once in every state, in turn: an expert may remember.
+void Collector::ask_expert() {
+  if (expert_ != nullptr) expert_->act(envs_, advice_now_);
 }
 
 void Collector::record_state(std::size_t world) {
@@ -55,6 +66,7 @@ void Collector::step(std::span<const float> action) {
     Track& track = tracks_[w];
     const std::size_t row = w * max_steps_ + static_cast<std::size_t>(track.length);
     std::copy_n(action.data() + w * na_, na_, action_.data() + row * na_);
+    if (expert_ != nullptr) std::copy_n(advice_now_.data() + w * na_, na_, advice_.data() + row * na_);
     reward_[row] = envs_.reward()[w];
     ++track.length;
     record_state(w);
@@ -77,13 +89,13 @@ EpisodeView Collector::episode(int world) const {
           .achieved_goal = rows(achieved_, max_steps_ + 1, length + 1, ng_),
           .desired_goal = rows(desired_, 1, 1, ng_),
           .action = rows(action_, max_steps_, length, na_),
-          .reward = rows(reward_, max_steps_, length, 1)};
+          .reward = rows(reward_, max_steps_, length, 1),
+          .advice = expert_ != nullptr ? rows(advice_, max_steps_, length, na_) : std::span<const float>()};
 }
 
 bool Collector::succeeded(int world) const { return tracks_[static_cast<std::size_t>(world)].success; }
 
 void Collector::restart_finished() {
-  if (finished_.empty()) return;
   std::ranges::fill(mask_, std::uint8_t{0});
   for (const int world : finished_) {
     mask_[static_cast<std::size_t>(world)] = 1;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "manyhands/envs/env_batch.h"
+#include "manyhands/envs/experts/expert.h"
 #include "manyhands/learn/archive.h"
 #include "manyhands/learn/replay.h"
 
@@ -15,10 +16,13 @@ namespace manyhands::learn {
 /// saved as its number and actions, and `load` brings the batch to the same state by playing them again.
 class Collector {
  public:
-  /// Starts episode 0 in every world. `envs` is borrowed.
-  Collector(EnvBatch& envs, std::uint64_t seed);
+  /// Starts episode 0 in every world. `envs` is borrowed, and so is `expert` (may be null), asked in every state.
+  Collector(EnvBatch& envs, Expert* expert, std::uint64_t seed);
 
   [[nodiscard]] const EnvBatch& envs() const { return envs_; }
+
+  /// The expert's actions in the present states (n, action_dim); empty without an expert.
+  [[nodiscard]] std::span<const float> advice() const { return advice_now_; }
 
   /// Steps all worlds under `action` (n, action_dim) and records what comes of it.
   void step(std::span<const float> action);
@@ -56,13 +60,16 @@ class Collector {
   [[nodiscard]] std::uint64_t episode_seed(std::size_t world) const;
   void begin(std::span<const std::uint8_t> mask);
   void record_state(std::size_t world);
+  void ask_expert();
   void play_again(const Running& running);
 
   EnvBatch& envs_;
+  Expert* expert_;
   std::uint64_t seed_ = 0;
   std::size_t worlds_, no_, ng_, na_, max_steps_;
   std::vector<Track> tracks_;
   std::vector<float> observation_, achieved_, desired_, action_, reward_;  // per world, rows as in EpisodeView
+  std::vector<float> advice_, advice_now_;                                 // as action_; (n, action_dim)
   std::vector<std::uint8_t> mask_;
   std::vector<std::uint64_t> seeds_;
   std::vector<int> finished_;

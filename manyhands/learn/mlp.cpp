@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "manyhands/learn/product.h"
 #include "manyhands/learn/random.h"
 
 namespace manyhands::learn {
@@ -63,19 +64,21 @@ MlpTape<S> Mlp<S>::make_tape(int batch) const {
 
 template <class S>
 void Mlp<S>::forward(MlpTape<S>& tape) const {
+  const auto batch = static_cast<int>(tape.input().cols());
   for (int layer = 0; layer < num_layers(); ++layer) {
     const auto l = static_cast<std::size_t>(layer);
+    const int inputs = sizes_[l], outputs = sizes_[l + 1];
     Matrix<S>& y = tape.activation[l + 1];
-    y.noalias() = weight(layer) * tape.activation[l];
-    const bool last = layer + 1 == num_layers();
-    if (!last) {
-      y = (y.colwise() + bias(layer)).cwiseMax(S(0));
-    } else if (output_ == OutputActivation::kTanh) {
-      y = (y.colwise() + bias(layer)).array().tanh();
+    const Operand<S> weights{parameters_.data() + weight_begin(layer), 1, outputs},
+        x{tape.activation[l].data(), 1, inputs};
+    const S* bias = parameters_.data() + bias_begin(layer);
+    if (layer + 1 < num_layers()) {
+      multiply(outputs, batch, inputs, weights, x, y.data(), outputs, AddBias<S, true>{bias}, tape.panel);
     } else {
-      y.colwise() += bias(layer);
+      multiply(outputs, batch, inputs, weights, x, y.data(), outputs, AddBias<S, false>{bias}, tape.panel);
     }
   }
+  if (output_ == OutputActivation::kTanh) tape.activation.back() = tape.output().array().tanh();
 }
 
 template <class S>
@@ -83,20 +86,22 @@ void Mlp<S>::backward(MlpTape<S>& tape, BackwardWants wants, Vector<S>& gradient
   if (output_ == OutputActivation::kTanh) {
     tape.delta.back().array() *= S(1) - tape.output().array().square();
   }
+  const auto batch = static_cast<int>(tape.input().cols());
   for (int layer = num_layers() - 1; layer >= 0; --layer) {
     const auto l = static_cast<std::size_t>(layer);
-    const Matrix<S>& delta = tape.delta[l + 1];
+    const int inputs = sizes_[l], outputs = sizes_[l + 1];
+    const Matrix<S>&delta = tape.delta[l + 1], &x = tape.activation[l];
     if (wants.parameters) {
-      Eigen::Map<Matrix<S>> weight_gradient(gradient.data() + weight_begin(layer), sizes_[l + 1], sizes_[l]);
-      Eigen::Map<Vector<S>> bias_gradient(gradient.data() + bias_begin(layer), sizes_[l + 1]);
-      weight_gradient.noalias() = delta * tape.activation[l].transpose();
-      bias_gradient = delta.rowwise().sum();
+      multiply<S>(outputs, inputs, batch, {delta.data(), 1, outputs}, {x.data(), inputs, 1},
+                  gradient.data() + weight_begin(layer), outputs, AsIs{}, tape.panel);
+      gradient.segment(bias_begin(layer), outputs) = delta.rowwise().sum();
     }
-    if (layer > 0 || wants.input) {
-      tape.delta[l].noalias() = weight(layer).transpose() * delta;
-    }
-    if (layer > 0) {  // relu: the activation is positive exactly where it lets the gradient through
-      tape.delta[l].array() *= (tape.activation[l].array() > S(0)).template cast<S>();
+    const Operand<S> transposed{parameters_.data() + weight_begin(layer), outputs, 1}, d{delta.data(), 1, outputs};
+    if (layer > 0) {
+      multiply(inputs, batch, outputs, transposed, d, tape.delta[l].data(), inputs, GateByRelu<S>{x.data()},
+               tape.panel);
+    } else if (wants.input) {
+      multiply(inputs, batch, outputs, transposed, d, tape.delta[l].data(), inputs, AsIs{}, tape.panel);
     }
   }
 }

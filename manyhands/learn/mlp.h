@@ -25,6 +25,7 @@ template <class S>
 struct MlpTape {
   std::vector<Matrix<S>> activation;  ///< [layer] (size of that layer, batch); [0] is the input, to be filled in
   std::vector<Matrix<S>> delta;       ///< [layer] loss gradient by that layer's output, then by its pre-activation
+  std::vector<S> panel;               ///< scratch of the products
 
   [[nodiscard]] Matrix<S>& input() { return activation.front(); }
   [[nodiscard]] const Matrix<S>& output() const { return activation.back(); }

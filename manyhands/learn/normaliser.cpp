@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
+#include <string>
 
 namespace manyhands::learn {
 
@@ -10,24 +12,41 @@ namespace {
 /// A feature that hardly moves is noise: it is not blown up beyond this standard deviation.
 constexpr double kLeastDeviation = 1e-2;
 
+/// The unit of differences within an observation [m].
+constexpr float kNear = 0.02f;
+
 }  // namespace
 
-InputNormaliser::InputNormaliser(int observation_dim, int goal_dim, float clip)
-    : observation_dim_(observation_dim), goal_dim_(goal_dim), clip_(clip) {
-  const int dim = observation_dim + 2 * goal_dim;
-  running_mean_.setZero(dim);
-  sum_of_squares_.setZero(dim);
-  mean_.setZero(dim);
-  scale_.setOnes(dim);
-  raw_.setZero(dim);
+InputNormaliser::InputNormaliser(int observation_dim, int goal_dim, float clip, std::vector<int> differences)
+    : observation_dim_(observation_dim), goal_dim_(goal_dim), clip_(clip), differences_(std::move(differences)) {
+  for (const int i : differences_) {
+    if (i >= 0 && i + 3 <= observation_dim) continue;
+    throw std::invalid_argument("differences: three numbers from " + std::to_string(i) +
+                                " on are not within an observation of " + std::to_string(observation_dim));
+  }
+  const int measured = observation_dim + 2 * goal_dim, fixed = 3 * static_cast<int>(differences_.size() / 2);
+  running_mean_.setZero(measured);
+  sum_of_squares_.setZero(measured);
+  mean_.setZero(measured + fixed);
+  scale_.setOnes(measured + fixed);
+  scale_.tail(fixed).setConstant(1 / kNear);
+  raw_.setZero(measured + fixed);
+}
+
+void InputNormaliser::write_raw(const float* observation, const float* achieved_goal, const float* desired_goal,
+                                float* x) const {
+  x = std::copy_n(observation, observation_dim_, x);
+  x = std::copy_n(desired_goal, goal_dim_, x);
+  for (int i = 0; i < goal_dim_; ++i) *x++ = desired_goal[i] - achieved_goal[i];
+  for (std::size_t pair = 0; pair < differences_.size(); pair += 2) {
+    for (int i = 0; i < 3; ++i) *x++ = observation[differences_[pair] + i] - observation[differences_[pair + 1] + i];
+  }
 }
 
 void InputNormaliser::add(const float* observation, const float* achieved_goal, const float* desired_goal) {
-  std::copy_n(observation, observation_dim_, raw_.data());
-  std::copy_n(desired_goal, goal_dim_, raw_.data() + observation_dim_);
-  for (int i = 0; i < goal_dim_; ++i) raw_[observation_dim_ + goal_dim_ + i] = desired_goal[i] - achieved_goal[i];
+  write_raw(observation, achieved_goal, desired_goal, raw_.data());
   count_ += 1;
-  for (Eigen::Index i = 0; i < raw_.size(); ++i) {
+  for (Eigen::Index i = 0; i < running_mean_.size(); ++i) {
     const double before = raw_[i] - running_mean_[i];
     running_mean_[i] += before / count_;
     sum_of_squares_[i] += before * (raw_[i] - running_mean_[i]);
@@ -36,7 +55,7 @@ void InputNormaliser::add(const float* observation, const float* achieved_goal, 
 
 void InputNormaliser::refresh() {
   if (count_ < 2) return;
-  for (Eigen::Index i = 0; i < mean_.size(); ++i) {
+  for (Eigen::Index i = 0; i < running_mean_.size(); ++i) {
     const double deviation = std::sqrt(sum_of_squares_[i] / count_);
     mean_[i] = static_cast<float>(running_mean_[i]);
     scale_[i] = static_cast<float>(1.0 / std::max(deviation, kLeastDeviation));
@@ -45,25 +64,22 @@ void InputNormaliser::refresh() {
 
 void InputNormaliser::write(const float* observation, const float* achieved_goal, const float* desired_goal,
                             float* z) const {
-  const auto normal = [&](float x, int i) { return std::clamp((x - mean_[i]) * scale_[i], -clip_, clip_); };
-  const int no = observation_dim_, ng = goal_dim_;
-  for (int i = 0; i < no; ++i) z[i] = normal(observation[i], i);
-  for (int i = 0; i < ng; ++i) z[no + i] = normal(desired_goal[i], no + i);
-  for (int i = 0; i < ng; ++i) z[no + ng + i] = normal(desired_goal[i] - achieved_goal[i], no + ng + i);
+  write_raw(observation, achieved_goal, desired_goal, z);
+  for (Eigen::Index i = 0; i < mean_.size(); ++i) z[i] = std::clamp((z[i] - mean_[i]) * scale_[i], -clip_, clip_);
 }
 
 void InputNormaliser::save(ArchiveWriter& out) const {
   out.value(count_);
-  out.array(std::span(running_mean_.data(), static_cast<std::size_t>(dim())));
-  out.array(std::span(sum_of_squares_.data(), static_cast<std::size_t>(dim())));
+  out.array(std::span(running_mean_.data(), static_cast<std::size_t>(running_mean_.size())));
+  out.array(std::span(sum_of_squares_.data(), static_cast<std::size_t>(sum_of_squares_.size())));
   out.array(std::span(mean_.data(), static_cast<std::size_t>(dim())));
   out.array(std::span(scale_.data(), static_cast<std::size_t>(dim())));
 }
 
 void InputNormaliser::load(ArchiveReader& in) {
   in.value(count_);
-  in.array(std::span(running_mean_.data(), static_cast<std::size_t>(dim())));
-  in.array(std::span(sum_of_squares_.data(), static_cast<std::size_t>(dim())));
+  in.array(std::span(running_mean_.data(), static_cast<std::size_t>(running_mean_.size())));
+  in.array(std::span(sum_of_squares_.data(), static_cast<std::size_t>(sum_of_squares_.size())));
   in.array(std::span(mean_.data(), static_cast<std::size_t>(dim())));
   in.array(std::span(scale_.data(), static_cast<std::size_t>(dim())));
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "manyhands/learn/archive.h"
 #include "manyhands/learn/mlp.h"
@@ -9,13 +10,15 @@
 namespace manyhands::learn {
 
 /// Network input z = clip((x - mean) * scale, -clip, clip) of x = [observation, desired_goal, desired_goal -
-/// achieved_goal], with mean and 1/scale the mean and standard deviation of all x added so far.
+/// achieved_goal, differences within the observation], with mean and 1/scale the mean and standard deviation of all x
+/// added so far; for the last 0 and 2 cm, so that they tell apart what is near.
 ///
-/// The difference costs nothing to learn from and is what goal tasks turn on; it is folded into the exported policy.
+/// Differences cost nothing to learn from and are what such tasks turn on; they are folded into the exported policy.
 class InputNormaliser {
  public:
   InputNormaliser() = default;
-  InputNormaliser(int observation_dim, int goal_dim, float clip);
+  /// `differences`: see TrainerConfig. Throws std::invalid_argument if they lie outside of an observation.
+  InputNormaliser(int observation_dim, int goal_dim, float clip, std::vector<int> differences = {});
 
   [[nodiscard]] int dim() const { return static_cast<int>(mean_.size()); }
 
@@ -29,13 +32,17 @@ class InputNormaliser {
   [[nodiscard]] const Vector<float>& mean() const { return mean_; }
   [[nodiscard]] const Vector<float>& scale() const { return scale_; }
   [[nodiscard]] float clip() const { return clip_; }
+  [[nodiscard]] const std::vector<int>& differences() const { return differences_; }
 
   void save(ArchiveWriter& out) const;
   void load(ArchiveReader& in);
 
  private:
+  void write_raw(const float* observation, const float* achieved_goal, const float* desired_goal, float* x) const;
+
   int observation_dim_ = 0, goal_dim_ = 0;
   float clip_ = 5;
+  std::vector<int> differences_;
   double count_ = 0;
   Vector<double> running_mean_, sum_of_squares_;  // Welford, 1962
   Vector<float> mean_, scale_, raw_;

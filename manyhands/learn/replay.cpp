@@ -18,12 +18,13 @@ float* put(std::span<const float> from, int begin, int n, float* to) { return st
 
 }  // namespace
 
-ReplayBuffer::ReplayBuffer(const EnvSpec& spec, int capacity) : spec_(spec), capacity_(capacity) {
+ReplayBuffer::ReplayBuffer(const EnvSpec& spec, int capacity, int advice_dim)
+    : spec_(spec), capacity_(capacity), advice_dim_(advice_dim) {
   if (spec.max_episode_steps <= 0 || capacity < spec.max_episode_steps) {
     throw std::invalid_argument("ReplayBuffer: capacity " + std::to_string(capacity) + " cannot hold one episode of " +
                                 std::to_string(spec.max_episode_steps) + " steps");
   }
-  row_ = 2 * spec.observation_dim + 3 * spec.goal_dim + spec.action_dim + 1;
+  row_ = 2 * spec.observation_dim + 3 * spec.goal_dim + spec.action_dim + advice_dim + 1;
   data_ = std::make_unique_for_overwrite<float[]>(static_cast<std::size_t>(capacity) * static_cast<std::size_t>(row_));
   steps_to_end_.resize(static_cast<std::size_t>(capacity));
   terminated_.resize(static_cast<std::size_t>(capacity));
@@ -36,7 +37,8 @@ void ReplayBuffer::add(const EpisodeView& episode) {
   };
   if (length <= 0 || length > capacity_ || !has(episode.observation, length + 1, no) ||
       !has(episode.achieved_goal, length + 1, ng) || !has(episode.desired_goal, 1, ng) ||
-      !has(episode.action, length, na) || !has(episode.reward, length, 1)) {
+      !has(episode.action, length, na) || !has(episode.reward, length, 1) ||
+      !has(episode.advice, length, advice_dim_)) {
     throw std::invalid_argument("ReplayBuffer::add: the arrays do not fit an episode of " + std::to_string(length) +
                                 " steps of " + spec_.id);
   }
@@ -49,6 +51,7 @@ void ReplayBuffer::add(const EpisodeView& episode) {
     to = put(episode.achieved_goal, (t + 1) * ng, ng, to);
     to = put(episode.desired_goal, 0, ng, to);
     to = put(episode.action, t * na, na, to);
+    to = put(episode.advice, t * advice_dim_, advice_dim_, to);
     const float reward = episode.reward[static_cast<std::size_t>(t)];
     *to = reward;
     steps_to_end_[at] = length - 1 - t;
@@ -68,6 +71,7 @@ Minibatch ReplayBuffer::make_minibatch(int n) const {
     m->setZero(spec_.goal_dim, n);
   }
   batch.action.setZero(spec_.action_dim, n);
+  batch.advice.setZero(advice_dim_, n);
   batch.reward.setZero(n);
   batch.done.assign(static_cast<std::size_t>(n), 0);
   return batch;
@@ -75,7 +79,7 @@ Minibatch ReplayBuffer::make_minibatch(int n) const {
 
 void ReplayBuffer::sample(const EnvBatch& task, const Hindsight& hindsight, Random random, Minibatch& batch) const {
   const int no = spec_.observation_dim, ng = spec_.goal_dim, na = spec_.action_dim, n = batch.size();
-  const int relabelled = static_cast<int>(std::lround(hindsight.fraction * n));
+  const int relabelled = batch.relabelled = static_cast<int>(std::lround(hindsight.fraction * n));
   const auto row = [&](std::size_t at) { return data_.get() + at * static_cast<std::size_t>(row_); };
   for (int i = 0; i < n; ++i) {
     const auto at = static_cast<std::size_t>(random.below(static_cast<std::uint32_t>(size_)));
@@ -86,6 +90,7 @@ void ReplayBuffer::sample(const EnvBatch& task, const Hindsight& hindsight, Rand
     from = take(from, ng, batch.next_achieved_goal.col(i).data());
     from = take(from, ng, batch.desired_goal.col(i).data());
     from = take(from, na, batch.action.col(i).data());
+    from = take(from, advice_dim_, batch.advice.col(i).data());
     batch.reward[i] = *from;
     batch.done[static_cast<std::size_t>(i)] = terminated_[at];
     if (i < relabelled) {
@@ -106,6 +111,7 @@ void ReplayBuffer::sample(const EnvBatch& task, const Hindsight& hindsight, Rand
 void ReplayBuffer::save(ArchiveWriter& out) const {
   const auto n = static_cast<std::size_t>(size_);
   out.value(capacity_);
+  out.value(advice_dim_);
   out.value(size_);
   out.value(next_);
   out.value(lowest_reward_);
@@ -118,6 +124,7 @@ void ReplayBuffer::save(ArchiveWriter& out) const {
 
 void ReplayBuffer::load(ArchiveReader& in) {
   in.expect("replay capacity", capacity_);
+  in.expect("advice length", advice_dim_);
   in.value(size_);
   in.value(next_);
   in.check(size_ >= 0 && size_ <= capacity_ && next_ >= 0 && next_ < capacity_, "replay indices out of range");

@@ -17,6 +17,14 @@ TrainerConfig validated(TrainerConfig config) {
   return config;
 }
 
+/// The expert if it is wanted, else null.
+Expert* wanted_expert(Expert* expert, const TrainerConfig& config, const EnvSpec& spec) {
+  if (!config.wants_expert()) return nullptr;
+  if (expert != nullptr && expert->action_dim() == spec.action_dim) return expert;
+  throw std::invalid_argument("Trainer: expert_rate and cloning_weight ask for an expert of " + spec.id +
+                              ", and none was given; set both to 0");
+}
+
 /// Adds the seconds of its scope to a counter.
 class Stopwatch {
  public:
@@ -36,14 +44,14 @@ std::span<const float> floats(const Matrix<float>& matrix) {
 
 }  // namespace
 
-Trainer::Trainer(EnvBatch& envs, EnvBatch* evaluation, const TrainerConfig& config)
+Trainer::Trainer(EnvBatch& envs, EnvBatch* evaluation, const TrainerConfig& config, Expert* expert)
     : config_(validated(config)),
       spec_(envs.spec()),
       evaluation_(evaluation),
-      collector_(envs, config.seed),
-      replay_(spec_, config.replay_capacity),
+      collector_(envs, wanted_expert(expert, config_, spec_), config.seed),
+      replay_(spec_, config.replay_capacity, config.wants_expert() ? spec_.action_dim : 0),
       minibatch_(replay_.make_minibatch(config.batch_size)),
-      normaliser_(spec_.observation_dim, spec_.goal_dim, config.input_clip),
+      normaliser_(spec_.observation_dim, spec_.goal_dim, config.input_clip, config.differences),
       agent_(normaliser_.dim(), spec_.action_dim, config_),
       halves_(std::make_unique<Halves>(config.num_threads)),
       acting_(agent_.actor().make_tape(envs.num_envs())),
@@ -79,15 +87,22 @@ void Trainer::collect() {
   metrics_.env_steps += collector_.envs().num_envs();
 }
 
-/// The policy's action plus noise, or now and then, and during the warm-up always, a uniform one.
+/// The policy's action plus noise, or now and then, and during the warm-up always, a uniform one. Where the expert
+/// acts, its action plus noise: what it shows then leads back to its way, too (Laskey et al., DART, 2017).
 void Trainer::choose_actions() {
   act(collector_.envs(), acting_);
   const bool warming_up = replay_.size() < config_.warmup_transitions;
+  const Eigen::Index worlds = actions_.cols();
+  const bool all_led = config_.expert_rate > 0 && warming_up;
+  const Eigen::Index led = all_led ? worlds : std::lround(config_.expert_rate * static_cast<double>(worlds));
   Random random(config_.seed, Purpose::kExploration, static_cast<std::uint64_t>(metrics_.iterations));
-  for (Eigen::Index world = 0; world < actions_.cols(); ++world) {
-    const bool uniform = warming_up || random.uniform() < static_cast<float>(config_.random_action_rate);
+  for (Eigen::Index world = 0; world < worlds; ++world) {
+    const bool random_now = random.uniform() < static_cast<float>(config_.random_action_rate);
+    const bool uniform = world >= led && (warming_up || random_now);
+    const float* wanted = world < led ? &collector_.advice()[static_cast<std::size_t>(world * actions_.rows())]
+                                      : acting_.output().col(world).data();
     for (Eigen::Index k = 0; k < actions_.rows(); ++k) {
-      const float chosen = acting_.output()(k, world) + config_.exploration_noise * random.normal();
+      const float chosen = wanted[k] + config_.exploration_noise * random.normal();
       actions_(k, world) = uniform ? random.uniform(-1.0f, 1.0f) : std::clamp(chosen, -1.0f, 1.0f);
     }
   }
@@ -143,6 +158,10 @@ void Trainer::fill_half(int half) {
     normaliser_.write(minibatch_.next_observation.col(i).data(), minibatch_.next_achieved_goal.col(i).data(), goal,
                       to.next_state.col(column).data());
     to.action.col(column) = minibatch_.action.col(i);
+    if (minibatch_.advice.rows() > 0) {
+      to.advice.col(column) = minibatch_.advice.col(i);
+      to.advised[column] = i < minibatch_.relabelled ? 0.0f : 1.0f;
+    }
     to.reward[column] = minibatch_.reward[i];
     to.discount[column] = minibatch_.done[static_cast<std::size_t>(i)] != 0 ? 0.0f : static_cast<float>(config_.gamma);
   }
@@ -209,6 +228,7 @@ Policy Trainer::policy() const {
                    .mean = copied(normaliser_.mean()),
                    .scale = copied(normaliser_.scale()),
                    .clip = normaliser_.clip(),
+                   .differences = normaliser_.differences(),
                    .layers = {}};
   for (int layer = 0; layer < actor.num_layers(); ++layer) {
     const Matrix<float> row_major = actor.weight(layer).transpose();

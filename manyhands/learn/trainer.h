@@ -36,7 +36,8 @@ struct EvalResult {
 };
 
 /// The deterministic policy as plain arrays: a = tanh(W_L relu(... relu(W_1 z + b_1) ...) + b_L) with
-/// z = clip((x - mean) * scale, -clip, clip) and x = [observation, desired_goal, desired_goal - achieved_goal].
+/// z = clip((x - mean) * scale, -clip, clip) and x = [observation, desired_goal, desired_goal - achieved_goal,
+/// observation[i, i + 3) - observation[k, k + 3) for each pair of `differences`].
 struct Policy {
   struct Layer {
     int inputs{}, outputs{};
@@ -44,8 +45,9 @@ struct Policy {
     std::vector<float> bias;    ///< (outputs)
   };
   int observation_dim{}, goal_dim{}, action_dim{};
-  std::vector<float> mean, scale;  ///< (observation_dim + 2 goal_dim)
+  std::vector<float> mean, scale;  ///< (observation_dim + 2 goal_dim + 3 pairs)
   float clip{};
+  std::vector<int> differences;  ///< pairs (i, k)
   std::vector<Layer> layers;
 };
 
@@ -53,8 +55,9 @@ class Trainer {
  public:
   /// Borrows both batches, which must outlive the trainer and be stepped by nobody else. `evaluation` serves the
   /// periodic evaluations (its worlds are the episodes run at a time); without it nothing is evaluated or stopped.
+  /// `expert`, borrowed likewise, is asked in every state if the config wants one; it may be null if not.
   /// Throws std::invalid_argument if the config makes no sense or the batches are of different kinds.
-  Trainer(EnvBatch& envs, EnvBatch* evaluation, const TrainerConfig& config);
+  Trainer(EnvBatch& envs, EnvBatch* evaluation, const TrainerConfig& config, Expert* expert = nullptr);
 
   [[nodiscard]] const TrainerConfig& config() const { return config_; }
 

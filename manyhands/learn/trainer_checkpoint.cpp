@@ -42,6 +42,8 @@ void Trainer::save_shape(ArchiveWriter& out) const {
   }
   out.value(static_cast<int>(config_.hidden_layers.size()));
   for (const int units : config_.hidden_layers) out.value(units);
+  out.value(static_cast<int>(config_.differences.size()));
+  for (const int i : config_.differences) out.value(i);
 }
 
 void Trainer::expect_shape(ArchiveReader& in) const {
@@ -54,6 +56,8 @@ void Trainer::expect_shape(ArchiveReader& in) const {
   in.expect("number of critics", config_.num_critics);
   in.expect("number of hidden layers", static_cast<int>(config_.hidden_layers.size()));
   for (const int units : config_.hidden_layers) in.expect("hidden layer size", units);
+  in.expect("length of differences", static_cast<int>(config_.differences.size()));
+  for (const int i : config_.differences) in.expect("index in differences", i);
 }
 
 void Trainer::save(const std::filesystem::path& path, bool with_replay) const {
@@ -85,7 +89,7 @@ bool Trainer::load(const std::filesystem::path& path) {
   normaliser.load(in);
   Agent agent(normaliser.dim(), spec_.action_dim, config);
   agent.load(in);
-  ReplayBuffer replay(spec_, config.replay_capacity);
+  ReplayBuffer replay(spec_, config.replay_capacity, config.wants_expert() ? spec_.action_dim : 0);
   if (in.value<bool>()) replay.load(in);
   const Collector::Running running = collector_.read(in);
   in.finish();

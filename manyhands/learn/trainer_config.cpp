@@ -45,12 +45,16 @@ void TrainerConfig::validate() const {
   require_range("target_noise", target_noise, 0.0f, 10.0f);
   require_range("target_noise_clip", target_noise_clip, 0.0f, 10.0f);
   require_range("action_penalty", action_penalty, 0.0f, 1e6f);
+  require_range("cloning_weight", cloning_weight, 0.0f, 1e6f);
+  require(differences.size() % 2 == 0, "the length of differences", differences.size(), "even, two for each pair");
+  for (const int i : differences) require_at_least("an index in differences", i, 0);
   require(input_clip > 0 && std::isfinite(input_clip), "input_clip", input_clip, "positive");
   require_at_least("updates_per_iteration", updates_per_iteration, 0);
   require_at_least("replay_capacity", replay_capacity, 1);
   require(warmup_transitions >= 1 && warmup_transitions <= replay_capacity, "warmup_transitions", warmup_transitions,
           "at least 1 and at most replay_capacity");
   require_range("hindsight_fraction", hindsight_fraction, 0.0, 1.0);
+  require_range("expert_rate", expert_rate, 0.0, 1.0);
   require_range("exploration_noise", exploration_noise, 0.0f, 10.0f);
   require_range("random_action_rate", random_action_rate, 0.0, 1.0);
   require_at_least("evaluation_interval", evaluation_interval, 1);

@@ -1,9 +1,12 @@
 // Every item once, on every number of threads; exceptions reach the caller. Also run under ThreadSanitizer
 // (cmake -D MANYHANDS_SANITIZE=thread).
 #include <gtest/gtest.h>
+#include <sched.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdlib>
@@ -95,6 +98,49 @@ TEST_P(OnThreads, WakesThreadsThatSleep) {
     EXPECT_EQ(sum, 4950);
   }
 }
+
+#if defined(__linux__)
+/// The calling thread runs only when nothing else wants the first core.
+void stand_back() {
+  cpu_set_t first;
+  CPU_ZERO(&first);
+  CPU_SET(0, &first);
+  sched_setaffinity(0, sizeof first, &first);
+  const sched_param none{};
+  sched_setscheduler(0, SCHED_IDLE, &none);
+}
+
+TEST(ThreadPool, DoesNotWaitForAWorkerThatHasNotWokenUp) {
+  if (std::thread::hardware_concurrency() < 2) GTEST_SKIP() << "the caller needs a core of its own";
+  ThreadPool pool(2);
+  std::atomic<bool> stands_back = false;
+  while (!stands_back) {
+    pool.for_each(2, [&](int, int worker) {
+      if (worker == 1 && !stands_back.exchange(true)) stand_back();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));  // time for the other to come
+    });
+  }
+  std::atomic<bool> stop = false;
+  std::jthread greedy([&] {
+    cpu_set_t first;
+    CPU_ZERO(&first);
+    CPU_SET(0, &first);
+    sched_setaffinity(0, sizeof first, &first);
+    while (!stop) {
+    }
+  });
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  std::array<double, 51> seconds;
+  for (double& one : seconds) {
+    const auto begin = std::chrono::steady_clock::now();
+    pool.for_each(2, [](int, int) {});
+    one = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  }
+  stop = true;
+  std::ranges::nth_element(seconds, seconds.begin() + 25);
+  EXPECT_LT(seconds[25], 1e-3) << "median of rounds of nothing";
+}
+#endif
 
 TEST(ThreadPool, RefusesAnImpossibleNumberOfThreads) {
   for (const int n : {0, -1, 1025}) {

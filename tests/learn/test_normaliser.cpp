@@ -43,5 +43,25 @@ TEST(InputNormaliser, LaysOutObservationGoalAndTheWayToItAndClips) {
   EXPECT_EQ(z, (std::array<float, 4>{0.5f, -1.5f, 0.25f, -0.75f}));
 }
 
+TEST(InputNormaliser, SeesDifferencesWithinTheObservationAsFineAsTwoCentimetres) {
+  InputNormaliser normaliser(7, 1, 5.0f, {4, 0, 0, 3});
+  ASSERT_EQ(normaliser.dim(), 7 + 2 + 6);
+  const std::array<float, 7> observation = {0.1f, 0.2f, 0.3f, 0.4f, 0.11f, 0.18f, 0.9f};
+  const float goal = 1, achieved = 0.5f;
+  for (int i = 0; i < 10; ++i) normaliser.add(observation.data(), &achieved, &goal);
+  normaliser.refresh();
+  std::array<float, 15> z{};
+  normaliser.write(observation.data(), &achieved, &goal, z.data());
+  const std::array<float, 6> expected = {0.5f,  -1.0f, 5.0f,   // o[4..6] - o[0..2] = 0.01, -0.02, 0.6: clipped
+                                         -5.0f, 4.5f,  5.0f};  // o[0..2] - o[3..5] = -0.3, 0.09, 0.12
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(z[9 + i], expected[i], 1e-5f) << i;
+  EXPECT_EQ(z[0], 0.0f) << "the rest is measured";
+}
+
+TEST(InputNormaliser, RefusesDifferencesOutsideOfTheObservation) {
+  EXPECT_THROW(InputNormaliser(7, 1, 5.0f, {5, 0}), std::invalid_argument);
+  EXPECT_NO_THROW(InputNormaliser(7, 1, 5.0f, {4, 0}));
+}
+
 }  // namespace
 }  // namespace manyhands::learn

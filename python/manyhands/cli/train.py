@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 EXAMPLES = """\
 examples:
   manyhands train PandaReach                          learn to reach, in seconds
+  manyhands train PandaPush                           learn to push, by the recipe that is shipped for it
+  manyhands train PandaPush --recipe mine.yaml        by one of your own
   manyhands train PandaReachJoints --seed 3           drive the joints; another seed
   manyhands train PandaReach --set gamma=0.9 --set hidden_layers=[128,128]
   manyhands train --resume runs/PandaReach-v3-...     go on where Ctrl-C stopped a run
@@ -33,10 +35,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("task", nargs="?", help="environment, with or without its version: PandaReach, PandaReach-v3")
     parser.add_argument("--resume", type=Path, metavar="RUN_DIR", help="go on with this run instead of a new one")
     parser.add_argument("--seed", type=int, help="of networks, exploration and episodes (default 0)")
-    parser.add_argument("--num-envs", type=int, metavar="N", help="worlds stepped at a time (default 64)")
+    parser.add_argument("--recipe", type=Path, metavar="FILE", help="settings (default: those shipped for the task)")
+    parser.add_argument("--num-envs", type=int, metavar="N", help="worlds stepped at a time (default: the recipe's)")
     parser.add_argument("--threads", type=int, metavar="N", help="default: MANYHANDS_THREADS, or one for each core")
     parser.add_argument(
-        "--max-steps", type=int, metavar="N", help="environment steps at most, over all worlds (default 1000000)"
+        "--max-steps", type=int, metavar="N", help="environment steps at most, over all worlds (default: the recipe's)"
     )
     parser.add_argument("--episodes", type=int, metavar="N", help="of the evaluation after training (default 1000)")
     parser.add_argument("--runs", type=Path, default=Path("runs"), metavar="DIR", help="where run folders go (runs)")
@@ -52,6 +55,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Learns, measures what was learned, and says where it is."""
     from rich.console import Console
 
+    from manyhands.training.announcement import announce
+    from manyhands.training.recipe import find_recipe, load_recipe
     from manyhands.training.run import TrainingRun
     from manyhands.training.run_folder import RunFolder
     from manyhands.training.settings import TrainSettings, parse_overrides
@@ -65,7 +70,7 @@ def run(arguments: argparse.Namespace) -> int:
         whole_number("--threads", arguments.threads, 1, MOST_THREADS)
     console = Console()
     if arguments.resume is not None:
-        fixed = ("task", "seed", "num_envs", "set")
+        fixed = ("task", "seed", "recipe", "num_envs", "set")
         if given := [name for name in fixed if getattr(arguments, name) is not None]:
             raise ValueError(f"a resumed run keeps its {', '.join(given)}: leave it out, or start a new run")
         folder = RunFolder(arguments.resume)
@@ -93,13 +98,16 @@ def run(arguments: argparse.Namespace) -> int:
             "overrides": parse_overrides(arguments.set or []),
         }
         given = {name: value for name, value in changes.items() if value is not None}
-        settings = TrainSettings(resolve_env_id(arguments.task), **given)
+        env_id = resolve_env_id(arguments.task)
+        recipe = find_recipe(env_id) if arguments.recipe is None else load_recipe(arguments.recipe)
+        if recipe is not None and recipe.env_id != env_id:
+            raise ValueError(f"{recipe.path} is a recipe for {recipe.env_id}, not for {env_id}")
+        settings = TrainSettings(env_id, **given) if recipe is None else recipe.settings(**given)
         settings.trainer_config()
         folder = RunFolder.create(arguments.runs, settings)
         run = TrainingRun(folder, settings)
-        console.print(
-            f"Training {settings.env_id}, seed {settings.seed}: {folder.path}", highlight=False, soft_wrap=True
-        )
+        lines = [f"Training {settings.env_id}, seed {settings.seed}: {folder.path}", *announce(recipe, settings)]
+        console.print("\n".join(lines), highlight=False, markup=False, soft_wrap=True)
     outcome = run.train(console)
     _summarise(outcome, folder, settings.seed, console.print)
     if outcome.evaluation is None:

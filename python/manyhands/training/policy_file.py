@@ -32,7 +32,10 @@ def to_onnx(policy: Policy, env_id: str) -> onnx.ModelProto:
         return output
 
     to_goal = apply("Sub", ["desired_goal", "achieved_goal"], "to_goal")
-    x = apply("Concat", ["observation", "desired_goal", to_goal], "features", axis=1)
+    parts = ["observation", "desired_goal", to_goal]
+    if policy.differences:
+        parts.append(apply("MatMul", ["observation", constant("pairs", _pairs(policy))], "differences"))
+    x = apply("Concat", parts, "features", axis=1)
     x = apply("Sub", [x, constant("mean", policy.mean)], "centred")
     x = apply("Mul", [x, constant("scale", policy.scale)], "scaled")
     limits = [constant(name, value) for name, value in (("low", -policy.clip), ("high", policy.clip))]
@@ -66,6 +69,13 @@ def to_onnx(policy: Policy, env_id: str) -> onnx.ModelProto:
     helper.set_model_props(model, {"env_id": env_id})
     onnx.checker.check_model(model, full_check=True)
     return model
+
+
+def _pairs(policy: Policy) -> np.ndarray:
+    """The matrix (observation_dim, 3 pairs) that takes the policy's differences from observations."""
+    columns = np.eye(policy.observation_dim)
+    pairs = zip(policy.differences[::2], policy.differences[1::2], strict=True)
+    return np.hstack([columns[:, i : i + 3] - columns[:, k : k + 3] for i, k in pairs])
 
 
 def save_policy(policy: Policy, env_id: str, path: Path) -> None:

@@ -30,6 +30,12 @@ def _percent(rate: float) -> str:
     return "-" if math.isnan(rate) else f"{rate:.0%}"
 
 
+def _success(row: Row) -> str:
+    """Of the episodes in training, and of the last evaluation."""
+    evaluated = f"{row.evaluation_success_rate:.1%}" if row.evaluations else "-"
+    return f"{_percent(row.success_rate)}, without exploration {evaluated}"
+
+
 class _Figures(ProgressColumn):
     def render(self, task: Task) -> Text:
         return Text(task.fields["figures"], no_wrap=True)
@@ -53,14 +59,11 @@ class TrainingProgress:
         speed = f"{_speed(row):,.0f} steps/s"
         left = f"≤ {_clock(_seconds_left(row, self._limit))} left"
         if self._bar is not None:
-            self._bar.update(
-                self._task, completed=row.env_steps, figures=f"{speed}  success {_percent(row.success_rate)}  {left}"
-            )
+            self._bar.update(self._task, completed=row.env_steps, figures=f"{speed}  success {_success(row)}  {left}")
         elif time.monotonic() - self._last_line >= _SECONDS_BETWEEN_LINES:
             self._last_line = time.monotonic()
             self._console.print(
-                f"{row.env_steps:,} steps  {speed}  success {_percent(row.success_rate)}, without exploration "
-                f"{row.evaluation_success_rate:.1%}  {left}",
+                f"{row.env_steps:,} steps  {speed}  success {_success(row)}  {left}",
                 highlight=False,
                 soft_wrap=True,
             )

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 
 from rich.console import Console
 
-from manyhands._core.envs import make_env_batch
+from manyhands._core.envs import make_env_batch, make_expert
 from manyhands._core.learn import Trainer, TrainMetrics
 from manyhands.files import write_text
 from manyhands.interrupts import Interrupts
@@ -46,7 +46,8 @@ class TrainingRun:
         threads = settings.num_threads or 0
         self._envs = make_env_batch(settings.env_id, settings.num_envs, num_threads=threads)
         self._evaluation = make_env_batch(settings.env_id, config.evaluation_episodes, num_threads=threads)
-        self._trainer = Trainer(self._envs, self._evaluation, config)
+        expert = make_expert(settings.env_id) if config.wants_expert else None
+        self._trainer = Trainer(self._envs, self._evaluation, config, expert)
         if resume:
             if not folder.checkpoint.is_file():
                 raise ValueError(f"{folder.path} has no checkpoint to resume from; start again with a new run")

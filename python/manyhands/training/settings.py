@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from manyhands._core.envs import expert_ids
 from manyhands._core.learn import TrainerConfig
 from manyhands.arguments import whole_number
 
@@ -68,4 +69,6 @@ class TrainSettings:
         for name, value in self.overrides.items():
             _override(config, name, value)
         config.validate()
+        if config.wants_expert and self.env_id not in expert_ids():
+            raise ValueError(f"there is no expert for {self.env_id!r}: set expert_rate and cloning_weight to 0")
         return config

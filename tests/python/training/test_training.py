@@ -80,9 +80,11 @@ def test_the_folder_holds_everything(reach: RunFolder) -> None:
     np.testing.assert_allclose([value for _, value in recorded], [float(row["success_rate"]) for row in rows], 1e-6)
 
 
-def test_the_policy_file_acts_as_the_trainers_policy(tmp_path: Path) -> None:
+@pytest.mark.parametrize("differences", [[], [3, 0, 1, 2]])
+def test_the_policy_file_acts_as_the_trainers_policy(differences: list[int], tmp_path: Path) -> None:
     config = TrainerConfig()
     config.hidden_layers = [16, 24, 8]
+    config.differences = differences
     trainer = Trainer(make_env_batch("PandaReachJoints-v3", 32), None, config)
     trainer.advance(150)
     policy = trainer.policy()
@@ -91,7 +93,10 @@ def test_the_policy_file_acts_as_the_trainers_policy(tmp_path: Path) -> None:
     for count in (1, 500):
         rows = {"observation": 6, "achieved_goal": 3, "desired_goal": 3}
         obs = {name: rng.normal(scale=2, size=(count, size)).astype(np.float32) for name, size in rows.items()}
-        x = np.hstack([obs["observation"], obs["desired_goal"], obs["desired_goal"] - obs["achieved_goal"]])
+        seen = obs["observation"]
+        x = [seen, obs["desired_goal"], obs["desired_goal"] - obs["achieved_goal"]]
+        x += [seen[:, i : i + 3] - seen[:, k : k + 3] for i, k in zip(differences[::2], differences[1::2], strict=True)]
+        x = np.hstack(x)
         x = np.clip((x.astype(float) - policy.mean) * policy.scale, -policy.clip, policy.clip)
         for i, (weight, bias) in enumerate(policy.layers):
             x = weight.astype(float) @ x.T

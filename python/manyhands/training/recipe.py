@@ -1,0 +1,141 @@
+"""Recipes: the settings with which an environment is known to be learned."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+from manyhands._core.envs import env_ids
+from manyhands._core.learn import TrainerConfig
+from manyhands.training.settings import TrainSettings
+from manyhands.training.simple_yaml import Entry, read_yaml
+
+_FOLDER = Path(__file__).parent / "recipes"
+
+_T = TypeVar("_T")
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What a recipe did: over several seeds, the least success and the longest training."""
+
+    machine: str
+    seeds: int
+    success: float  # at the end of 1000 fresh episodes
+    seconds: float
+    env_steps: int
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """One file of recipes/, or a user's own."""
+
+    path: Path
+    env_id: str
+    num_envs: int
+    max_env_steps: int
+    trainer: dict[str, Any]  # settings that differ from the trainer's defaults
+    beyond: dict[str, str]  # what it uses beyond the task's own reward: a name, and what it does
+    measured: Measured | None
+
+    def settings(self, **changes: Any) -> TrainSettings:
+        """The settings of a run, with `changes`; those in `overrides` are added to the recipe's own."""
+        given: dict[str, Any] = {"num_envs": self.num_envs, "max_env_steps": self.max_env_steps} | changes
+        given["overrides"] = self.trainer | given.get("overrides", {})
+        return TrainSettings(self.env_id, **given)
+
+
+def recipe_ids() -> list[str]:
+    """The environments that have a recipe."""
+    return sorted(path.stem for path in _FOLDER.glob("*.yaml"))
+
+
+def find_recipe(env_id: str) -> Recipe | None:
+    """The recipe that is shipped for an environment, None if there is none."""
+    path = _FOLDER / f"{env_id}.yaml"
+    return load_recipe(path) if path.is_file() else None
+
+
+def load_recipe(path: Path) -> Recipe:
+    """The recipe in a file. Raises ValueError that names the line of what is wrong, OSError if it cannot be read."""
+    top = _Block(path, Entry(1, entries=read_yaml(path)))
+    env_id = top.take("environment", str)
+    if env_id not in env_ids():
+        raise top.error("environment", f"there is no environment {env_id!r}")
+    trainer, beyond = top.block("trainer"), top.block("beyond")
+    recipe = Recipe(
+        path=path,
+        env_id=env_id,
+        num_envs=top.take("num_envs", int),
+        max_env_steps=top.take("max_env_steps", int),
+        trainer={name: entry.value for name, entry in trainer.entry.entries.items()},
+        beyond={name: beyond.take(name, str) for name in list(beyond.entry.entries)},
+        measured=_measured(top.block("measured")),
+    )
+    top.finish()
+    _check_settings(recipe, top, trainer)
+    return recipe
+
+
+def _measured(block: "_Block") -> Measured | None:
+    if not block.entry.entries:
+        return None
+    measured = Measured(
+        machine=block.take("machine", str),
+        seeds=block.take("seeds", int),
+        success=block.take("success", float),
+        seconds=block.take("seconds", float),
+        env_steps=block.take("env_steps", int),
+    )
+    block.finish()
+    return measured
+
+
+def _check_settings(recipe: Recipe, top: "_Block", trainer: "_Block") -> None:
+    """Raises ValueError, with the line of the setting that it is about, unless a run can have these settings."""
+    known = TrainerConfig().to_dict().keys() - {"seed"}
+    for name in recipe.trainer:
+        if name not in known:
+            raise trainer.error(name, f"{name!r} is no trainer setting; there are {', '.join(sorted(known))}")
+    try:
+        recipe.settings().trainer_config()
+    except ValueError as reason:
+        for block in (trainer, top):
+            for name in block.entry.entries:
+                if name in str(reason):
+                    raise block.error(name, str(reason)) from reason
+        raise ValueError(f"{recipe.path}: {reason}") from reason
+
+
+class _Block:
+    """Entries of a file, taken one by one."""
+
+    def __init__(self, path: Path, entry: Entry) -> None:
+        self._path = path
+        self.entry = entry
+        self._left = dict(entry.entries)
+
+    def error(self, name: str, complaint: str) -> ValueError:
+        return ValueError(f"{self._path}:{self.entry.entries[name].line}: {complaint}")
+
+    def take(self, name: str, kind: type[_T]) -> _T:
+        """A value that must be there."""
+        if name not in self._left:
+            raise ValueError(f"{self._path}:{self.entry.line}: {name} is missing here")
+        value = self._left.pop(name).value
+        if kind is float and type(value) is int:
+            value = float(value)
+        if type(value) is not kind:
+            raise self.error(name, f"{name} is {value!r}, expected {kind.__name__}")
+        return value
+
+    def block(self, name: str) -> "_Block":
+        """Entries below a name, none if it is not there."""
+        entry = self._left.pop(name, Entry(self.entry.line))
+        if entry.value is not None:
+            raise self.error(name, f"{name} is {entry.value!r}, expected indented lines below it")
+        return _Block(self._path, entry)
+
+    def finish(self) -> None:
+        """Raises ValueError if something is left."""
+        for name in self._left:
+            raise self.error(name, f"a recipe has no {name!r} here")
