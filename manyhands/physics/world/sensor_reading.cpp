@@ -209,8 +209,7 @@ void place_last_step(const WorldCore& core, double h) {
   std::vector<double> a(core.nv());
   for (std::size_t i = 0; i < a.size(); ++i) a[i] = core.state.dv()[i] / h;
   core.is_placed = false;
-  internal::newton_euler_pass(core.system.tree, core.params, core.before.data(), core.before.data() + core.nq(),
-                              a.data(), core.scratch);
+  internal::newton_euler_pass(core.system.tree, core.params, core.q_before(), core.v_before(), a.data(), core.scratch);
 }
 
 Motion<double> acceleration_of(const WorldCore& core, const Sensor& sensor) {

@@ -3,6 +3,7 @@
 
 #include "manyhands/physics/world/contact_forces.h"
 #include "manyhands/physics/world/contact_residuals.h"
+#include "manyhands/physics/world/sensor_reading.h"
 #include "manyhands/physics/world/world_impl.h"
 
 namespace manyhands {
@@ -100,13 +101,9 @@ std::vector<std::uint8_t> subtree_of(const Model& model, LinkId root) {
 /// Rate of change of the links' momentum less gravity's part as far as nothing carries it, about the world's origin, in
 /// the step from `before`.
 Force<double> inertial_force(const WorldCore& core, const std::vector<std::uint8_t>& inside, double h) {
-  const Tree<double>& tree = core.system.tree;
   const Model& model = *core.model;
-  std::vector<double> a(core.nv());
-  for (std::size_t i = 0; i < a.size(); ++i) a[i] = core.state.dv()[i] / h;
-  Workspace<double>& ws = core.scratch;
-  core.is_placed = false;
-  internal::newton_euler_pass(tree, core.params, core.before.data(), core.before.data() + core.nq(), a.data(), ws);
+  place_last_step(core, h);
+  const Workspace<double>& ws = core.scratch;
   Force<double> sum = Force<double>::zero();
   for (std::size_t i = 1; i < inside.size(); ++i) {
     const Link& link = model.links()[i];

@@ -89,10 +89,13 @@ struct WorldCore : WorldBlock<double> {
   [[nodiscard]] std::size_t nq() const { return static_cast<std::size_t>(model->nq()); }
   [[nodiscard]] std::size_t nv() const { return static_cast<std::size_t>(model->nv()); }
   [[nodiscard]] std::size_t nu() const { return static_cast<std::size_t>(model->nu()); }
+  /// q (nq) and v (nv) from which the last step went. In a world that grows there is room between them.
+  [[nodiscard]] const double* q_before() const { return before.data(); }
+  [[nodiscard]] const double* v_before() const { return before.data() + (state.v() - state.q()); }
 
   std::shared_ptr<const Model> model;
   System<double> system;
-  std::vector<double> before;  ///< the state from which the last step went, as keep_all writes it
+  std::vector<double> before;  ///< the state from which the last step went, as keep_all writes it: see `v_before`
   StepWorkspace<double> step;
   EnergyBalance<double> balance{};
   RungeKutta<double> runge_kutta;

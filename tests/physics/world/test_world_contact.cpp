@@ -195,6 +195,27 @@ TEST(WorldForces, AJointTransmitsPushesAndContacts) {
   EXPECT_NEAR(world.joint_wrench("slide").f.x + 3 + world.contact_wrench("foot").friction.f.x, 0, 1e-9);
 }
 
+// In a world that grows there is room between q and v: what turns elsewhere is not taken for the arm's motion.
+TEST(WorldContact, WrenchesOfAWorldThatGrewAreItsOwn) {
+  const auto hinged = [](double mass) {
+    ModelBuilder builder("hinged");
+    const LinkId link = builder.add_link("link", {.mass = mass, .com = {0.3, 0, 0}, .inertia = {0.1, 0.1, 0.1, 0, 0, 0}});
+    builder.add_joint({.name = "hinge", .type = JointType::kContinuous, .parent = builder.world(), .child = link});
+    return builder.build();
+  };
+  World world;
+  for (int i = 0; i < 12; ++i) {
+    world.add(hinged(2), Transform<double>::identity(), "wheel" + std::to_string(i));
+    std::vector<double> v(world.v().size(), 10);
+    v.back() = 0;
+    world.set_v(v);
+    world.step();
+    const Force<double> wrench = world.joint_wrench("wheel" + std::to_string(i) + "/hinge");
+    EXPECT_NEAR(norm(wrench.f - Vec3<double>{0, 0, 2 * kGravity}), 0, 1e-9) << i;
+    EXPECT_NEAR(norm(wrench.n - Vec3<double>{0, -0.6 * kGravity, 0}), 0, 1e-9) << i;
+  }
+}
+
 TEST(WorldBodies, AreSetAndRead) {
   World world(stack(2));
   const Quat<double> turn = quat_from_rotation_vector(Vec3<double>{0.1, -0.4, 0.7});
