@@ -81,9 +81,6 @@ class Arguments {
 /// The numbers of a number or a sequence; none of null and None.
 [[nodiscard]] std::vector<double> one_or_more(PyObject* object);
 
-/// A number or a sequence of numbers; none where nothing was given.
-[[nodiscard]] std::vector<double> one_or_more(PyObject* object);
-
 // ---- results: new references ---------------------------------------------------------------------------------------
 
 [[nodiscard]] PyObject* none();

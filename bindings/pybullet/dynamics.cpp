@@ -1,4 +1,6 @@
 // Masses, materials, kinematics.
+#include <cmath>
+
 #include "bindings/pybullet/arguments.h"
 
 namespace manyhands::pybullet {
@@ -8,7 +10,10 @@ namespace {
 PyObject* change_dynamics(Client& client, const Arguments& a) {
   bullet::DynamicsChange change;
   const auto take = [&](std::size_t i, std::optional<double>& to) {
-    if (a.has(i) && a.number(i) >= 0) to = a.number(i);
+    if (!a.has(i)) return;
+    const double x = a.number(i);
+    if (std::isnan(x)) throw Error("changeDynamics: a number is nan; nothing was changed");
+    if (x >= 0) to = x;
   };
   take(2, change.mass);
   take(3, change.lateral_friction);

@@ -95,8 +95,10 @@ std::vector<ShapeRecord> collision_shapes_of(const ShapeArguments& s) {
   constexpr int kConcave = 1;
   const bool by_objects = s.type == bullet::kMesh && s.vertices.empty() && (s.flags & kConcave) == 0;
   if (!by_objects) return {shape_of(s, true, kNoShape)};
+  const std::string file = find_file(s.file);
+  if (file.empty()) throw Error("createCollisionShape: there is no file '" + s.file + "'");
   std::vector<ShapeRecord> records;
-  for (Mesh& object : load_mesh_objects(find_file(s.file), s.scale)) {
+  for (Mesh& object : load_mesh_objects(file, s.scale)) {
     records.push_back({.shape = {.type = ShapeType::kConvex}, .file = s.file, .scale = s.scale});
     records.back().mesh = std::make_shared<const Mesh>(std::move(object));
   }

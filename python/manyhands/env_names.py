@@ -4,6 +4,8 @@ import difflib
 import re
 from typing import Any
 
+import gymnasium
+
 from manyhands._core.envs import control_types, env_ids
 
 VERSION = "-v3"  # of all ids
@@ -58,6 +60,8 @@ def resolve_env_id(name: str) -> str:
     for candidate in (name, name + VERSION):
         if candidate in ids:
             return candidate
+    if name in gymnasium.registry:
+        raise ValueError(f"{name!r} is stepped in Python: gymnasium.make({name!r}) makes it; this takes manyhands envs")
     near = difflib.get_close_matches(name, ids, cutoff=0.4)
     hint = f"did you mean {', '.join(near)}?" if near else "manyhands envs lists them"
     raise ValueError(f"there is no environment {name!r}; {hint}")

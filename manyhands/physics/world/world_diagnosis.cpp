@@ -59,7 +59,7 @@ void find_falling(const World& world, const WorldCore& now, std::vector<Finding>
   const Model& model = *now.model;
   const Vec3<double> gravity = world.gravity();
   const double g = norm(gravity);
-  std::vector<std::string> floating, shapeless, falling;
+  std::vector<std::string> floating, shapeless, falling, rising;
   const std::vector<std::uint8_t> does_collide = trees_that_collide(model);
   for (int b = 1; b < model.num_bodies(); ++b) {
     const Body& body = model.body(BodyId(b));
@@ -74,10 +74,11 @@ void find_falling(const World& world, const WorldCore& now, std::vector<Finding>
       const auto hits = world.ray_cast_all(world.link_pose(link).p, gravity, std::numeric_limits<double>::infinity());
       const bool is_above = std::ranges::any_of(
           hits, [&](const WorldRayHit& hit) { return root_of(model, model.link(hit.link).body) != BodyId(b); });
-      if (!is_above) falling.push_back(name);
+      if (!is_above) (gravity.z > 0 ? rising : falling).push_back(name);
     }
   }
   add_if_any("gravity", floating, ": nothing falls, gravity is zero; set it to (0, 0, -9.81)", found);
+  add_if_any("gravity", rising, ": it falls upwards, for gravity points up; set it to (0, 0, -9.81)", found);
   add_if_any("no_shape", shapeless, ": no colliding shape, so it falls through everything; add one", found);
   add_if_any("no_ground", falling, ": it falls, and nothing lies below; add a plane, or look whether it began under it",
              found);

@@ -54,6 +54,15 @@ TEST(WorldDiagnosis, WhatFallsWithoutAPlane) {
   EXPECT_EQ(kinds(world), Kinds{});
 }
 
+TEST(WorldDiagnosis, WhatFallsUpwardsHasItsGravityWrong) {
+  World world;
+  world.add_body({.name = "floor", .shape = {.type = ShapeType::kPlane}, .fixed = true});
+  world.add_body(ball("ball", 0));
+  world.set_gravity({0, 0, 9.81});
+  world.step(100);
+  EXPECT_EQ(kinds(world), Kinds{"gravity"});
+}
+
 TEST(WorldDiagnosis, AMotorIsTooWeakBelowWhatStaticsAsks) {
   EXPECT_EQ(kinds(lever(9.9)), Kinds{});
   EXPECT_EQ(kinds(lever(9.7)), Kinds{"weak_motor"});

@@ -238,6 +238,8 @@ def test_inverse_kinematics_reaches_its_target(sim: Any) -> None:
         (lambda s: s.getLinkState(0, -1), "invalid linkIndex"),
         (lambda s: s.applyExternalForce(0, 0, [0, 0, 0], [0, 0, 0], 7), "WORLD_FRAME or LINK_FRAME"),
         (lambda s: s.createCollisionShape(p.GEOM_BOX), "createCollisionShape failed"),
+        (lambda s: s.createCollisionShape(p.GEOM_MESH, fileName="no.obj"), "there is no file 'no.obj'"),
+        (lambda s: s.changeDynamics(0, 0, lateralFriction=math.nan), "a number is nan"),
         (lambda s: s.createConstraint(0, 0, -1, -1, p.JOINT_SPHERICAL, [0, 0, 0], [0, 0, 0], [0, 0, 0]), "failed"),
         (lambda s: s.changeDynamics(0, 0, contactStiffness=10), "needs to be set together"),
         (lambda s: s.getQuaternionFromEuler([0, 0]), "Euler angles need a 3 coordinates"),
