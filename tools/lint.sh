@@ -7,12 +7,17 @@ cd "$(dirname "$0")/.."
 export PATH="$PWD/.venv/bin:$PATH"
 mode=${1:-}
 jobs=${JOBS:-$(nproc)}
-failed=0
+failed=()
 
 step() {
   printf -- '--- %s\n' "$1"
-  shift
-  "$@" || failed=1
+  "${@:2}" || failed+=("$1")
+}
+
+finish() {
+  [ ${#failed[@]} -eq 0 ] && exit 0
+  printf 'FAILED: %s\n' "${failed[@]}"
+  exit 1
 }
 
 cpp_files() { find manyhands bindings tests benchmarks examples -name '*.h' -o -name '*.cpp' -o -name '*.inl' | sort; }
@@ -29,7 +34,7 @@ if [ "$mode" = --fix ]; then
   step clang-format clang_format -i
   step 'ruff check' ruff check --quiet --fix .
   step 'ruff format' ruff format --quiet .
-  exit $failed
+  finish
 fi
 
 step layers python tools/check_layers.py
@@ -38,4 +43,4 @@ step 'ruff check' ruff check --quiet .
 step 'ruff format' ruff format --quiet --check --output-format concise .
 step pyright pyright
 [ "$mode" != --tidy ] || step clang-tidy clang_tidy
-exit $failed
+finish

@@ -29,8 +29,8 @@ struct SolverTraits<double> {
   static constexpr int kIterationsPerLook = 8;
   /// Newton steps towards the root of a sliding point in one visit: the next visit goes on from there.
   static constexpr int kSlideSteps = 2;
-  /// Contacts whose trees have moved by less since their last visit, as a part of what the last iteration moved at most,
-  /// are not visited: in a heap nearly all are at rest. Where negative all are.
+  /// Contacts whose trees have moved by less since their last visit, as a part of what the last iteration moved at
+  /// most, are not visited: in a heap nearly all are at rest. Where negative all are.
   static constexpr double kLittleMoved = 0.3;
   /// By how much a joint's impulse or velocity may contradict its state, relative to its size: rounding.
   static constexpr double kStateTolerance = 1e-12;

@@ -199,7 +199,8 @@ TEST(WorldForces, AJointTransmitsPushesAndContacts) {
 TEST(WorldContact, WrenchesOfAWorldThatGrewAreItsOwn) {
   const auto hinged = [](double mass) {
     ModelBuilder builder("hinged");
-    const LinkId link = builder.add_link("link", {.mass = mass, .com = {0.3, 0, 0}, .inertia = {0.1, 0.1, 0.1, 0, 0, 0}});
+    const LinkId link =
+        builder.add_link("link", {.mass = mass, .com = {0.3, 0, 0}, .inertia = {0.1, 0.1, 0.1, 0, 0, 0}});
     builder.add_joint({.name = "hinge", .type = JointType::kContinuous, .parent = builder.world(), .child = link});
     return builder.build();
   };
