@@ -49,7 +49,7 @@ Trainer::Trainer(EnvBatch& envs, EnvBatch* evaluation, const TrainerConfig& conf
       spec_(envs.spec()),
       evaluation_(evaluation),
       collector_(envs, wanted_expert(expert, config_, spec_), config.seed),
-      replay_(spec_, config.replay_capacity, config.wants_expert() ? spec_.action_dim : 0),
+      replay_(empty_replay(spec_, config)),
       minibatch_(replay_.make_minibatch(config.batch_size)),
       normaliser_(spec_.observation_dim, spec_.goal_dim, config.input_clip, config.differences),
       agent_(normaliser_.dim(), spec_.action_dim, config_),
@@ -85,6 +85,10 @@ void Trainer::collect() {
   collector_.restart_finished();
   normaliser_.refresh();
   metrics_.env_steps += collector_.envs().num_envs();
+}
+
+ReplayBuffer Trainer::empty_replay(const EnvSpec& spec, const TrainerConfig& config) {
+  return {spec, config.replay_capacity, config.wants_expert() ? spec.action_dim : 0};
 }
 
 /// The policy's action plus noise, or now and then, and during the warm-up always, a uniform one. Where the expert

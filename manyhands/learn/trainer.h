@@ -92,6 +92,8 @@ class Trainer {
     int critic_steps = 0, policy_steps = 0;
   };
 
+  [[nodiscard]] static ReplayBuffer empty_replay(const EnvSpec& spec, const TrainerConfig& config);
+
   void collect();
   void learn(Losses& losses);
   void check_progress();

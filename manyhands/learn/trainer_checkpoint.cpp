@@ -89,7 +89,7 @@ bool Trainer::load(const std::filesystem::path& path) {
   normaliser.load(in);
   Agent agent(normaliser.dim(), spec_.action_dim, config);
   agent.load(in);
-  ReplayBuffer replay(spec_, config.replay_capacity, config.wants_expert() ? spec_.action_dim : 0);
+  ReplayBuffer replay = empty_replay(spec_, config);
   if (in.value<bool>()) replay.load(in);
   const Collector::Running running = collector_.read(in);
   in.finish();

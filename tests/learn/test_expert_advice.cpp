@@ -7,6 +7,7 @@
 #include "manyhands/learn/trainer.h"
 #include "tests/learn/point_expert.h"
 #include "tests/learn/point_reach.h"
+#include "tests/learn/small_config.h"
 
 namespace manyhands::learn {
 namespace {
@@ -107,13 +108,7 @@ TEST(Cloning, FilteredFollowsABetterExpertAndLeavesAWorse) {
 }
 
 TrainerConfig guided_config() {
-  TrainerConfig config;
-  config.seed = 7;
-  config.hidden_layers = {24, 16};
-  config.batch_size = 64;
-  config.warmup_transitions = 100;
-  config.replay_capacity = 900;
-  config.updates_per_iteration = 2;
+  TrainerConfig config = small_config({24, 16}, 100, 900);
   config.expert_rate = 0.25;
   config.cloning_weight = 2;
   config.differences = {0, 3};
