@@ -4,6 +4,8 @@
 
 #include <filesystem>
 
+#include "manyhands/learn/agent.h"
+#include "manyhands/learn/replay.h"
 #include "manyhands/learn/trainer.h"
 #include "tests/learn/point_expert.h"
 #include "tests/learn/point_reach.h"
@@ -91,8 +93,9 @@ double cloned_action(bool filter, float weight, float best, float advised) {
     agent.update(halves, {.low = -100, .high = 100});
   }
   MlpTape<float> tape = agent.actor().make_tape(64);
-  agent.actor().forward(tape);
-  return static_cast<double>(tape.output().mean());
+  Matrix<float> action = Matrix<float>::Zero(1, 64);
+  agent.actor().act(tape, action);
+  return static_cast<double>(action.mean());
 }
 
 TEST(Cloning, WeighsTheExpertAgainstTheCritic) {

@@ -17,8 +17,9 @@ _OPSET, _IR_VERSION = 17, 8  # old enough for every onnxruntime since 1.12
 def to_onnx(policy: Policy, env_id: str) -> onnx.ModelProto:
     """The policy as a graph.
 
-    Inputs, float32: observation (batch, observation_dim), achieved_goal and desired_goal (batch, goal_dim), raw as the
-    environment gives them. Output: action (batch, action_dim) in [-1, 1].
+    Inputs, float32: observation (batch, observation_dim), and where there are goals achieved_goal and desired_goal
+    (batch, goal_dim), raw as the environment gives them. Output: action (batch, action_dim) in [-1, 1], or the index of
+    a choice.
     """
     constants: list[onnx.TensorProto] = []
     nodes: list[onnx.NodeProto] = []
@@ -31,8 +32,9 @@ def to_onnx(policy: Policy, env_id: str) -> onnx.ModelProto:
         nodes.append(helper.make_node(operation, inputs, [output], **attributes))
         return output
 
-    to_goal = apply("Sub", ["desired_goal", "achieved_goal"], "to_goal")
-    parts = ["observation", "desired_goal", to_goal]
+    parts = ["observation"]
+    if policy.goal_dim:
+        parts += ["desired_goal", apply("Sub", ["desired_goal", "achieved_goal"], "to_goal")]
     if policy.differences:
         parts.append(apply("MatMul", ["observation", constant("pairs", _pairs(policy))], "differences"))
     x = apply("Concat", parts, "features", axis=1)
@@ -41,25 +43,23 @@ def to_onnx(policy: Policy, env_id: str) -> onnx.ModelProto:
     limits = [constant(name, value) for name, value in (("low", -policy.clip), ("high", policy.clip))]
     x = apply("Clip", [x, *limits], "normalised")
     for i, (weight, bias) in enumerate(policy.layers):
-        last = i == len(policy.layers) - 1
         parameters = [constant(f"weight_{i}", weight), constant(f"bias_{i}", bias)]
         x = apply("Gemm", [x, *parameters], f"linear_{i}", transB=1)
-        x = apply("Tanh" if last else "Relu", [x], "action" if last else f"hidden_{i}")
+        if i < len(policy.layers) - 1:
+            x = apply("Relu" if policy.activation == "relu" else "Tanh", [x], f"hidden_{i}")
+    if policy.output == "tanh":
+        apply("Tanh", [x], "action")
+    elif policy.output == "clip":
+        apply("Clip", [x, constant("least", -1), constant("most", 1)], "action")
+    else:
+        apply("Cast", [apply("ArgMax", [x], "choice", axis=1, keepdims=1)], "action", to=TensorProto.FLOAT)
 
     def rows(name: str, size: int) -> onnx.ValueInfoProto:
         return helper.make_tensor_value_info(name, TensorProto.FLOAT, ["batch", size])
 
-    graph = helper.make_graph(
-        nodes,
-        "policy",
-        [
-            rows("observation", policy.observation_dim),
-            rows("achieved_goal", policy.goal_dim),
-            rows("desired_goal", policy.goal_dim),
-        ],
-        [rows("action", policy.action_dim)],
-        constants,
-    )
+    goals = [rows(name, policy.goal_dim) for name in ("achieved_goal", "desired_goal") if policy.goal_dim]
+    inputs = [rows("observation", policy.observation_dim), *goals]
+    graph = helper.make_graph(nodes, "policy", inputs, [rows("action", policy.action_dim)], constants)
     model = helper.make_model(
         graph,
         producer_name="manyhands",

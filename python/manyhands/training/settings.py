@@ -22,6 +22,9 @@ def parse_overrides(assignments: Sequence[str]) -> dict[str, Any]:
             raise ValueError(f"{assignment!r} is no setting, expected NAME=VALUE, for example gamma=0.9")
         if name not in known or name == "seed":
             raise ValueError(f"{name!r} is no trainer setting; there are {', '.join(sorted(known.keys() - {'seed'}))}")
+        if isinstance(known[name], str):
+            overrides[name] = text
+            continue
         try:
             overrides[name] = json.loads(text)
         except json.JSONDecodeError as error:
@@ -29,7 +32,8 @@ def parse_overrides(assignments: Sequence[str]) -> dict[str, Any]:
     return overrides
 
 
-def _override(config: TrainerConfig, name: str, value: Any) -> None:
+def override(config: TrainerConfig, name: str, value: Any) -> None:
+    """Sets one trainer setting. Raises ValueError on another type."""
     try:
         setattr(config, name, value)
     except TypeError as error:
@@ -67,7 +71,7 @@ class TrainSettings:
         if self.num_threads is not None:
             config.num_threads = self.num_threads
         for name, value in self.overrides.items():
-            _override(config, name, value)
+            override(config, name, value)
         config.validate()
         if config.wants_expert and self.env_id not in expert_ids():
             raise ValueError(f"there is no expert for {self.env_id!r}: set expert_rate and cloning_weight to 0")
