@@ -37,8 +37,19 @@ void bind_experts(nb::module_& m) {
            nb::sig("def act(self, observation: numpy.typing.NDArray[numpy.float32], "
                    "desired_goal: numpy.typing.NDArray[numpy.float32]) -> numpy.typing.NDArray[numpy.float32]"),
            "The next actions (n, action_dim) for rows (n, observation_dim) and goals (n, goal_dim). It may remember "
-           "what it did in each world. Raises ValueError on other lengths.");
-  envs.def("expert_ids", &expert_ids, "The ids that `make_expert` knows: every task under end-effector control.");
+           "what it did in each world. Raises ValueError on other lengths, RuntimeError if it drives joints, which are "
+           "not observed.")
+      .def(
+          "act_in",
+          [](Expert& expert, const EnvBatch& batch) {
+            const auto n = static_cast<std::size_t>(batch.num_envs()), columns = static_cast<std::size_t>(expert.action_dim());
+            std::vector<float> action(n * columns);
+            expert.act(batch, action);
+            return bindings::copied(action.data(), {n, columns});
+          },
+          "envs"_a, nb::sig("def act_in(self, envs: EnvBatch) -> numpy.typing.NDArray[numpy.float32]"),
+          "The same for a batch of the expert's task.");
+  envs.def("expert_ids", &expert_ids, "The ids that `make_expert` knows: every task under control of the end effector or the joints.");
   envs.def("make_expert", &make_expert, "id"_a,
            "The expert of the environment `id`. Raises ValueError on an id without one.");
 }

@@ -20,6 +20,11 @@ class Expert:
     def __init__(self, env_id: str) -> None:
         """An id, with or without its version. Raises ValueError on one without an expert; the message lists the ids."""
         self._id = versioned(env_id)
+        if "Joints" in self._id:
+            raise ValueError(
+                f"the expert of {self._id} must know the joints, which are not observed: train with it, or use "
+                f"that of {self._id.replace('Joints', '')}"
+            )
         self._expert = make_expert(self._id)
 
     def __call__(self, observation: Mapping[str, NDArray[Any]]) -> NDArray[np.float32]:

@@ -48,7 +48,11 @@ class Experts : public ::testing::TestWithParam<Task> {};
 INSTANTIATE_TEST_SUITE_P(All, Experts,
                          ::testing::Values(Task{"PandaReach-v3", 0.99}, Task{"PandaPush-v3", 0.99},
                                            Task{"PandaPickAndPlace-v3", 0.99}, Task{"PandaStack-v3", 0.95},
-                                           Task{"PandaSlide-v3", 0.90}, Task{"PandaFlip-v3", 0.84}),
+                                           Task{"PandaSlide-v3", 0.90}, Task{"PandaFlip-v3", 0.84},
+                                           Task{"PandaReachJoints-v3", 0.99}, Task{"PandaPushJoints-v3", 0.99},
+                                           Task{"PandaPickAndPlaceJoints-v3", 0.99},
+                                           Task{"PandaStackJoints-v3", 0.9}, Task{"PandaSlideJoints-v3", 0.5},
+                                           Task{"PandaFlipJoints-v3", 0.5}),
                          [](const auto& test) {
                            const std::string id = test.param.id;
                            return id.substr(5, id.find('-') - 5);
@@ -97,7 +101,7 @@ TEST_P(Experts, KeepToTheRangeOfActions) {
 
 TEST(MakeExpert, RefusesWhatItDoesNotKnow) {
   try {
-    (void)make_expert("PandaPushJoints-v3");
+    (void)make_expert("PandaPull-v3");
     FAIL();
   } catch (const std::invalid_argument& error) {
     EXPECT_NE(std::string(error.what()).find("PandaPushDense-v3"), std::string::npos) << error.what();

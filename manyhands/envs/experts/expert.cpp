@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "manyhands/envs/experts/flip.h"
+#include "manyhands/envs/experts/joints.h"
 #include "manyhands/envs/experts/pick_and_place.h"
 #include "manyhands/envs/experts/push.h"
 #include "manyhands/envs/experts/reach.h"
@@ -58,8 +59,8 @@ void for_each_policy(Visit&& visit) {
   visit(experts::Flip{});
 }
 
-std::vector<std::string> ids_of(const std::string& task) {
-  return {"Panda" + task + "-v3", "Panda" + task + "Dense-v3"};
+std::vector<std::string> ids_of(const std::string& task, const std::string& control) {
+  return {"Panda" + task + control + "-v3", "Panda" + task + control + "Dense-v3"};
 }
 
 }  // namespace
@@ -67,7 +68,9 @@ std::vector<std::string> ids_of(const std::string& task) {
 std::vector<std::string> expert_ids() {
   std::vector<std::string> all;
   for_each_policy([&](const auto& policy) {
-    for (const std::string& id : ids_of(policy.kTask)) all.push_back(id);
+    for (const char* control : {"", "Joints"}) {
+      for (const std::string& id : ids_of(policy.kTask, control)) all.push_back(id);
+    }
   });
   return all;
 }
@@ -75,8 +78,11 @@ std::vector<std::string> expert_ids() {
 std::unique_ptr<Expert> make_expert(const std::string& id) {
   std::unique_ptr<Expert> made;
   for_each_policy([&]<class Policy>(const Policy& policy) {
-    for (const std::string& known : ids_of(policy.kTask)) {
+    for (const std::string& known : ids_of(policy.kTask, "")) {
       if (known == id) made = std::make_unique<PolicyExpert<Policy>>();
+    }
+    for (const std::string& known : ids_of(policy.kTask, "Joints")) {
+      if (known == id) made = std::make_unique<JointsExpert>(std::make_unique<PolicyExpert<Policy>>());
     }
   });
   if (made) return made;

@@ -22,12 +22,12 @@ class Expert {
                    std::span<float> action) = 0;
 
   /// The same for a batch of the expert's task.
-  void act(const EnvBatch& envs, std::span<float> action) { act(envs.observation(), envs.desired_goal(), action); }
+  virtual void act(const EnvBatch& envs, std::span<float> action) { act(envs.observation(), envs.desired_goal(), action); }
 
   [[nodiscard]] virtual int action_dim() const = 0;
 };
 
-/// The ids that `make_expert` knows: every task under end-effector control.
+/// The ids that `make_expert` knows: every task under control of the end effector or the joints.
 [[nodiscard]] std::vector<std::string> expert_ids();
 
 /// The expert of the environment `id`. Throws std::invalid_argument on an id without one; the message lists the ids.
