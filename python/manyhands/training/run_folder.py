@@ -32,6 +32,7 @@ class RunFolder:
         self.policy = path / "policy.onnx"
         self.evaluation = path / "evaluation.json"
         self.curve = path / "learning_curve.png"
+        self.log = path / "log.txt"  # of a run in a sweep: what it printed
 
     @classmethod
     def create(cls, parent: Path, settings: TrainSettings) -> "RunFolder":
@@ -51,6 +52,15 @@ class RunFolder:
         folder.write_config(settings)
         return folder
 
+    def make(self, settings: TrainSettings) -> None:
+        """Makes this very folder, unless it is there, and writes its config. Raises OSError if it cannot."""
+        try:
+            self.path.mkdir(parents=True, exist_ok=True)
+        except OSError as reason:
+            text = f"no run can be kept in {self.path.parent} ({reason.strerror}); name another folder with --out"
+            raise type(reason)(text) from reason
+        self.write_config(settings)
+
     def write_config(self, settings: TrainSettings) -> None:
         """Writes config.json: the settings, what follows from them, and the versions at work."""
         last_seed = FIRST_EVALUATION_SEED + settings.evaluation_episodes - 1
@@ -68,10 +78,36 @@ class RunFolder:
         """The settings in config.json, with `changes` that are not None. Raises ValueError if there are none."""
         if not self.config.is_file():
             raise ValueError(f"{self.path} is no run folder: it has no {self.config.name}")
+        config = _read_json(self.config)
         try:
-            settings = TrainSettings(**json.loads(self.config.read_text(encoding="utf-8"))["settings"])
-        except json.JSONDecodeError as error:
-            raise ValueError(f"{self.config}:{error.lineno}: expected JSON: {error.msg}") from error
+            settings = TrainSettings(**config["settings"])
         except (KeyError, TypeError, ValueError) as error:
             raise ValueError(f"{self.config}: expected the settings of a run under 'settings': {error}") from error
         return replace(settings, **{name: value for name, value in changes.items() if value is not None})
+
+    def read_trainer(self) -> dict[str, Any]:
+        """All settings with which the trainer ran, from config.json. Raises ValueError if there are none."""
+        trainer = _read_json(self.config).get("trainer")
+        if not isinstance(trainer, dict):
+            raise ValueError(f"{self.config}: expected the trainer's settings under 'trainer', found {trainer!r}")
+        return trainer
+
+    def read_success(self) -> float | None:
+        """Success after training, from evaluation.json; None before it. Raises ValueError if the file is damaged."""
+        if not self.evaluation.is_file():
+            return None
+        success = _read_json(self.evaluation).get("success_rate")
+        if not isinstance(success, int | float):
+            raise ValueError(f"{self.evaluation}: expected a number under 'success_rate', found {success!r}")
+        return float(success)
+
+
+def _read_json(path: Path) -> dict[str, Any]:
+    """A file with names and values. Raises ValueError with the line that is damaged."""
+    try:
+        found = json.loads(path.read_text(encoding="utf-8", errors="replace"))
+    except json.JSONDecodeError as error:
+        raise ValueError(f"{path}:{error.lineno}: expected JSON: {error.msg}") from error
+    if not isinstance(found, dict):
+        raise ValueError(f"{path}: expected names and values, found {found!r}")
+    return found

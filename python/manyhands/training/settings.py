@@ -12,16 +12,21 @@ from manyhands.arguments import whole_number
 FIRST_EVALUATION_SEED = 10**9  # of the last evaluation: training draws its seeds from all 64-bit numbers by hash
 
 
+def require_setting(name: str) -> None:
+    """Raises ValueError unless the trainer has a setting of this name; the seed is the run's."""
+    known = TrainerConfig().to_dict().keys() - {"seed"}
+    if name not in known:
+        raise ValueError(f"{name!r} is no trainer setting; there are {', '.join(sorted(known))}")
+
+
 def parse_overrides(assignments: Sequence[str]) -> dict[str, Any]:
     """Trainer settings from texts such as "gamma=0.9" and "hidden_layers=[128, 128]". Raises ValueError."""
-    known = TrainerConfig().to_dict()
     overrides: dict[str, Any] = {}
     for assignment in assignments:
         name, equals, text = assignment.partition("=")
         if not equals:
             raise ValueError(f"{assignment!r} is no setting, expected NAME=VALUE, for example gamma=0.9")
-        if name not in known or name == "seed":
-            raise ValueError(f"{name!r} is no trainer setting; there are {', '.join(sorted(known.keys() - {'seed'}))}")
+        require_setting(name)
         try:
             overrides[name] = json.loads(text)
         except json.JSONDecodeError as error:
