@@ -17,6 +17,8 @@ from manyhands.training.recorder import Row, read_rows
 from manyhands.training.run_folder import RunFolder
 from manyhands.training.settings import TrainSettings
 
+ERROR = "error:"  # begins the line of a log that says why a run has failed
+
 State = Literal["waiting", "training", "done", "stopped", "failed"]
 
 
@@ -67,7 +69,7 @@ class SweepRun:
         elif stopping:
             self.state = "stopped"
         else:
-            self._fail(_last_line(self.folder.log) or _ending(code))
+            self._fail(_error_in(self.folder.log) or _ending(code))
 
     def stop(self) -> None:
         """Asks the process to save a checkpoint and end: it watches its input."""
@@ -128,12 +130,12 @@ def _require_same(folder: RunFolder, wanted: TrainSettings) -> None:
             )
 
 
-def _last_line(log: Path) -> str:
+def _error_in(log: Path) -> str:
     try:
-        lines = log.read_text(encoding="utf-8", errors="replace").strip().splitlines()
+        lines = log.read_text(encoding="utf-8", errors="replace").splitlines()
     except OSError:
         return ""
-    return lines[-1] if lines else ""
+    return next((line.removeprefix(ERROR).strip() for line in lines if line.startswith(ERROR)), "")
 
 
 def _ending(code: int) -> str:

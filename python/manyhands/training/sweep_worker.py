@@ -8,6 +8,7 @@ import os
 import signal
 import sys
 import threading
+import traceback
 from pathlib import Path
 
 from rich.console import Console
@@ -15,6 +16,7 @@ from rich.console import Console
 from manyhands.interrupts import INTERRUPTED
 from manyhands.training.run import TrainingRun
 from manyhands.training.run_folder import RunFolder
+from manyhands.training.sweep import ERROR
 
 
 def _end_with_the_sweep() -> None:
@@ -23,7 +25,16 @@ def _end_with_the_sweep() -> None:
 
 
 def main(path: Path) -> int:
-    """Trains and evaluates. Returns the exit code."""
+    """Trains and evaluates. Returns the exit code; what goes wrong is told in a line that begins with ERROR."""
+    try:
+        return _train(path)
+    except Exception as error:
+        traceback.print_exc()
+        print(ERROR, " ".join(f"{error}".split()) or type(error).__name__, file=sys.stderr, flush=True)
+        return 1
+
+
+def _train(path: Path) -> int:
     threading.Thread(target=_end_with_the_sweep, daemon=True).start()
     folder = RunFolder(path)
     run = TrainingRun(folder, folder.read_settings(), resume=folder.checkpoint.is_file())
