@@ -6,10 +6,12 @@ from dataclasses import asdict, replace
 from datetime import datetime
 from importlib import metadata
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from manyhands.files import write_text
 from manyhands.training.settings import FIRST_EVALUATION_SEED, TrainSettings
+
+_T = TypeVar("_T")
 
 _VERSIONS_OF = ("manyhands", "numpy", "gymnasium", "onnx", "matplotlib", "tensorboard")
 
@@ -87,27 +89,25 @@ class RunFolder:
 
     def read_trainer(self) -> dict[str, Any]:
         """All settings with which the trainer ran, from config.json. Raises ValueError if there are none."""
-        trainer = _read_json(self.config).get("trainer")
-        if not isinstance(trainer, dict):
-            raise ValueError(f"{self.config}: expected the trainer's settings under 'trainer', found {trainer!r}")
-        return trainer
+        return _read_entry(self.config, "trainer", dict)
 
     def read_success(self) -> float | None:
         """Success after training, from evaluation.json; None before it. Raises ValueError if the file is damaged."""
-        if not self.evaluation.is_file():
-            return None
-        success = _read_json(self.evaluation).get("success_rate")
-        if not isinstance(success, int | float):
-            raise ValueError(f"{self.evaluation}: expected a number under 'success_rate', found {success!r}")
-        return float(success)
+        return _read_entry(self.evaluation, "success_rate", float) if self.evaluation.is_file() else None
 
 
-def _read_json(path: Path) -> dict[str, Any]:
-    """A file with names and values. Raises ValueError with the line that is damaged."""
+def _read_json(path: Path) -> Any:
+    """What a file holds. Raises ValueError with the line that is damaged."""
     try:
-        found = json.loads(path.read_text(encoding="utf-8", errors="replace"))
+        return json.loads(path.read_text(encoding="utf-8", errors="replace"))
     except json.JSONDecodeError as error:
         raise ValueError(f"{path}:{error.lineno}: expected JSON: {error.msg}") from error
-    if not isinstance(found, dict):
-        raise ValueError(f"{path}: expected names and values, found {found!r}")
-    return found
+
+
+def _read_entry(path: Path, name: str, kind: type[_T]) -> _T:
+    """One of the values in a file by their names. Raises ValueError unless it is of this kind."""
+    found = _read_json(path)
+    value = found.get(name) if isinstance(found, dict) else None
+    if not isinstance(value, kind):
+        raise ValueError(f"{path}: expected {kind.__name__} under {name!r}, found {value!r}")
+    return value

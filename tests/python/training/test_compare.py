@@ -129,10 +129,10 @@ def test_a_run_without_an_evaluation(runs: Path, tmp_path: Path, capsys: pytest.
     [
         ("metrics.csv", "steps\n1", "metrics.csv:1: expected the header"),
         ("evaluation.json", "{", "evaluation.json:1: expected JSON"),
-        ("evaluation.json", "[]", "evaluation.json: expected names and values"),
-        ("evaluation.json", '{"success_rate": "all"}', "expected a number under 'success_rate', found 'all'"),
+        ("evaluation.json", "[]", "evaluation.json: expected float under 'success_rate', found None"),
+        ("evaluation.json", '{"success_rate": "all"}', "expected float under 'success_rate', found 'all'"),
         ("config.json", "{}", "config.json: expected the settings of a run under 'settings'"),
-        ("config.json", '{"settings": {"env_id": "PandaReach-v3"}}', "expected the trainer's settings"),
+        ("config.json", '{"settings": {"env_id": "PandaReach-v3"}}', "expected dict under 'trainer', found None"),
     ],
 )
 def test_damaged_files_are_named(
