@@ -1,4 +1,4 @@
-"""Policies travel between manyhands and the real panda-gym, on the real PyBullet, and succeed as often there as here."""
+"""Policies travel between manyhands and the real panda-gym, on the real PyBullet, and succeed as often there."""
 
 import os
 import sys

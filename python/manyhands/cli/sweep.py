@@ -64,7 +64,7 @@ def run(arguments: argparse.Namespace) -> int:
     out = Path("sweeps") / settings.env_id if arguments.out is None else arguments.out
     runs = prepare(out, settings, choices, seeds)
     console = Console()
-    interrupted = _train(console, runs, jobs)
+    interrupted = _train(console, runs, jobs, out)
     done = [one.folder.path for one in runs if one.state == "done"]
     for one in runs:
         if one.state == "failed":
@@ -100,7 +100,7 @@ def parse_choices(assignments: Sequence[str]) -> dict[str, list[Any]]:
     return choices
 
 
-def _train(console: "Console", runs: "Sequence[SweepRun]", jobs: int) -> bool:
+def _train(console: "Console", runs: "Sequence[SweepRun]", jobs: int, out: Path) -> bool:
     """Trains what is not done. Returns whether it was interrupted; then all that had begun has a checkpoint."""
     from manyhands.training.sweep import advance
     from manyhands.training.sweep_progress import SweepProgress
@@ -108,7 +108,7 @@ def _train(console: "Console", runs: "Sequence[SweepRun]", jobs: int) -> bool:
     kept = sum(run.state == "done" for run in runs)
     told = f", {kept} of them done already" if kept else ""
     console.print(
-        f"Training {runs[0].settings.env_id}: {len(runs)} runs{told}, {jobs} at a time, in {runs[0].folder.path.parent}",
+        f"Training {runs[0].settings.env_id}: {len(runs)} runs{told}, {jobs} at a time, in {out}",
         highlight=False, markup=False, soft_wrap=True,
     )  # fmt: skip
     try:

@@ -143,8 +143,8 @@ def _traces(group: Group, along: Along, band: Band, colour: str) -> list[Any]:
     if len(curves) > 1:
         low, high = interval(curves, band)
         around, limits = np.concatenate([x, x[::-1]]), np.concatenate([high, low[::-1]])
-        drawn.append(Scatter(x=around, y=limits, fill="toself", opacity=0.25, **shared | silent | {"line": {"width": 0}},
-                             fillcolor=colour))  # fmt: skip
+        filled = {"fill": "toself", "fillcolor": colour, "opacity": 0.25, "line": {"width": 0}}
+        drawn.append(Scatter(x=around, y=limits, **shared | silent | filled))
         drawn += [
             Scatter(x=x, y=curve, opacity=0.45, name=f"seed {run.seed}", showlegend=False, **shared)
             for run, curve in zip(group.runs, curves, strict=True)

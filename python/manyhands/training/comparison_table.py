@@ -23,7 +23,7 @@ def table_row(group: Group, band: Band) -> tuple[str, ...]:
     around: list[str] = []
     if band == "bootstrap":
         low, high = (float(limit[0]) for limit in interval(last[:, None], band))
-        around.append(f"{100 * low:.1f} – {high:.1%}" if count > 1 else "")
+        around.append(f"{100 * low:.1f} to {high:.1%}" if count > 1 else "")
     return (
         group.label,
         str(count) if group.done == count else f"{count}, {count - group.done} not done",

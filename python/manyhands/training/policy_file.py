@@ -62,7 +62,7 @@ class PolicyArrays:
 
 
 def read_policy(path: Path) -> PolicyArrays:
-    """The arrays of a policy that was trained here. Raises ValueError if it is another graph, OSError without a file."""
+    """The arrays of a policy that was trained here. Raises ValueError on another graph, OSError if there is no file."""
     try:
         graph = onnx.load(path).graph
     except OSError:

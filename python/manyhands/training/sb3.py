@@ -126,8 +126,8 @@ def _features(graph: PolicyGraph, extractor: Any, seen: dict[str, str]) -> str:
     if type(extractor) is CombinedExtractor:
         return graph.apply("Concat", [seen[name] for name in extractor.extractors], "features", axis=1)
     if type(extractor) is GoalFeatures and all(name == inner for name, inner in seen.items()):
-        arrays = (buffer.detach().cpu().numpy() for buffer in (extractor.pairs, extractor.mean, extractor.scale))
-        return graph.goal_features(*arrays, extractor.clip)
+        pairs, mean, scale = (buffer.cpu().numpy() for buffer in (extractor.pairs, extractor.mean, extractor.scale))
+        return graph.goal_features(pairs, mean, scale, extractor.clip)
     raise ValueError(f"the features extractor {type(extractor).__name__} cannot be converted")
 
 
