@@ -21,6 +21,7 @@ void bind_experts(nanobind::module_& m);       // after bind_envs
 void bind_panda_gym(nanobind::module_& m);     // after bind_world
 void bind_pybullet(nanobind::module_& m);      // after bind_render
 void bind_pybullet_gui(nanobind::module_& m);  // after bind_pybullet
+void bind_python_batch(nanobind::module_& m);  // after bind_envs
 void bind_learn(nanobind::module_& m);
 void explain_refusals(nanobind::module_& m);  // after all others
 

@@ -18,6 +18,7 @@ NB_MODULE(_core, m) {
   manyhands::bind_panda_gym(m);
   manyhands::bind_pybullet(m);
   manyhands::bind_pybullet_gui(m);
+  manyhands::bind_python_batch(m);
   manyhands::bind_learn(m);
   manyhands::explain_refusals(m);
 }

@@ -5,8 +5,12 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <stdexcept>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "bindings/arrays.h"
@@ -24,21 +28,61 @@ namespace manyhands {
 
 namespace {
 
+using bindings::as_span;
 using bindings::copied;
+using States = bindings::Array<float, 2>;
+using learn::Algorithm;
 using learn::EvalResult;
+using learn::HiddenActivation;
 using learn::Policy;
+using learn::PolicyOutput;
 using learn::Trainer;
 using learn::TrainerConfig;
 using learn::TrainMetrics;
+
+/// Enumerators are texts in Python, as in recipes.
+template <class E>
+using Names = std::vector<std::pair<E, const char*>>;
+
+const Names<Algorithm>& names(Algorithm) {
+  static const Names<Algorithm> all = {{Algorithm::kTd3, "TD3"}, {Algorithm::kSac, "SAC"}, {Algorithm::kPpo, "PPO"}};
+  return all;
+}
+const Names<HiddenActivation>& names(HiddenActivation) {
+  static const Names<HiddenActivation> all = {{HiddenActivation::kRelu, "relu"}, {HiddenActivation::kTanh, "tanh"}};
+  return all;
+}
+const Names<PolicyOutput>& names(PolicyOutput) {
+  static const Names<PolicyOutput> all = {
+      {PolicyOutput::kTanh, "tanh"}, {PolicyOutput::kClip, "clip"}, {PolicyOutput::kIndex, "index"}};
+  return all;
+}
+
+template <class E>
+const char* text_of(E value) {
+  return std::ranges::find(names(value), value, &std::pair<E, const char*>::first)->second;
+}
+
+template <class E>
+E from_text(const char* setting, const std::string& text) {
+  std::string known;
+  for (const auto& [value, name] : names(E{})) {
+    if (text == name) return value;
+    known += (known.empty() ? "" : ", ") + std::string(name);
+  }
+  throw std::invalid_argument(std::string(setting) + " is '" + text + "', expected one of " + known);
+}
 
 /// Calls visit(name, member, meaning) for everything that can be set.
 template <class Visit>
 void visit_settings(Visit&& visit) {
   using C = TrainerConfig;
+  visit("algorithm", &C::algorithm, "TD3 (DDPG with its defaults), SAC (with quantiles TQC) or PPO.");
   visit("seed", &C::seed, "Of networks, exploration, sampling and episodes.");
   visit("num_threads", &C::num_threads, "1 or 2 are used for gradient steps; the results are the same bits.");
   visit("hidden_layers", &C::hidden_layers, "Units of each hidden layer, of actor and critics alike.");
-  visit("num_critics", &C::num_critics, "1: DDPG; 2: the smaller of two values is the target (TD3).");
+  visit("activation", &C::activation, "Of hidden layers: relu or tanh.");
+  visit("num_critics", &C::num_critics, "1: DDPG; more: the smallest of their values is the target (TD3, SAC).");
   visit("batch_size", &C::batch_size, "Transitions per gradient step, even.");
   visit("gamma", &C::gamma, "Discount per environment step, in [0, 1).");
   visit("target_rate", &C::target_rate, "Polyak rate of the target networks, in (0, 1].");
@@ -49,6 +93,12 @@ void visit_settings(Visit&& visit) {
   visit("target_noise", &C::target_noise, "Standard deviation of the smoothing noise on target actions; TD3: 0.2.");
   visit("target_noise_clip", &C::target_noise_clip, "Its largest magnitude.");
   visit("action_penalty", &C::action_penalty, "Weight of |action|^2 in the policy's loss.");
+  visit("num_quantiles", &C::num_quantiles, "Of the return, that a critic gives; 1: its mean; TQC: 25.");
+  visit("dropped_quantiles", &C::dropped_quantiles, "The largest of each critic that a target leaves out; TQC: 2.");
+  visit("temperature", &C::temperature, "SAC: weight of the policy's entropy beside the return, at first.");
+  visit("learned_temperature", &C::learned_temperature,
+        "SAC: the temperature follows so that the entropy becomes `target_entropy`.");
+  visit("target_entropy", &C::target_entropy, "SAC: of the policy; 0: -action_dim.");
   visit("cloning_weight", &C::cloning_weight,
         "In the policy's loss, of |action - the expert's|^2 where the goal is the task's.");
   visit("cloning_filter", &C::cloning_filter,
@@ -56,6 +106,15 @@ void visit_settings(Visit&& visit) {
   visit("differences", &C::differences,
         "Pairs (i, k): the network also sees o[i:i+3] - o[k:k+3] of an observation o, as fine as 2 cm.");
   visit("input_clip", &C::input_clip, "Largest normalised network input, in standard deviations.");
+  visit("rollout_steps", &C::rollout_steps, "PPO: environment steps of every world between updates.");
+  visit("epochs", &C::epochs, "PPO: how often an update goes through them.");
+  visit("gae_lambda", &C::gae_lambda, "PPO: of the advantages, in [0, 1].");
+  visit("clip_range", &C::clip_range, "PPO: by which a probability may change in one update, as a part of it.");
+  visit("entropy_weight", &C::entropy_weight, "PPO: in the loss, of -entropy.");
+  visit("value_weight", &C::value_weight, "PPO: in the loss, of the squared error of the value.");
+  visit("max_gradient_norm", &C::max_gradient_norm,
+        "PPO: of policy and value together; longer gradients are shortened.");
+  visit("scale_rewards", &C::scale_rewards, "PPO: by the standard deviation of the discounted return so far.");
   visit("updates_per_iteration", &C::updates_per_iteration, "Gradient steps after each step of the batch.");
   visit("replay_capacity", &C::replay_capacity, "Transitions.");
   visit("warmup_transitions", &C::warmup_transitions,
@@ -73,6 +132,9 @@ void visit_settings(Visit&& visit) {
   visit("stop_streak", &C::stop_streak, "This many in a row end the training; 0: never.");
 }
 
+template <class M>
+using Member = std::remove_cvref_t<decltype(std::declval<TrainerConfig&>().*std::declval<M>())>;
+
 void bind_config(nb::module_& m) {
   auto config = nb::class_<TrainerConfig>(m, "TrainerConfig", "Everything that can be set about training.");
   config.def(nb::init<>(), "The defaults.")
@@ -82,12 +144,27 @@ void bind_config(nb::module_& m) {
           "to_dict",
           [](const TrainerConfig& self) {
             nb::dict settings;
-            visit_settings(
-                [&](const char* name, auto member, const char*) { settings[name] = nb::cast(self.*member); });
+            visit_settings([&](const char* name, auto member, const char*) {
+              if constexpr (std::is_enum_v<Member<decltype(member)>>) {
+                settings[name] = text_of(self.*member);
+              } else {
+                settings[name] = nb::cast(self.*member);
+              }
+            });
             return settings;
           },
-          nb::sig("def to_dict(self) -> dict[str, int | float | bool | list[int]]"), "All settings by name.");
-  visit_settings([&](const char* name, auto member, const char* meaning) { config.def_rw(name, member, meaning); });
+          nb::sig("def to_dict(self) -> dict[str, int | float | bool | str | list[int]]"), "All settings by name.");
+  visit_settings([&](const char* name, auto member, const char* meaning) {
+    using E = Member<decltype(member)>;
+    if constexpr (std::is_enum_v<E>) {
+      config.def_prop_rw(
+          name, [member](const TrainerConfig& self) { return text_of(self.*member); },
+          [member, name](TrainerConfig& self, const std::string& text) { self.*member = from_text<E>(name, text); },
+          meaning);
+    } else {
+      config.def_rw(name, member, meaning);
+    }
+  });
 }
 
 void bind_results(nb::module_& m) {
@@ -102,6 +179,8 @@ void bind_results(nb::module_& m) {
       .def_ro("critic_loss", &TrainMetrics::critic_loss)
       .def_ro("q_mean", &TrainMetrics::q_mean)
       .def_ro("policy_q_mean", &TrainMetrics::policy_q_mean)
+      .def_ro("entropy", &TrainMetrics::entropy, "Of the policy: PPO, SAC.")
+      .def_ro("mean_return", &TrainMetrics::mean_return, "Undiscounted, of the last 100 training episodes.")
       .def_ro("evaluation_success_rate", &TrainMetrics::evaluation_success_rate, "Of the last periodic evaluation.")
       .def_ro("evaluations", &TrainMetrics::evaluations)
       .def_ro("streak", &TrainMetrics::streak, "Evaluations in a row, up to now, that were good enough.")
@@ -129,8 +208,9 @@ nb::list layers(const Policy& policy) {
 void bind_policy(nb::module_& m) {
   nb::class_<Policy>(
       m, "Policy",
-      "The deterministic policy as arrays: action = tanh(W_L relu(... relu(W_1 z + b_1) ...) + b_L) "
-      "with z = clip((x - mean) * scale, -clip, clip) and x = [observation, desired_goal, desired_goal - "
+      "The deterministic policy as arrays: y = W_L act(... act(W_1 z + b_1) ...) + b_L, of which `output` makes an "
+      "action: tanh(y), clip(y, -1, 1) or the index of the largest; with z = clip((x - mean) * scale, -clip, clip) and "
+      "x = [observation, desired_goal, desired_goal - "
       "achieved_goal, observation[i:i+3] - observation[k:k+3] for each pair of differences].")
       .def_ro("observation_dim", &Policy::observation_dim)
       .def_ro("goal_dim", &Policy::goal_dim)
@@ -143,6 +223,10 @@ void bind_policy(nb::module_& m) {
       .def_prop_ro(
           "scale", [](const Policy& policy) { return copied(policy.scale.data(), {policy.scale.size()}); },
           nb::sig("def scale(self) -> numpy.typing.NDArray[numpy.float32]"), "(observation_dim + 2 goal_dim + 3 pairs)")
+      .def_prop_ro(
+          "activation", [](const Policy& policy) { return text_of(policy.activation); }, "relu or tanh.")
+      .def_prop_ro(
+          "output", [](const Policy& policy) { return text_of(policy.output); }, "tanh, clip or index.")
       .def_prop_ro("layers", &layers,
                    nb::sig("def layers(self) -> list[tuple[numpy.typing.NDArray[numpy.float32], "
                            "numpy.typing.NDArray[numpy.float32]]]"),
@@ -153,10 +237,7 @@ void bind_trainer(nb::module_& m) {
   using Release = nb::call_guard<nb::gil_scoped_release>;
   // NOLINTNEXTLINE(bugprone-throw-keyword-missing,bugprone-unused-raii): makes Python's type
   nb::exception<learn::CheckpointError>(m, "CheckpointError", PyExc_RuntimeError);
-  nb::class_<Trainer>(
-      m, "Trainer",
-      "Learns a goal-reaching policy on a batch of environments: off-policy actor-critic with hindsight "
-      "replay.")
+  nb::class_<Trainer>(m, "Trainer", "Trains a policy on a batch of environments, by the algorithm of its config.")
       .def(nb::init<EnvBatch&, EnvBatch*, const TrainerConfig&, Expert*>(), "envs"_a, "evaluation"_a.none(), "config"_a,
            "expert"_a.none() = nb::none(), nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>(), nb::keep_alive<1, 5>(),
            "Trains on `envs`; `evaluation`, another batch of the same environment, serves the periodic evaluations "
@@ -169,6 +250,22 @@ void bind_trainer(nb::module_& m) {
       .def("evaluate", &Trainer::evaluate, "envs"_a, "episodes"_a, "first_seed"_a, Release(),
            "Runs the policy without noise; episode k starts from seed first_seed + k, whatever the size of `envs`.")
       .def("policy", &Trainer::policy, "The deterministic policy.")
+      .def(
+          "predict",
+          [](Trainer& trainer, const States& observation, const States& achieved_goal, const States& desired_goal,
+             bool draw) {
+            const std::size_t n = observation.shape(0), dim = static_cast<std::size_t>(trainer.action_dim());
+            std::vector<float> action(n * dim);
+            trainer.predict(as_span(observation), as_span(achieved_goal), as_span(desired_goal), draw, action);
+            return copied(action.data(), {n, dim});
+          },
+          "observation"_a, "achieved_goal"_a, "desired_goal"_a, "draw"_a = false,
+          nb::sig("def predict(self, observation: numpy.typing.NDArray[numpy.float32], achieved_goal: "
+                  "numpy.typing.NDArray[numpy.float32], desired_goal: numpy.typing.NDArray[numpy.float32], draw: bool "
+                  "= False) -> numpy.typing.NDArray[numpy.float32]"),
+          "Actions (n, action_dim) in n states, (n, observation_dim) and (n, goal_dim); with `draw` as in training, "
+          "else "
+          "the best.")
       .def("save", &Trainer::save, "path"_a, "with_replay"_a = true, Release(),
            "Writes everything from which training goes on exactly. The file appears whole or not at all. Raises "
            "CheckpointError.")

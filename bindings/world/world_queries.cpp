@@ -172,11 +172,11 @@ void bind_world_queries(nb::module_& m, nb::class_<World>& world) {
           "Every two links that may touch and are less than `distance` [m] apart; only those with `link`, which takes "
           "a "
           "fraction of the time, if it is given.")
-      .def("diagnose", &World::diagnose,
-           "What commonly goes wrong, if it does here: that no step was taken, that gravity is zero; free bodies "
-           "without "
-           "a shape, or that fall with nothing below; motors that give all they may and still cannot hold their joint, "
-           "or are to go beyond its limits. The world does not change.")
+      .def(
+          "diagnose", &World::diagnose,
+          "What commonly goes wrong, if it does here: that no step was taken, that gravity is zero; free bodies "
+          "without a shape, or that fall with nothing below; motors that give all they may and still cannot hold their "
+          "joint, or are to go beyond its limits. The world does not change.")
       .def("ray_cast", &cast_ray, "origin"_a, "direction"_a, "max_distance"_a = kInfinity,
            nb::sig("def ray_cast(self, origin: collections.abc.Sequence[float], "
                    "direction: collections.abc.Sequence[float], max_distance: float = ...) -> RayHit | None"),

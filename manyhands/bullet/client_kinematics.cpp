@@ -161,24 +161,12 @@ class Search {
     e_[1] = p.y;
     e_[2] = p.z;
     if constexpr (kRows == 6) {
-      const Vec3<double> r = rotation_vector(goal_.R * transposed(X.R * plan_.X_LI.R));
+      const Vec3<double> r = rotation_vector(to_quat(goal_.R * transpose(X.R * plan_.X_LI.R)));
       e_[3] = r.x;
       e_[4] = r.y;
       e_[5] = r.z;
     }
     return norm(p);
-  }
-
-  static Mat3<double> transposed(const Mat3<double>& R) {
-    return {{R.x.x, R.y.x, R.z.x}, {R.x.y, R.y.y, R.z.y}, {R.x.z, R.y.z, R.z.z}};
-  }
-
-  static Vec3<double> rotation_vector(const Mat3<double>& R) {
-    Quat<double> r = normalized(to_quat(R));
-    if (r.w < 0) r = {-r.x, -r.y, -r.z, -r.w};
-    const double s = std::sqrt(r.x * r.x + r.y * r.y + r.z * r.z);
-    const double factor = s < 1e-12 ? 2 : 2 * std::atan2(s, r.w) / s;
-    return {factor * r.x, factor * r.y, factor * r.z};
   }
 
   void set_jacobian() {

@@ -17,6 +17,7 @@ struct EnvSpec {
   int observation_dim{};  ///< length of one observation row
   int goal_dim{};         ///< length of an achieved or desired goal row
   int action_dim{};       ///< length of an action row; every component lies in [-1, 1]
+  int choices{};          ///< if not 0, an action row is one number instead: the index of one of so many choices
   int max_episode_steps{};
   double dt{};                            ///< simulated seconds of one environment step
   std::vector<std::string> randomized{};  ///< what differs from episode to episode

@@ -1,62 +1,22 @@
 #include "manyhands/learn/agent.h"
 
 #include <algorithm>
+#include <cmath>
 
+#include "manyhands/learn/parameters.h"
 #include "manyhands/learn/random.h"
 
 namespace manyhands::learn {
 
-namespace {
-
-/// The actor starts with small actions, away from the flat ends of tanh.
-constexpr float kActorLastLayerScale = 0.1f;
-
-std::vector<int> layer_sizes(int inputs, const std::vector<int>& hidden, int outputs) {
-  std::vector<int> sizes = {inputs};
-  sizes.insert(sizes.end(), hidden.begin(), hidden.end());
-  sizes.push_back(outputs);
-  return sizes;
-}
-
-/// Part 0 or 1 of n parameters, split at a multiple of a cache line.
-std::pair<int, int> part_of(int n, int part) {
-  const int middle = n / 2 / 16 * 16;
-  return part == 0 ? std::pair(0, middle) : std::pair(middle, n);
-}
-
-template <class V>
-auto floats(V& vector) {
-  return std::span(vector.data(), static_cast<std::size_t>(vector.size()));
-}
-
-void save_optimiser(const Adam<float>& adam, ArchiveWriter& out) {
-  out.value(adam.step_count());
-  out.array(floats(adam.first_moment()));
-  out.array(floats(adam.second_moment()));
-}
-
-void load_optimiser(Adam<float>& adam, ArchiveReader& in) {
-  adam.set_step_count(in.value<std::int64_t>());
-  in.array(floats(adam.first_moment()));
-  in.array(floats(adam.second_moment()));
-}
-
-}  // namespace
-
 Agent::Agent(int state_dim, int action_dim, const TrainerConfig& config)
     : config_(config),
-      state_dim_(state_dim),
-      action_dim_(action_dim),
-      actor_(layer_sizes(state_dim, config.hidden_layers, action_dim), OutputActivation::kTanh) {
-  actor_.initialise(derive_seed(config.seed, Purpose::kActorSeed, 0), kActorLastLayerScale);
-  actor_target_ = actor_;
-  actor_optimiser_ = Adam<float>(actor_.num_parameters(), config.actor_learning_rate);
-  for (int i = 0; i < config.num_critics; ++i) {
-    Mlp<float> net(layer_sizes(state_dim + action_dim, config.hidden_layers, 1), OutputActivation::kLinear);
-    net.initialise(derive_seed(config.seed, Purpose::kCriticSeed, static_cast<std::uint64_t>(i)), 1.0f);
-    const int n = net.num_parameters();
-    critics_.push_back({net, net, Adam<float>(n, config.critic_learning_rate)});
-  }
+      actor_(policy_kind(config.algorithm, 0), state_dim, action_dim, config),
+      actor_target_(actor_),
+      actor_optimiser_(actor_.net().num_parameters(), config.actor_learning_rate),
+      critics_(state_dim, action_dim, config),
+      log_temperature_(Vector<float>::Constant(1, std::log(config.temperature))),
+      temperature_optimiser_(1, config.actor_learning_rate) {
+  if (config_.target_entropy == 0) config_.target_entropy = -static_cast<float>(action_dim);
   const int columns = config.batch_size / 2;
   for (Half& half : halves_) {
     half.batch.state.setZero(state_dim, columns);
@@ -67,103 +27,100 @@ Agent::Agent(int state_dim, int action_dim, const TrainerConfig& config)
     half.batch.reward.setZero(columns);
     half.batch.discount.setZero(columns);
     half.actor = actor_.make_tape(columns);
-    half.critic = critics_.front().net.make_tape(columns);
-    half.target_value.setZero(columns);
-    half.critic_gradient.assign(critics_.size(), Vector<float>::Zero(critics_.front().net.num_parameters()));
-    half.actor_gradient.setZero(actor_.num_parameters());
+    half.draw.resize(action_dim, columns);
+    half.critics = critics_.make_tape(columns);
+    half.next_action.setZero(action_dim, columns);
+    half.actor_gradient.setZero(actor_.net().num_parameters());
   }
 }
 
+float Agent::temperature() const { return soft() ? std::exp(log_temperature_[0]) : 0.0f; }
+
 UpdateStats Agent::update(Halves& halves, const ValueBounds& bounds) {
   const bool policy = (gradient_steps_ + 1) % config_.policy_delay == 0;
-  for (Critic& critic : critics_) critic.optimiser.begin_step();
+  critics_.begin_step();
   if (policy) actor_optimiser_.begin_step();
 
+  const std::array tapes = {&halves_[0].critics, &halves_[1].critics};
   halves.run([&](int i) {
     Half& half = halves_[static_cast<std::size_t>(i)];
     compute_targets(half, i, bounds);
-    compute_critic_gradients(half);
+    critics_.set_gradients(half.batch.state, half.batch.action, 1.0f / static_cast<float>(config_.batch_size),
+                           half.critics);
   });
-  halves.run([&](int part) { apply_critics(part, policy); });
+  halves.run([&](int part) { critics_.apply(part, tapes, policy); });
   if (policy) {
-    halves.run([&](int i) { compute_actor_gradient(halves_[static_cast<std::size_t>(i)]); });
+    halves.run([&](int i) { compute_actor_gradient(halves_[static_cast<std::size_t>(i)], i); });
     halves.run([&](int part) { apply_actor(part); });
+    if (soft() && config_.learned_temperature) follow_entropy();
   }
   ++gradient_steps_;
 
   const double n = config_.batch_size;
   UpdateStats stats;
-  stats.critic_loss = static_cast<float>((halves_[0].squared_error + halves_[1].squared_error) / n /
-                                         static_cast<double>(critics_.size()));
-  stats.q = static_cast<float>((halves_[0].q_sum + halves_[1].q_sum) / n);
+  stats.critic_loss = static_cast<float>((halves_[0].critics.loss + halves_[1].critics.loss) / n / critics_.size());
+  stats.q = static_cast<float>((halves_[0].critics.value_sum + halves_[1].critics.value_sum) / n);
   stats.policy_updated = policy;
   stats.policy_q = static_cast<float>((halves_[0].policy_q_sum + halves_[1].policy_q_sum) / n);
+  stats.entropy = static_cast<float>(-(halves_[0].log_probability_sum + halves_[1].log_probability_sum) / n);
   return stats;
 }
 
-/// y = r + gamma min_k Q'_k(s', clip(pi'(s') + clipped noise)), within the bounds of a return.
+/// y = r + gamma (Q'(s', a') - temperature log pi(a'|s')), within the bounds of a return, to which a soft value with
+/// its entropy does not keep.
 void Agent::compute_targets(Half& half, int index, const ValueBounds& bounds) const {
+  choose_next_action(half, index);
+  critics_.set_targets(half.batch.next_state, half.next_action, half.critics);
+  Matrix<float>& y = half.critics.target;
+  if (soft()) y.rowwise() -= temperature() * half.draw.log_probability.transpose();
+  y = (y.array().rowwise() * half.batch.discount.transpose().array()).rowwise() + half.batch.reward.transpose().array();
+  if (!soft()) y = y.cwiseMax(bounds.low).cwiseMin(bounds.high);
+}
+
+/// TD3: the target policy's action and clipped noise. SAC: drawn from the policy.
+void Agent::choose_next_action(Half& half, int index) const {
+  Random random(config_.seed, Purpose::kTargetNoise, static_cast<std::uint64_t>(2 * gradient_steps_ + index));
   half.actor.input() = half.batch.next_state;
-  actor_target_.forward(half.actor);
-  half.critic.input().topRows(state_dim_) = half.batch.next_state;
-  auto next_action = half.critic.input().bottomRows(action_dim_);
-  next_action = half.actor.output();
-  if (config_.target_noise > 0) {
-    Random random(config_.seed, Purpose::kTargetNoise, static_cast<std::uint64_t>(2 * gradient_steps_ + index));
-    const float most = config_.target_noise_clip;
-    for (Eigen::Index column = 0; column < next_action.cols(); ++column) {
-      for (Eigen::Index row = 0; row < action_dim_; ++row) {
-        const float noise = std::clamp(config_.target_noise * random.normal(), -most, most);
-        next_action(row, column) = std::clamp(next_action(row, column) + noise, -1.0f, 1.0f);
-      }
-    }
+  if (soft()) {
+    actor_.net().forward(half.actor);
+    for (Eigen::Index i = 0; i < half.draw.noise.size(); ++i) half.draw.noise(i) = random.normal();
+    draw_squashed(half.actor.output(), half.draw);
+    half.next_action = half.draw.action;
+    return;
   }
-  for (std::size_t k = 0; k < critics_.size(); ++k) {
-    critics_[k].target.forward(half.critic);
-    const auto value = half.critic.output().row(0).transpose();
-    if (k == 0) {
-      half.target_value = value;
-    } else {
-      half.target_value = half.target_value.cwiseMin(value);
-    }
-  }
-  half.target_value = (half.batch.reward + half.batch.discount.cwiseProduct(half.target_value))
-                          .cwiseMax(bounds.low)
-                          .cwiseMin(bounds.high);
-}
-
-/// Mean squared Bellman error of each critic.
-void Agent::compute_critic_gradients(Half& half) const {
-  const float weight = 2.0f / static_cast<float>(config_.batch_size);
-  half.squared_error = 0;
-  half.critic.input().topRows(state_dim_) = half.batch.state;
-  half.critic.input().bottomRows(action_dim_) = half.batch.action;
-  for (std::size_t k = 0; k < critics_.size(); ++k) {
-    critics_[k].net.forward(half.critic);
-    if (k == 0) half.q_sum = static_cast<double>(half.critic.output().sum());
-    half.critic.output_gradient() = half.critic.output() - half.target_value.transpose();
-    half.squared_error += static_cast<double>(half.critic.output_gradient().squaredNorm());
-    half.critic.output_gradient() *= weight;
-    critics_[k].net.backward(half.critic, {}, half.critic_gradient[k]);
+  actor_target_.net().forward(half.actor);
+  half.next_action = half.actor.output();
+  if (config_.target_noise <= 0) return;
+  const float most = config_.target_noise_clip;
+  for (Eigen::Index i = 0; i < half.next_action.size(); ++i) {
+    const float noise = std::clamp(config_.target_noise * random.normal(), -most, most);
+    half.next_action(i) = std::clamp(half.next_action(i) + noise, -1.0f, 1.0f);
   }
 }
 
-/// Minimises -Q_0(s, pi(s)) + action_penalty |pi(s)|^2, averaged.
-void Agent::compute_actor_gradient(Half& half) const {
+/// Minimises -Q(s, pi(s)) + action_penalty |pi(s)|^2, averaged; if soft, temperature log pi(a|s) - Q(s, a) for drawn a.
+void Agent::compute_actor_gradient(Half& half, int index) const {
   const float weight = 1.0f / static_cast<float>(config_.batch_size);
   half.actor.input() = half.batch.state;
-  actor_.forward(half.actor);
-  half.critic.input().topRows(state_dim_) = half.batch.state;
-  half.critic.input().bottomRows(action_dim_) = half.actor.output();
-  const Mlp<float>& critic = critics_.front().net;
-  critic.forward(half.critic);
-  half.policy_q_sum = static_cast<double>(half.critic.output().sum());
-  half.critic.output_gradient().setConstant(-weight);
-  critic.backward(half.critic, {.parameters = false, .input = true}, half.critic_gradient[0]);
-  half.actor.output_gradient() = half.critic.input_gradient().bottomRows(action_dim_) +
-                                 (2 * weight * config_.action_penalty) * half.actor.output();
-  if (config_.cloning_weight > 0) clone_expert(half);
-  actor_.backward(half.actor, {}, half.actor_gradient);
+  actor_.net().forward(half.actor);
+  if (soft()) {
+    Random random(config_.seed, Purpose::kPolicyNoise, static_cast<std::uint64_t>(2 * gradient_steps_ + index));
+    for (Eigen::Index i = 0; i < half.draw.noise.size(); ++i) half.draw.noise(i) = random.normal();
+    draw_squashed(half.actor.output(), half.draw);
+    half.log_probability_sum = static_cast<double>(half.draw.log_probability.sum());
+  }
+  const Matrix<float>& action = soft() ? half.draw.action : half.actor.output();
+  critics_.set_action_gradient(half.batch.state, action, weight, half.critics);
+  half.policy_q_sum = static_cast<double>(half.critics.value.sum());
+  half.critics.action_gradient += (2 * weight * config_.action_penalty) * action;
+  if (soft()) {
+    backward_squashed(half.actor.output(), half.draw, half.critics.action_gradient, weight * temperature(),
+                      half.actor.output_gradient());
+  } else {
+    half.actor.output_gradient() = half.critics.action_gradient;
+    if (config_.cloning_weight > 0) clone_expert(half);
+  }
+  actor_.net().backward(half.actor, {}, half.actor_gradient);
 }
 
 /// Adds cloning_weight |pi(s) - expert's action|^2 to the policy's loss where there is advice; filtered, where
@@ -171,10 +128,8 @@ void Agent::compute_actor_gradient(Half& half) const {
 void Agent::clone_expert(Half& half) const {
   half.cloned = half.batch.advised;
   if (config_.cloning_filter) {
-    half.target_value = half.critic.output().row(0).transpose();
-    half.critic.input().bottomRows(action_dim_) = half.batch.advice;
-    critics_.front().net.forward(half.critic);
-    half.cloned.array() *= (half.critic.output().row(0).transpose().array() > half.target_value.array()).cast<float>();
+    const Matrix<float>& expert = critics_.first_values(half.batch.state, half.batch.advice, half.critics);
+    half.cloned.array() *= (expert.row(0).transpose().array() > half.critics.value.array()).cast<float>();
   }
   const float weight = 2 * config_.cloning_weight / static_cast<float>(config_.batch_size);
   for (Eigen::Index i = 0; i < half.cloned.size(); ++i) {
@@ -183,49 +138,41 @@ void Agent::clone_expert(Half& half) const {
   }
 }
 
-void Agent::apply_critics(int part, bool move_targets) {
-  for (std::size_t k = 0; k < critics_.size(); ++k) {
-    Critic& critic = critics_[k];
-    const auto [begin, end] = part_of(critic.net.num_parameters(), part);
-    Vector<float>& gradient = halves_[0].critic_gradient[k];
-    gradient.segment(begin, end - begin) += halves_[1].critic_gradient[k].segment(begin, end - begin);
-    critic.optimiser.apply(critic.net.parameters(), gradient, begin, end);
-    if (move_targets) {
-      polyak_average(critic.target.parameters(), critic.net.parameters(), config_.target_rate, begin, end);
-    }
-  }
-}
-
 void Agent::apply_actor(int part) {
-  const auto [begin, end] = part_of(actor_.num_parameters(), part);
+  const auto [begin, end] = part_of(actor_.net().num_parameters(), part);
   Vector<float>& gradient = halves_[0].actor_gradient;
   gradient.segment(begin, end - begin) += halves_[1].actor_gradient.segment(begin, end - begin);
-  actor_optimiser_.apply(actor_.parameters(), gradient, begin, end);
-  polyak_average(actor_target_.parameters(), actor_.parameters(), config_.target_rate, begin, end);
+  actor_optimiser_.apply(actor_.net().parameters(), gradient, begin, end);
+  polyak_average(actor_target_.net().parameters(), actor_.net().parameters(), config_.target_rate, begin, end);
+}
+
+/// Raises the temperature where the entropy is below its target, by a step along -log(temperature) (log pi + target).
+void Agent::follow_entropy() {
+  const double log_probability = (halves_[0].log_probability_sum + halves_[1].log_probability_sum) / config_.batch_size;
+  const Vector<float> gradient =
+      Vector<float>::Constant(1, -(static_cast<float>(log_probability) + config_.target_entropy));
+  temperature_optimiser_.begin_step();
+  temperature_optimiser_.apply(log_temperature_, gradient, 0, 1);
 }
 
 void Agent::save(ArchiveWriter& out) const {
   out.value(gradient_steps_);
-  out.array(floats(actor_.parameters()));
-  out.array(floats(actor_target_.parameters()));
+  out.array(floats(actor_.net().parameters()));
+  out.array(floats(actor_target_.net().parameters()));
   save_optimiser(actor_optimiser_, out);
-  for (const Critic& critic : critics_) {
-    out.array(floats(critic.net.parameters()));
-    out.array(floats(critic.target.parameters()));
-    save_optimiser(critic.optimiser, out);
-  }
+  critics_.save(out);
+  out.array(floats(log_temperature_));
+  save_optimiser(temperature_optimiser_, out);
 }
 
 void Agent::load(ArchiveReader& in) {
   in.value(gradient_steps_);
-  in.array(floats(actor_.parameters()));
-  in.array(floats(actor_target_.parameters()));
+  in.array(floats(actor_.net().parameters()));
+  in.array(floats(actor_target_.net().parameters()));
   load_optimiser(actor_optimiser_, in);
-  for (Critic& critic : critics_) {
-    in.array(floats(critic.net.parameters()));
-    in.array(floats(critic.target.parameters()));
-    load_optimiser(critic.optimiser, in);
-  }
+  critics_.load(in);
+  in.array(floats(log_temperature_));
+  load_optimiser(temperature_optimiser_, in);
 }
 
 }  // namespace manyhands::learn

@@ -1,16 +1,18 @@
-// The actor-critic update: deterministic policy gradient with target networks and, if wanted, TD3's three additions.
+// The off-policy actor-critic update: deterministic or soft policy gradient with target networks.
 //
 // DDPG: Lillicrap et al., "Continuous control with deep reinforcement learning", 2016.
 // TD3: Fujimoto, van Hoof, Meger, "Addressing function approximation error in actor-critic methods", 2018.
+// SAC: Haarnoja et al., "Soft actor-critic algorithms and applications", 2018.
 #pragma once
 
 #include <array>
 #include <cstdint>
-#include <vector>
 
+#include "manyhands/learn/actor.h"
 #include "manyhands/learn/archive.h"
+#include "manyhands/learn/critics.h"
 #include "manyhands/learn/halves.h"
-#include "manyhands/learn/mlp.h"
+#include "manyhands/learn/squashed_gaussian.h"
 #include "manyhands/learn/trainer_config.h"
 
 namespace manyhands::learn {
@@ -32,10 +34,11 @@ struct ValueBounds {
 
 /// Means over the mini-batch.
 struct UpdateStats {
-  float critic_loss{};  ///< squared Bellman error, averaged over the critics
+  float critic_loss{};  ///< squared Bellman error or quantile loss, averaged over the critics
   float q{};            ///< value of the sampled actions under the first critic
   bool policy_updated{};
-  float policy_q{};  ///< value of the policy's own actions under the first critic, if the policy was updated
+  float policy_q{};  ///< what the policy's own actions are worth, if the policy was updated
+  float entropy{};   ///< SAC: of the policy, if it was updated
 };
 
 /// Actor, critics, their targets and optimisers. Knows nothing of environments, goals or replay.
@@ -44,7 +47,7 @@ class Agent {
   Agent(int state_dim, int action_dim, const TrainerConfig& config);
 
   /// The policy that acts.
-  [[nodiscard]] const Mlp<float>& actor() const { return config_.average_policy ? actor_target_ : actor_; }
+  [[nodiscard]] const Actor& actor() const { return config_.average_policy ? actor_target_ : actor_; }
 
   /// The two halves, to be filled before `update`; a half owns its columns, so each may be filled on its own thread.
   [[nodiscard]] AgentBatch& half(int index) { return halves_[static_cast<std::size_t>(index)].batch; }
@@ -53,38 +56,38 @@ class Agent {
   UpdateStats update(Halves& halves, const ValueBounds& bounds);
 
   [[nodiscard]] std::int64_t gradient_steps() const { return gradient_steps_; }
+  [[nodiscard]] float temperature() const;
 
   void save(ArchiveWriter& out) const;
   void load(ArchiveReader& in);
 
  private:
-  struct Critic {
-    Mlp<float> net, target;
-    Adam<float> optimiser;
-  };
   /// What one half needs and leaves; the gradients of both are summed in fixed order.
   struct Half {
     AgentBatch batch;
-    MlpTape<float> actor, critic;
-    Vector<float> target_value;
-    Vector<float> cloned;                        // per transition: whether the policy shall act as the expert
-    std::vector<Vector<float>> critic_gradient;  // per critic
+    MlpTape<float> actor;
+    SquashedDraw<float> draw;
+    CriticTape critics;
+    Matrix<float> next_action;
+    Vector<float> cloned;  // per transition: whether the policy shall act as the expert
     Vector<float> actor_gradient;
-    double squared_error{}, q_sum{}, policy_q_sum{};
+    double policy_q_sum{}, log_probability_sum{};
   };
 
+  [[nodiscard]] bool soft() const { return config_.algorithm == Algorithm::kSac; }
   void compute_targets(Half& half, int index, const ValueBounds& bounds) const;
-  void compute_critic_gradients(Half& half) const;
-  void compute_actor_gradient(Half& half) const;
+  void choose_next_action(Half& half, int index) const;
+  void compute_actor_gradient(Half& half, int index) const;
   void clone_expert(Half& half) const;
-  void apply_critics(int part, bool move_targets);
   void apply_actor(int part);
+  void follow_entropy();
 
   TrainerConfig config_;
-  int state_dim_ = 0, action_dim_ = 0;
-  Mlp<float> actor_, actor_target_;
+  Actor actor_, actor_target_;
   Adam<float> actor_optimiser_;
-  std::vector<Critic> critics_;
+  Critics critics_;
+  Vector<float> log_temperature_;  // (1)
+  Adam<float> temperature_optimiser_;
   std::array<Half, 2> halves_;
   std::int64_t gradient_steps_ = 0;
 };

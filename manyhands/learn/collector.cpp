@@ -96,6 +96,7 @@ EpisodeView Collector::episode(int world) const {
 bool Collector::succeeded(int world) const { return tracks_[static_cast<std::size_t>(world)].success; }
 
 void Collector::restart_finished() {
+  if (finished_.empty()) return ask_expert();
   std::ranges::fill(mask_, std::uint8_t{0});
   for (const int world : finished_) {
     mask_[static_cast<std::size_t>(world)] = 1;

@@ -10,7 +10,8 @@
 namespace manyhands::learn {
 
 template <class S>
-Mlp<S>::Mlp(std::vector<int> sizes, OutputActivation output) : sizes_(std::move(sizes)), output_(output) {
+Mlp<S>::Mlp(std::vector<int> sizes, OutputActivation output, HiddenActivation hidden)
+    : sizes_(std::move(sizes)), output_(output), hidden_(hidden) {
   if (sizes_.size() < 2 || std::ranges::any_of(sizes_, [](int size) { return size <= 0; })) {
     throw std::invalid_argument("Mlp: sizes must be at least {input, output} and all positive");
   }
@@ -37,6 +38,11 @@ Eigen::Map<const Matrix<S>> Mlp<S>::weight(int layer) const {
 template <class S>
 Eigen::Map<const Vector<S>> Mlp<S>::bias(int layer) const {
   return {parameters_.data() + bias_begin(layer), sizes_[static_cast<std::size_t>(layer) + 1]};
+}
+
+template <class S>
+bool Mlp<S>::ends_in_tanh(int layer) const {
+  return layer + 1 == num_layers() ? output_ == OutputActivation::kTanh : hidden_ == HiddenActivation::kTanh;
 }
 
 template <class S>
@@ -72,24 +78,22 @@ void Mlp<S>::forward(MlpTape<S>& tape) const {
     const Operand<S> weights{parameters_.data() + weight_begin(layer), 1, outputs},
         x{tape.activation[l].data(), 1, inputs};
     const S* bias = parameters_.data() + bias_begin(layer);
-    if (layer + 1 < num_layers()) {
+    if (layer + 1 < num_layers() && hidden_ == HiddenActivation::kRelu) {
       multiply(outputs, batch, inputs, weights, x, y.data(), outputs, AddBias<S, true>{bias}, tape.panel);
     } else {
       multiply(outputs, batch, inputs, weights, x, y.data(), outputs, AddBias<S, false>{bias}, tape.panel);
+      if (ends_in_tanh(layer)) y = y.array().tanh();
     }
   }
-  if (output_ == OutputActivation::kTanh) tape.activation.back() = tape.output().array().tanh();
 }
 
 template <class S>
 void Mlp<S>::backward(MlpTape<S>& tape, BackwardWants wants, Vector<S>& gradient) const {
-  if (output_ == OutputActivation::kTanh) {
-    tape.delta.back().array() *= S(1) - tape.output().array().square();
-  }
   const auto batch = static_cast<int>(tape.input().cols());
   for (int layer = num_layers() - 1; layer >= 0; --layer) {
     const auto l = static_cast<std::size_t>(layer);
     const int inputs = sizes_[l], outputs = sizes_[l + 1];
+    if (ends_in_tanh(layer)) tape.delta[l + 1].array() *= S(1) - tape.activation[l + 1].array().square();
     const Matrix<S>&delta = tape.delta[l + 1], &x = tape.activation[l];
     if (wants.parameters) {
       multiply<S>(outputs, inputs, batch, {delta.data(), 1, outputs}, {x.data(), inputs, 1},
@@ -97,13 +101,20 @@ void Mlp<S>::backward(MlpTape<S>& tape, BackwardWants wants, Vector<S>& gradient
       gradient.segment(bias_begin(layer), outputs) = delta.rowwise().sum();
     }
     const Operand<S> transposed{parameters_.data() + weight_begin(layer), outputs, 1}, d{delta.data(), 1, outputs};
-    if (layer > 0) {
+    if (layer > 0 && hidden_ == HiddenActivation::kRelu) {
       multiply(inputs, batch, outputs, transposed, d, tape.delta[l].data(), inputs, GateByRelu<S>{x.data()},
                tape.panel);
-    } else if (wants.input) {
+    } else if (layer > 0 || wants.input) {
       multiply(inputs, batch, outputs, transposed, d, tape.delta[l].data(), inputs, AsIs{}, tape.panel);
     }
   }
+}
+
+std::vector<int> layer_sizes(int inputs, const std::vector<int>& hidden, int outputs) {
+  std::vector<int> sizes = {inputs};
+  sizes.insert(sizes.end(), hidden.begin(), hidden.end());
+  sizes.push_back(outputs);
+  return sizes;
 }
 
 template <class S>

@@ -19,6 +19,7 @@ template <class S>
 using Vector = Eigen::Matrix<S, Eigen::Dynamic, 1>;
 
 enum class OutputActivation { kLinear, kTanh };
+enum class HiddenActivation { kRelu, kTanh };
 
 /// Activations and deltas of one mini-batch: sized once, so that passes do not allocate. One per thread of work.
 template <class S>
@@ -39,19 +40,20 @@ struct BackwardWants {
   bool input = false;
 };
 
-/// y = act(W_L relu(... relu(W_1 x + b_1) ...) + b_L).
+/// y = out(W_L act(... act(W_1 x + b_1) ...) + b_L).
 template <class S>
 class Mlp {
  public:
   Mlp() = default;
   /// `sizes`: input, hidden..., output, all positive, at least two. Throws std::invalid_argument otherwise.
   /// All parameters are zero until `initialise` or `parameters() = ...`.
-  Mlp(std::vector<int> sizes, OutputActivation output);
+  Mlp(std::vector<int> sizes, OutputActivation output, HiddenActivation hidden = HiddenActivation::kRelu);
 
   /// Weights and biases uniform in +-1/sqrt(inputs of the layer); those of the last layer times `last_layer_scale`.
   void initialise(std::uint64_t seed, S last_layer_scale);
 
   [[nodiscard]] const std::vector<int>& sizes() const { return sizes_; }
+  [[nodiscard]] HiddenActivation hidden() const { return hidden_; }
   [[nodiscard]] int num_layers() const { return static_cast<int>(sizes_.size()) - 1; }
   [[nodiscard]] int num_parameters() const { return static_cast<int>(parameters_.size()); }
 
@@ -73,12 +75,17 @@ class Mlp {
  private:
   [[nodiscard]] int weight_begin(int layer) const { return begin_[static_cast<std::size_t>(layer)]; }
   [[nodiscard]] int bias_begin(int layer) const;
+  [[nodiscard]] bool ends_in_tanh(int layer) const;
 
   std::vector<int> sizes_;
   std::vector<int> begin_;  // of each layer's weights in parameters_
   OutputActivation output_ = OutputActivation::kLinear;
+  HiddenActivation hidden_ = HiddenActivation::kRelu;
   Vector<S> parameters_;
 };
+
+/// {inputs, hidden..., outputs}, as `Mlp` takes them.
+[[nodiscard]] std::vector<int> layer_sizes(int inputs, const std::vector<int>& hidden, int outputs);
 
 /// Adam (Kingma and Ba, 2015, algorithm 1) with bias-corrected moments.
 template <class S>

@@ -19,6 +19,10 @@ enum class Purpose : std::uint32_t {
   kEvaluationSeed,
   kWorldSeed,
   kEpisodeSeed,
+  kPolicyNoise,
+  kShuffle,
+  kActing,
+  kPrediction,
 };
 
 /// A seed from a seed: 64 bits that differ with each argument.

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "manyhands/learn/parameters.h"
 #include "manyhands/learn/random.h"
 
 namespace manyhands::learn {
@@ -38,10 +39,6 @@ class Stopwatch {
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
 
-std::span<const float> floats(const Matrix<float>& matrix) {
-  return {matrix.data(), static_cast<std::size_t>(matrix.size())};
-}
-
 }  // namespace
 
 Trainer::Trainer(EnvBatch& envs, EnvBatch* evaluation, const TrainerConfig& config, Expert* expert)
@@ -49,122 +46,68 @@ Trainer::Trainer(EnvBatch& envs, EnvBatch* evaluation, const TrainerConfig& conf
       spec_(envs.spec()),
       evaluation_(evaluation),
       collector_(envs, wanted_expert(expert, config_, spec_), config.seed),
-      replay_(spec_, config.replay_capacity, config.wants_expert() ? spec_.action_dim : 0),
-      minibatch_(replay_.make_minibatch(config.batch_size)),
       normaliser_(spec_.observation_dim, spec_.goal_dim, config.input_clip, config.differences),
-      agent_(normaliser_.dim(), spec_.action_dim, config_),
+      learner_(make_learner(spec_, envs.num_envs(), normaliser_.dim(), config_)),
       halves_(std::make_unique<Halves>(config.num_threads)),
-      acting_(agent_.actor().make_tape(envs.num_envs())),
       actions_(Matrix<float>::Zero(spec_.action_dim, envs.num_envs())) {
   if (evaluation == &envs) throw std::invalid_argument("Trainer: the evaluation batch must not be the training batch");
   if (evaluation != nullptr) require_same_task(*evaluation);
 }
 
 TrainMetrics Trainer::advance(int iterations) {
-  Losses losses;
+  LearnStats stats;
   for (int i = 0; i < iterations && !metrics_.solved; ++i) {
     collect();
-    if (replay_.size() >= config_.warmup_transitions) learn(losses);
+    learn(stats);
     ++metrics_.iterations;
     if (evaluation_ != nullptr && metrics_.gradient_steps > 0 &&
         metrics_.iterations % config_.evaluation_interval == 0) {
       check_progress();
     }
   }
-  metrics_.critic_loss = losses.critic / std::max(losses.critic_steps, 1);
-  metrics_.q_mean = losses.q / std::max(losses.critic_steps, 1);
-  metrics_.policy_q_mean = losses.policy_q / std::max(losses.policy_steps, 1);
+  metrics_.critic_loss = stats.critic_loss / std::max(stats.steps, 1);
+  metrics_.q_mean = stats.q / std::max(stats.steps, 1);
+  metrics_.policy_q_mean = stats.policy_q / std::max(stats.policy_steps, 1);
+  metrics_.entropy = stats.entropy / std::max(stats.policy_steps, 1);
   return metrics_;
 }
 
 void Trainer::collect() {
   const Stopwatch stopwatch(metrics_.collect_seconds);
-  choose_actions();
+  learner_->choose_actions(collector_, normaliser_, metrics_.iterations, actions_);
   collector_.step(floats(actions_));
-  for (const int world : collector_.finished()) store(world);
+  learner_->observe(collector_, normaliser_);
+  for (const int world : collector_.finished()) count_episode(world);
   collector_.restart_finished();
   normaliser_.refresh();
   metrics_.env_steps += collector_.envs().num_envs();
 }
 
-/// The policy's action plus noise, or now and then, and during the warm-up always, a uniform one. Where the expert
-/// acts, its action plus noise: what it shows then leads back to its way, too (Laskey et al., DART, 2017).
-void Trainer::choose_actions() {
-  act(collector_.envs(), acting_);
-  const bool warming_up = replay_.size() < config_.warmup_transitions;
-  const Eigen::Index worlds = actions_.cols();
-  const bool all_led = config_.expert_rate > 0 && warming_up;
-  const Eigen::Index led = all_led ? worlds : std::lround(config_.expert_rate * static_cast<double>(worlds));
-  Random random(config_.seed, Purpose::kExploration, static_cast<std::uint64_t>(metrics_.iterations));
-  for (Eigen::Index world = 0; world < worlds; ++world) {
-    const bool random_now = random.uniform() < static_cast<float>(config_.random_action_rate);
-    const bool uniform = world >= led && (warming_up || random_now);
-    const float* wanted = world < led ? &collector_.advice()[static_cast<std::size_t>(world * actions_.rows())]
-                                      : acting_.output().col(world).data();
-    for (Eigen::Index k = 0; k < actions_.rows(); ++k) {
-      const float chosen = wanted[k] + config_.exploration_noise * random.normal();
-      actions_(k, world) = uniform ? random.uniform(-1.0f, 1.0f) : std::clamp(chosen, -1.0f, 1.0f);
-    }
-  }
+void Trainer::learn(LearnStats& stats) {
+  const Stopwatch stopwatch(metrics_.learn_seconds);
+  learner_->learn(collector_, normaliser_, *halves_, stats);
+  metrics_.gradient_steps = learner_->gradient_steps();
 }
 
-void Trainer::store(int world) {
+/// Adds a finished episode to the statistics.
+void Trainer::count_episode(int world) {
   const EpisodeView episode = collector_.episode(world);
-  replay_.add(episode);
   for (int t = 0; t < episode.length; ++t) {
     normaliser_.add(episode.observation.data() + t * spec_.observation_dim,
                     episode.achieved_goal.data() + t * spec_.goal_dim, episode.desired_goal.data());
   }
-  const std::uint8_t success = collector_.succeeded(world) ? 1 : 0;
   const auto at = static_cast<std::size_t>(metrics_.episodes++ % kRecentEpisodes);
-  if (at >= recent_successes_.size()) recent_successes_.resize(at + 1);
-  recent_successes_[at] = success;
-  metrics_.success_rate = static_cast<double>(std::accumulate(recent_successes_.begin(), recent_successes_.end(), 0)) /
-                          static_cast<double>(recent_successes_.size());
-}
-
-void Trainer::learn(Losses& losses) {
-  const Stopwatch stopwatch(metrics_.learn_seconds);
-  const auto horizon = static_cast<float>(1.0 / (1.0 - config_.gamma));
-  const ValueBounds bounds = {.low = replay_.lowest_reward() * horizon, .high = replay_.highest_reward() * horizon};
-  for (int i = 0; i < config_.updates_per_iteration; ++i) {
-    replay_.sample(collector_.envs(), {config_.hindsight_fraction, config_.success_terminates},
-                   Random(config_.seed, Purpose::kSampling, static_cast<std::uint64_t>(metrics_.gradient_steps)),
-                   minibatch_);
-    halves_->run([&](int half) { fill_half(half); });
-    const UpdateStats stats = agent_.update(*halves_, bounds);
-    if (!std::isfinite(stats.critic_loss) || !std::isfinite(stats.policy_q)) {
-      throw std::runtime_error("Trainer: training diverged after " + std::to_string(metrics_.gradient_steps) +
-                               " gradient steps (the loss is not finite); try smaller learning rates");
-    }
-    ++metrics_.gradient_steps;
-    losses.critic += static_cast<double>(stats.critic_loss);
-    losses.q += static_cast<double>(stats.q);
-    ++losses.critic_steps;
-    if (!stats.policy_updated) continue;
-    losses.policy_q += static_cast<double>(stats.policy_q);
-    ++losses.policy_steps;
+  if (at >= recent_successes_.size()) {
+    recent_successes_.resize(at + 1);
+    recent_returns_.resize(at + 1);
   }
-}
-
-/// Normalises every second column of the mini-batch into one half, so that both hold old and new goals alike.
-void Trainer::fill_half(int half) {
-  AgentBatch& to = agent_.half(half);
-  for (Eigen::Index column = 0; column < to.reward.size(); ++column) {
-    const Eigen::Index i = 2 * column + half;
-    const float* goal = minibatch_.desired_goal.col(i).data();
-    normaliser_.write(minibatch_.observation.col(i).data(), minibatch_.achieved_goal.col(i).data(), goal,
-                      to.state.col(column).data());
-    normaliser_.write(minibatch_.next_observation.col(i).data(), minibatch_.next_achieved_goal.col(i).data(), goal,
-                      to.next_state.col(column).data());
-    to.action.col(column) = minibatch_.action.col(i);
-    if (minibatch_.advice.rows() > 0) {
-      to.advice.col(column) = minibatch_.advice.col(i);
-      to.advised[column] = i < minibatch_.relabelled ? 0.0f : 1.0f;
-    }
-    to.reward[column] = minibatch_.reward[i];
-    to.discount[column] = minibatch_.done[static_cast<std::size_t>(i)] != 0 ? 0.0f : static_cast<float>(config_.gamma);
-  }
+  recent_successes_[at] = collector_.succeeded(world) ? 1 : 0;
+  recent_returns_[at] = std::accumulate(episode.reward.begin(), episode.reward.end(), 0.0f);
+  const auto mean = [](const auto& ring) {
+    return std::accumulate(ring.begin(), ring.end(), 0.0) / static_cast<double>(ring.size());
+  };
+  metrics_.success_rate = mean(recent_successes_);
+  metrics_.mean_return = mean(recent_returns_);
 }
 
 void Trainer::check_progress() {
@@ -178,22 +121,13 @@ void Trainer::check_progress() {
   metrics_.solved = config_.stop_streak > 0 && metrics_.streak >= config_.stop_streak;
 }
 
-/// The policy's action for every world, in tape.output().
-void Trainer::act(const EnvBatch& envs, MlpTape<float>& tape) const {
-  for (int world = 0; world < envs.num_envs(); ++world) {
-    normaliser_.write(envs.observation().data() + world * spec_.observation_dim,
-                      envs.achieved_goal().data() + world * spec_.goal_dim,
-                      envs.desired_goal().data() + world * spec_.goal_dim, tape.input().col(world).data());
-  }
-  agent_.actor().forward(tape);
-}
-
 EvalResult Trainer::evaluate(EnvBatch& envs, int episodes, std::uint64_t first_seed) const {
   require_same_task(envs);
   if (episodes <= 0) throw std::invalid_argument("Trainer::evaluate: episodes must be positive");
   const auto worlds = static_cast<std::size_t>(envs.num_envs());
   const auto wanted = static_cast<std::size_t>(episodes);
-  MlpTape<float> tape = agent_.actor().make_tape(envs.num_envs());
+  MlpTape<float> tape = learner_->actor().make_tape(envs.num_envs());
+  Matrix<float> action = Matrix<float>::Zero(spec_.action_dim, envs.num_envs());
   std::vector<std::uint64_t> seeds(worlds);
   std::vector<std::uint8_t> running(worlds);
   double successes = 0, total_reward = 0, steps = 0;
@@ -203,8 +137,9 @@ EvalResult Trainer::evaluate(EnvBatch& envs, int episodes, std::uint64_t first_s
     for (std::size_t w = 0; w < worlds; ++w) running[w] = w < left;
     envs.reset({}, seeds);
     for (int t = 1; left > 0; ++t) {
-      act(envs, tape);
-      envs.step(floats(tape.output()));
+      write_states(envs, normaliser_, tape.input());
+      learner_->actor().act(tape, action);
+      envs.step(floats(action));
       for (std::size_t w = 0; w < worlds; ++w) {
         if (running[w] == 0) continue;
         total_reward += static_cast<double>(envs.reward()[w]);
@@ -219,25 +154,29 @@ EvalResult Trainer::evaluate(EnvBatch& envs, int episodes, std::uint64_t first_s
   return {episodes, successes / episodes, total_reward / episodes, steps / episodes};
 }
 
-Policy Trainer::policy() const {
-  const auto copied = [](const auto& m) { return std::vector<float>(m.data(), m.data() + m.size()); };
-  const Mlp<float>& actor = agent_.actor();
-  Policy policy = {.observation_dim = spec_.observation_dim,
-                   .goal_dim = spec_.goal_dim,
-                   .action_dim = spec_.action_dim,
-                   .mean = copied(normaliser_.mean()),
-                   .scale = copied(normaliser_.scale()),
-                   .clip = normaliser_.clip(),
-                   .differences = normaliser_.differences(),
-                   .layers = {}};
-  for (int layer = 0; layer < actor.num_layers(); ++layer) {
-    const Matrix<float> row_major = actor.weight(layer).transpose();
-    policy.layers.push_back({.inputs = static_cast<int>(actor.weight(layer).cols()),
-                             .outputs = static_cast<int>(actor.weight(layer).rows()),
-                             .weight = copied(row_major),
-                             .bias = copied(actor.bias(layer))});
+Policy Trainer::policy() const { return export_policy(spec_, normaliser_, learner_->actor()); }
+
+void Trainer::predict(std::span<const float> observation, std::span<const float> achieved_goal,
+                      std::span<const float> desired_goal, bool draw, std::span<float> action) {
+  const auto no = static_cast<std::size_t>(spec_.observation_dim), ng = static_cast<std::size_t>(spec_.goal_dim);
+  const std::size_t n = action.size() / static_cast<std::size_t>(spec_.action_dim);
+  if (observation.size() != n * no || achieved_goal.size() != n * ng || desired_goal.size() != n * ng) {
+    throw std::invalid_argument("Trainer::predict: the arrays do not hold " + std::to_string(n) + " states of " +
+                                spec_.id);
   }
-  return policy;
+  const Actor& actor = learner_->actor();
+  MlpTape<float> tape = actor.make_tape(static_cast<int>(n));
+  for (std::size_t i = 0; i < n; ++i) {
+    normaliser_.write(observation.data() + i * no, achieved_goal.data() + i * ng, desired_goal.data() + i * ng,
+                      tape.input().col(static_cast<Eigen::Index>(i)).data());
+  }
+  Matrix<float> chosen = Matrix<float>::Zero(spec_.action_dim, static_cast<Eigen::Index>(n));
+  if (draw) {
+    actor.draw(tape, Random(config_.seed, Purpose::kPrediction, predictions_++), chosen);
+  } else {
+    actor.act(tape, chosen);
+  }
+  std::copy_n(chosen.data(), chosen.size(), action.data());
 }
 
 void Trainer::require_same_task(const EnvBatch& envs) const {

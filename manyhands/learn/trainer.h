@@ -1,4 +1,4 @@
-// Learns a goal-reaching policy on a batch of environments: off-policy actor-critic with hindsight replay.
+// Trains a policy on a batch of environments: the loop, evaluations and checkpoints around a learner.
 #pragma once
 
 #include <cstdint>
@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "manyhands/envs/env_batch.h"
-#include "manyhands/learn/agent.h"
 #include "manyhands/learn/collector.h"
 #include "manyhands/learn/halves.h"
+#include "manyhands/learn/learner.h"
 #include "manyhands/learn/normaliser.h"
-#include "manyhands/learn/replay.h"
+#include "manyhands/learn/policy.h"
 #include "manyhands/learn/trainer_config.h"
 
 namespace manyhands::learn {
@@ -22,6 +22,8 @@ struct TrainMetrics {
   std::int64_t iterations{}, env_steps{}, gradient_steps{}, episodes{};
   double success_rate{};  ///< of the last (up to) 100 training episodes, which explore
   double critic_loss{}, q_mean{}, policy_q_mean{};
+  double entropy{};                  ///< of the policy: PPO, SAC
+  double mean_return{};              ///< undiscounted, of the last (up to) 100 training episodes
   double evaluation_success_rate{};  ///< of the last periodic evaluation
   int evaluations{}, streak{};       ///< evaluations made; how many in a row, up to now, were good enough
   bool solved{};                     ///< the streak is long enough: `advance` does nothing more
@@ -35,22 +37,6 @@ struct EvalResult {
   double mean_length{};   ///< environment steps
 };
 
-/// The deterministic policy as plain arrays: a = tanh(W_L relu(... relu(W_1 z + b_1) ...) + b_L) with
-/// z = clip((x - mean) * scale, -clip, clip) and x = [observation, desired_goal, desired_goal - achieved_goal,
-/// observation[i, i + 3) - observation[k, k + 3) for each pair of `differences`].
-struct Policy {
-  struct Layer {
-    int inputs{}, outputs{};
-    std::vector<float> weight;  ///< (outputs, inputs), row-major
-    std::vector<float> bias;    ///< (outputs)
-  };
-  int observation_dim{}, goal_dim{}, action_dim{};
-  std::vector<float> mean, scale;  ///< (observation_dim + 2 goal_dim + 3 pairs)
-  float clip{};
-  std::vector<int> differences;  ///< pairs (i, k)
-  std::vector<Layer> layers;
-};
-
 class Trainer {
  public:
   /// Borrows both batches, which must outlive the trainer and be stepped by nobody else. `evaluation` serves the
@@ -60,6 +46,7 @@ class Trainer {
   Trainer(EnvBatch& envs, EnvBatch* evaluation, const TrainerConfig& config, Expert* expert = nullptr);
 
   [[nodiscard]] const TrainerConfig& config() const { return config_; }
+  [[nodiscard]] int action_dim() const { return spec_.action_dim; }
 
   /// Runs up to `iterations` more: each one step of the batch and `updates_per_iteration` gradient steps, now and then
   /// an evaluation. Stops early when solved. Throws std::runtime_error if the networks diverge to non-numbers.
@@ -73,32 +60,29 @@ class Trainer {
 
   [[nodiscard]] Policy policy() const;
 
+  /// The policy's actions (n, action_dim) in n states: observation (n, observation_dim), goals (n, goal_dim). With
+  /// `draw` they are drawn as in training, and differ from call to call; else they are the best.
+  void predict(std::span<const float> observation, std::span<const float> achieved_goal,
+               std::span<const float> desired_goal, bool draw, std::span<float> action);
+
   /// Writes everything from which training goes on exactly: networks, optimisers, statistics, counters, running
   /// episodes and, if wanted, the replay buffer. The file appears whole or not at all. Throws CheckpointError.
   void save(const std::filesystem::path& path, bool with_replay = true) const;
 
-  /// Continues from a file written by a trainer with the same task, number of worlds, networks and replay capacity;
-  /// the seed is taken from the file, the rest of the config stays as it is. With the replay, and an environment that
-  /// gives the same bits again, everything that follows is what would have followed `save`. Returns whether the
-  /// running episodes could be restored; if not, every world starts a new one. Throws CheckpointError, leaving the
-  /// trainer as it was.
+  /// Continues from a file written by a trainer with the same task, algorithm, number of worlds, networks and replay
+  /// capacity; the seed is taken from the file, the rest of the config stays as it is. With the replay, and an
+  /// environment that gives the same bits again, everything that follows is what would have followed `save`. Returns
+  /// whether the running episodes could be restored; if not, every world starts a new one. Throws CheckpointError,
+  /// leaving the trainer as it was.
   bool load(const std::filesystem::path& path);
 
  private:
   static constexpr int kRecentEpisodes = 100;
 
-  struct Losses {
-    double critic = 0, q = 0, policy_q = 0;
-    int critic_steps = 0, policy_steps = 0;
-  };
-
   void collect();
-  void learn(Losses& losses);
+  void learn(LearnStats& stats);
   void check_progress();
-  void choose_actions();
-  void store(int world);
-  void fill_half(int half);
-  void act(const EnvBatch& envs, MlpTape<float>& tape) const;
+  void count_episode(int world);
   void require_same_task(const EnvBatch& envs) const;
   void save_shape(ArchiveWriter& out) const;
   void expect_shape(ArchiveReader& in) const;
@@ -107,14 +91,13 @@ class Trainer {
   EnvSpec spec_;
   EnvBatch* evaluation_ = nullptr;
   Collector collector_;
-  ReplayBuffer replay_;
-  Minibatch minibatch_;
   InputNormaliser normaliser_;
-  Agent agent_;
+  std::unique_ptr<Learner> learner_;
   std::unique_ptr<Halves> halves_;
-  MlpTape<float> acting_;
   Matrix<float> actions_;                       // (action_dim, worlds)
-  std::vector<std::uint8_t> recent_successes_;  // ring of the last training episodes
+  std::vector<std::uint8_t> recent_successes_;  // rings of the last training episodes
+  std::vector<float> recent_returns_;
+  std::uint64_t predictions_ = 0;
   TrainMetrics metrics_;
 };
 

@@ -13,6 +13,7 @@ void save_counters(const TrainMetrics& metrics, ArchiveWriter& out) {
   out.value(metrics.gradient_steps);
   out.value(metrics.episodes);
   out.value(metrics.success_rate);
+  out.value(metrics.mean_return);
   out.value(metrics.evaluation_success_rate);
   out.value(metrics.evaluations);
   out.value(metrics.streak);
@@ -25,6 +26,7 @@ TrainMetrics load_counters(ArchiveReader& in) {
   in.value(metrics.gradient_steps);
   in.value(metrics.episodes);
   in.value(metrics.success_rate);
+  in.value(metrics.mean_return);
   in.value(metrics.evaluation_success_rate);
   in.value(metrics.evaluations);
   in.value(metrics.streak);
@@ -36,8 +38,10 @@ TrainMetrics load_counters(ArchiveReader& in) {
 /// What must agree for the arrays to mean the same.
 void Trainer::save_shape(ArchiveWriter& out) const {
   out.text(spec_.id);
-  for (const int dim : {spec_.observation_dim, spec_.goal_dim, spec_.action_dim, spec_.max_episode_steps,
-                        collector_.envs().num_envs(), config_.num_critics}) {
+  for (const int dim :
+       {spec_.observation_dim, spec_.goal_dim, spec_.action_dim, spec_.max_episode_steps, spec_.choices,
+        collector_.envs().num_envs(), static_cast<int>(config_.algorithm), static_cast<int>(config_.activation),
+        config_.num_critics, config_.num_quantiles, config_.rollout_steps}) {
     out.value(dim);
   }
   out.value(static_cast<int>(config_.hidden_layers.size()));
@@ -52,8 +56,13 @@ void Trainer::expect_shape(ArchiveReader& in) const {
   in.expect("goal length", spec_.goal_dim);
   in.expect("action length", spec_.action_dim);
   in.expect("episode step limit", spec_.max_episode_steps);
+  in.expect("number of choices", spec_.choices);
   in.expect("number of worlds", collector_.envs().num_envs());
+  in.expect("algorithm", static_cast<int>(config_.algorithm));
+  in.expect("activation", static_cast<int>(config_.activation));
   in.expect("number of critics", config_.num_critics);
+  in.expect("number of quantiles", config_.num_quantiles);
+  in.expect("rollout's steps", config_.rollout_steps);
   in.expect("number of hidden layers", static_cast<int>(config_.hidden_layers.size()));
   for (const int units : config_.hidden_layers) in.expect("hidden layer size", units);
   in.expect("length of differences", static_cast<int>(config_.differences.size()));
@@ -67,10 +76,9 @@ void Trainer::save(const std::filesystem::path& path, bool with_replay) const {
   save_counters(metrics_, out);
   out.value(static_cast<int>(recent_successes_.size()));
   out.array(std::span(recent_successes_));
+  out.array(std::span(recent_returns_));
   normaliser_.save(out);
-  agent_.save(out);
-  out.value(with_replay);
-  if (with_replay) replay_.save(out);
+  learner_->save(out, with_replay);
   collector_.save(out);
   out.commit(path);
 }
@@ -84,13 +92,13 @@ bool Trainer::load(const std::filesystem::path& path) {
   const int recent = in.value<int>();
   in.check(recent >= 0 && recent <= kRecentEpisodes, "it counts too many recent episodes");
   std::vector<std::uint8_t> recent_successes(static_cast<std::size_t>(recent));
+  std::vector<float> recent_returns(recent_successes.size());
   in.array(std::span(recent_successes));
+  in.array(std::span(recent_returns));
   InputNormaliser normaliser = normaliser_;
   normaliser.load(in);
-  Agent agent(normaliser.dim(), spec_.action_dim, config);
-  agent.load(in);
-  ReplayBuffer replay(spec_, config.replay_capacity, config.wants_expert() ? spec_.action_dim : 0);
-  if (in.value<bool>()) replay.load(in);
+  auto learner = make_learner(spec_, collector_.envs().num_envs(), normaliser.dim(), config);
+  learner->load(in);
   const Collector::Running running = collector_.read(in);
   in.finish();
 
@@ -98,9 +106,9 @@ bool Trainer::load(const std::filesystem::path& path) {
   metrics_ = metrics;
   metrics_.solved = config_.stop_streak > 0 && metrics_.streak >= config_.stop_streak;
   recent_successes_ = std::move(recent_successes);
+  recent_returns_ = std::move(recent_returns);
   normaliser_ = std::move(normaliser);
-  agent_ = std::move(agent);
-  replay_ = std::move(replay);
+  learner_ = std::move(learner);
   return collector_.restore(running);
 }
 

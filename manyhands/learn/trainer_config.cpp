@@ -34,7 +34,7 @@ void TrainerConfig::validate() const {
   require_at_least("num_threads", num_threads, 1);
   require(!hidden_layers.empty(), "the number of hidden_layers", hidden_layers.size(), "at least 1");
   for (const int units : hidden_layers) require(units >= 1 && units <= 8192, "a hidden layer", units, "in [1, 8192]");
-  require(num_critics == 1 || num_critics == 2, "num_critics", num_critics, "1 or 2");
+  require(num_critics >= 1 && num_critics <= 16, "num_critics", num_critics, "in [1, 16]");
   require(batch_size >= 2 && batch_size % 2 == 0, "batch_size", batch_size, "even and at least 2");
   require(gamma >= 0 && gamma < 1, "gamma", gamma, "in [0, 1)");
   require(target_rate > 0 && target_rate <= 1, "target_rate", target_rate, "in (0, 1]");
@@ -45,10 +45,24 @@ void TrainerConfig::validate() const {
   require_range("target_noise", target_noise, 0.0f, 10.0f);
   require_range("target_noise_clip", target_noise_clip, 0.0f, 10.0f);
   require_range("action_penalty", action_penalty, 0.0f, 1e6f);
+  require(num_quantiles >= 1 && num_quantiles <= 256, "num_quantiles", num_quantiles, "in [1, 256]");
+  require(dropped_quantiles >= 0 && dropped_quantiles < num_quantiles, "dropped_quantiles", dropped_quantiles,
+          "at least 0 and less than num_quantiles");
+  require(num_quantiles == 1 || algorithm == Algorithm::kSac, "num_quantiles", num_quantiles,
+          "1 but with SAC, whose policy takes their mean");
+  require(temperature > 0 && std::isfinite(temperature), "temperature", temperature, "positive");
+  require(std::isfinite(target_entropy), "target_entropy", target_entropy, "finite");
   require_range("cloning_weight", cloning_weight, 0.0f, 1e6f);
   require(differences.size() % 2 == 0, "the length of differences", differences.size(), "even, two for each pair");
   for (const int i : differences) require_at_least("an index in differences", i, 0);
   require(input_clip > 0 && std::isfinite(input_clip), "input_clip", input_clip, "positive");
+  require_at_least("rollout_steps", rollout_steps, 1);
+  require_at_least("epochs", epochs, 1);
+  require_range("gae_lambda", gae_lambda, 0.0, 1.0);
+  require_range("clip_range", clip_range, 0.0f, 1.0f);
+  require_range("entropy_weight", entropy_weight, 0.0f, 1e3f);
+  require_range("value_weight", value_weight, 0.0f, 1e3f);
+  require(max_gradient_norm > 0, "max_gradient_norm", max_gradient_norm, "positive");
   require_at_least("updates_per_iteration", updates_per_iteration, 0);
   require_at_least("replay_capacity", replay_capacity, 1);
   require(warmup_transitions >= 1 && warmup_transitions <= replay_capacity, "warmup_transitions", warmup_transitions,
@@ -57,6 +71,10 @@ void TrainerConfig::validate() const {
   require_range("expert_rate", expert_rate, 0.0, 1.0);
   require_range("exploration_noise", exploration_noise, 0.0f, 10.0f);
   require_range("random_action_rate", random_action_rate, 0.0, 1.0);
+  require(algorithm != Algorithm::kPpo || !wants_expert(), "algorithm", "PPO",
+          "TD3 or SAC where expert_rate or cloning_weight ask for an expert");
+  require(algorithm == Algorithm::kTd3 || (cloning_weight == 0 && policy_delay == 1), "algorithm", "not TD3",
+          "TD3 where cloning_weight is not 0 or policy_delay not 1");
   require_at_least("evaluation_interval", evaluation_interval, 1);
   require_at_least("evaluation_episodes", evaluation_episodes, 1);
   require_range("stop_success_rate", stop_success_rate, 0.0, 1.0);

@@ -4,31 +4,56 @@
 #include <cstdint>
 #include <vector>
 
+#include "manyhands/learn/mlp.h"
+
 namespace manyhands::learn {
 
+enum class Algorithm {
+  kTd3,  ///< deterministic policy gradient: DDPG, and with its three additions TD3
+  kSac,  ///< soft actor-critic, and with quantiles TQC
+  kPpo,  ///< proximal policy optimisation: on-policy
+};
+
 struct TrainerConfig {
+  Algorithm algorithm = Algorithm::kTd3;
   std::uint64_t seed = 0;  ///< of networks, exploration, sampling and episodes
   int num_threads = 2;     ///< 1 or 2 are used for gradient steps; the results are the same bits
 
   // Networks and their update
   std::vector<int> hidden_layers = {64, 64};  ///< units of each hidden layer, of actor and critics alike
-  int num_critics = 1;                        ///< 1: DDPG; 2: the smaller of two values is the target (TD3)
-  int batch_size = 256;                       ///< transitions per gradient step, even
-  double gamma = 0.95;                        ///< discount per environment step, in [0, 1)
-  float target_rate = 0.05f;                  ///< Polyak rate of the target networks, in (0, 1]
+  HiddenActivation activation = HiddenActivation::kRelu;
+  int num_critics = 1;        ///< 1: DDPG; more: the smallest of their values is the target (TD3, SAC)
+  int batch_size = 256;       ///< transitions per gradient step, even
+  double gamma = 0.95;        ///< discount per environment step, in [0, 1)
+  float target_rate = 0.05f;  ///< Polyak rate of the target networks, in (0, 1]
   float actor_learning_rate = 1e-3f;
   float critic_learning_rate = 1e-3f;
-  int policy_delay = 1;            ///< critic steps per policy (and target) step; TD3: 2
-  bool average_policy = false;     ///< act by the policy's target network, a running mean of its weights
-  float target_noise = 0.0f;       ///< standard deviation of the smoothing noise on target actions; TD3: 0.2
-  float target_noise_clip = 0.5f;  ///< its largest magnitude
-  float action_penalty = 0.0f;     ///< weight of |action|^2 in the policy's loss
-  float cloning_weight = 0.0f;     ///< in the policy's loss, of |action - the expert's|^2 where the goal is the task's
-  bool cloning_filter = true;      ///< only where the first critic prefers the expert's action to the policy's
+  int policy_delay = 1;             ///< critic steps per policy (and target) step; TD3: 2
+  bool average_policy = false;      ///< act by the policy's target network, a running mean of its weights
+  float target_noise = 0.0f;        ///< standard deviation of the smoothing noise on target actions; TD3: 0.2
+  float target_noise_clip = 0.5f;   ///< its largest magnitude
+  float action_penalty = 0.0f;      ///< weight of |action|^2 in the policy's loss
+  int num_quantiles = 1;            ///< of the return, that a critic gives; 1: its mean; TQC: 25
+  int dropped_quantiles = 0;        ///< the largest of each critic that a target leaves out; TQC: 2
+  float temperature = 1.0f;         ///< SAC: weight of the policy's entropy beside the return, at first
+  bool learned_temperature = true;  ///< SAC: it follows so that the entropy becomes `target_entropy`
+  float target_entropy = 0.0f;      ///< SAC: of the policy; 0: -action_dim
+  float cloning_weight = 0.0f;      ///< in the policy's loss, of |action - the expert's|^2 where the goal is the task's
+  bool cloning_filter = true;       ///< only where the first critic prefers the expert's action to the policy's
   /// Pairs (i, k): the network also sees o[i, i + 3) - o[k, k + 3) of an observation o, as fine as 2 cm: where a hand
   /// must be within millimetres of something, both of which it knows to a tenth of a metre.
   std::vector<int> differences = {};
   float input_clip = 5.0f;  ///< largest normalised network input, in standard deviations
+
+  // PPO
+  int rollout_steps = 32;          ///< environment steps of every world between updates
+  int epochs = 10;                 ///< how often an update goes through them
+  double gae_lambda = 0.95;        ///< of the advantages, in [0, 1]
+  float clip_range = 0.2f;         ///< by which a probability may change in one update, as a part of it
+  float entropy_weight = 0.0f;     ///< in the loss, of -entropy
+  float value_weight = 0.5f;       ///< in the loss, of the squared error of the value
+  float max_gradient_norm = 0.5f;  ///< of policy and value together; longer ones are shortened
+  bool scale_rewards = true;       ///< by the standard deviation of the discounted return so far
 
   // Experience
   int updates_per_iteration = 8;    ///< gradient steps after each step of the batch

@@ -69,9 +69,15 @@ def test_statistics_of_vec_normalize_go_along(keys: list[str] | None, tmp_path: 
     assert_acts_as(tmp_path / "policy.onnx", model)
 
 
-@pytest.mark.parametrize("differences", [[], [6, 0, 3, 9]])
-def test_a_policy_of_ours_acts_the_same_in_sb3(differences: list[int], tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("algorithm", "activation", "differences"),
+    [("TD3", "relu", []), ("TD3", "relu", [6, 0, 3, 9]), ("SAC", "tanh", [])],
+)
+def test_a_policy_of_ours_acts_the_same_in_sb3(
+    algorithm: str, activation: str, differences: list[int], tmp_path: Path
+) -> None:
     config = TrainerConfig()
+    config.algorithm, config.activation = algorithm, activation
     config.hidden_layers, config.differences = [24, 16], differences
     trainer = Trainer(make_env_batch(ENV_ID, 32), None, config)
     trainer.advance(100)
@@ -99,7 +105,12 @@ def test_what_cannot_be_converted_is_told(tmp_path: Path) -> None:
 
     model = TD3("MultiInputPolicy", make_sb3(ENV_ID), **small)
     from_sb3(model, ENV_ID, path)
-    with pytest.raises(ValueError, match="is no policy of `manyhands train`: its operations are Concat, Gemm"):
+    with pytest.raises(ValueError, match="is no policy that a trainer of ours made.*: its operations are Concat, Gemm"):
+        to_sb3(path, make_sb3(ENV_ID))
+    config = TrainerConfig()
+    config.algorithm = "PPO"
+    save_policy(Trainer(make_env_batch(ENV_ID, 16), None, config).policy(), ENV_ID, path)
+    with pytest.raises(ValueError, match="ends with tanh: its operations are .* Gemm, Clip$"):
         to_sb3(path, make_sb3(ENV_ID))
     save_policy(Trainer(make_env_batch(ENV_ID, 16), None, TrainerConfig()).policy(), ENV_ID, path)
     with pytest.raises(ValueError, match=r"the policy takes .*'observation': \(18,\).* the environment gives"):

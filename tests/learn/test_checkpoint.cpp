@@ -8,6 +8,7 @@
 
 #include "manyhands/learn/trainer.h"
 #include "tests/learn/point_reach.h"
+#include "tests/learn/small_config.h"
 
 namespace manyhands::learn {
 namespace {
@@ -25,13 +26,8 @@ class Checkpoint : public testing::Test {
   void TearDown() override { fs::remove_all(folder_); }
 
   static TrainerConfig config() {
-    TrainerConfig config;
-    config.seed = 7;
-    config.hidden_layers = {24, 16};
-    config.batch_size = 64;
-    config.warmup_transitions = 300;
-    config.replay_capacity = 900;  // small: the ring is full, and more than one episode old, at the checkpoint
-    config.updates_per_iteration = 2;
+    // A small replay: the ring is full, and more than one episode old, at the checkpoint.
+    TrainerConfig config = small_config({24, 16}, 300, 900);
     config.target_noise = 0.1f;
     config.num_critics = 2;
     config.policy_delay = 2;

@@ -4,9 +4,12 @@
 
 #include <filesystem>
 
+#include "manyhands/learn/agent.h"
+#include "manyhands/learn/replay.h"
 #include "manyhands/learn/trainer.h"
 #include "tests/learn/point_expert.h"
 #include "tests/learn/point_reach.h"
+#include "tests/learn/small_config.h"
 
 namespace manyhands::learn {
 namespace {
@@ -90,8 +93,9 @@ double cloned_action(bool filter, float weight, float best, float advised) {
     agent.update(halves, {.low = -100, .high = 100});
   }
   MlpTape<float> tape = agent.actor().make_tape(64);
-  agent.actor().forward(tape);
-  return static_cast<double>(tape.output().mean());
+  Matrix<float> action = Matrix<float>::Zero(1, 64);
+  agent.actor().act(tape, action);
+  return static_cast<double>(action.mean());
 }
 
 TEST(Cloning, WeighsTheExpertAgainstTheCritic) {
@@ -107,13 +111,7 @@ TEST(Cloning, FilteredFollowsABetterExpertAndLeavesAWorse) {
 }
 
 TrainerConfig guided_config() {
-  TrainerConfig config;
-  config.seed = 7;
-  config.hidden_layers = {24, 16};
-  config.batch_size = 64;
-  config.warmup_transitions = 100;
-  config.replay_capacity = 900;
-  config.updates_per_iteration = 2;
+  TrainerConfig config = small_config({24, 16}, 100, 900);
   config.expert_rate = 0.25;
   config.cloning_weight = 2;
   config.differences = {0, 3};

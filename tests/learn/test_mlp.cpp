@@ -32,10 +32,10 @@ double central_difference(double& x, const std::function<double()>& f) {
   return (above - below) / (2 * kStep);
 }
 
-class MlpGradient : public testing::TestWithParam<OutputActivation> {};
+class MlpGradient : public testing::TestWithParam<std::tuple<OutputActivation, HiddenActivation>> {};
 
 TEST_P(MlpGradient, EqualsFiniteDifferences) {
-  Mlp<double> net({5, 7, 6, 3}, GetParam());
+  Mlp<double> net({5, 7, 6, 3}, std::get<0>(GetParam()), std::get<1>(GetParam()));
   net.initialise(3, 1.0);
   MlpTape<double> tape = net.make_tape(4);
   tape.input() = random_matrix(5, 4, 1);
@@ -57,7 +57,9 @@ TEST_P(MlpGradient, EqualsFiniteDifferences) {
   EXPECT_GT(gradient.norm(), 0.1);
 }
 
-INSTANTIATE_TEST_SUITE_P(Outputs, MlpGradient, testing::Values(OutputActivation::kLinear, OutputActivation::kTanh));
+INSTANTIATE_TEST_SUITE_P(Activations, MlpGradient,
+                         testing::Combine(testing::Values(OutputActivation::kLinear, OutputActivation::kTanh),
+                                          testing::Values(HiddenActivation::kRelu, HiddenActivation::kTanh)));
 
 TEST(Mlp, ComputesAHandWorkedExample) {
   Mlp<double> net({2, 2, 1}, OutputActivation::kLinear);

@@ -86,22 +86,30 @@ MANYHANDS_INLINE void add_moved(const RowBlock& rows, T change, Iterate<T>& iter
   if (rows.begin_b < rows.end_b) iterate.moved[index(rows.begin_b)] += change;
 }
 
-/// Visits the patches whose trees have moved by more than `least` since their last visit began: by how much that
-/// changed a contact's velocity, at most [m/s].
+/// Whether contacts wait while little moves.
+template <Number T>
+inline constexpr bool kWaits = SolverTraits<real_t<T>>::kLittleMoved > 0;
+
+/// Visits the patches whose trees have moved by more than `least` since their last visit began, or all where none
+/// waits: by how much that changed a contact's velocity, at most [m/s].
 template <Number T>
 MANYHANDS_INLINE T visit_contacts(const ContactProblem<T>& problem, const Factors<T>& factors, mask_t<T> active,
                                   T least, Iterate<T>& iterate) {
   T largest = constant<T>(0);
   for (std::size_t k = 0; k < problem.patches.size(); ++k) {
-    const RowBlock& rows = problem.patches[k].linear;
-    const T now = moved(rows, iterate);
-    const auto asked = active & (now - iterate.patches[k].seen > least);
-    if (none(asked)) continue;
-    T change = constant<T>(0);
-    relax_patch(problem, factors, k, asked, iterate, change);
-    iterate.patches[k].seen = select(asked, now, iterate.patches[k].seen);
-    add_moved(rows, change, iterate);
-    largest = max(largest, change);
+    if constexpr (kWaits<T>) {
+      const RowBlock& rows = problem.patches[k].linear;
+      const T now = moved(rows, iterate);
+      const auto asked = active & (now - iterate.patches[k].seen > least);
+      if (none(asked)) continue;
+      T change = constant<T>(0);
+      relax_patch(problem, factors, k, asked, iterate, change);
+      iterate.patches[k].seen = select(asked, now, iterate.patches[k].seen);
+      add_moved(rows, change, iterate);
+      largest = max(largest, change);
+    } else {
+      relax_patch(problem, factors, k, active, iterate, largest);
+    }
   }
   return largest;
 }
@@ -111,7 +119,7 @@ MANYHANDS_INLINE T visit_contacts(const ContactProblem<T>& problem, const Factor
 /// iterations, which counts down. How many there were; `change` is by how much a world's last one changed a contact's
 /// velocity [m/s].
 ///
-/// Where little has moved a patch is not visited: in a heap most are at rest while some still find their impulses. Only
+/// Where little has moved a patch may wait: in a heap most are at rest while some still find their impulses. Only
 /// an iteration over all patches tells that a world has converged.
 template <Number T>
 MANYHANDS_INLINE int iterate_contacts(const ContactProblem<T>& problem, const Factors<T>& factors, T tolerance,
@@ -120,10 +128,10 @@ MANYHANDS_INLINE int iterate_contacts(const ContactProblem<T>& problem, const Fa
   const T zero = constant<T>(0), one = constant<T>(1), all = constant<T>(-1), part = constant<T>(Traits::kLittleMoved);
   int iterations = 0;
   change = problem.points.empty() ? zero : constant<T>(std::numeric_limits<double>::infinity());
-  iterate.moved.assign(iterate.dv.size(), zero);
+  if constexpr (kWaits<T>) iterate.moved.assign(iterate.dv.size(), zero);
   for (std::size_t k = 0; k < problem.patches.size(); ++k) {
     iterate.patches[k].start = patch_motion(*problem.tree, problem.patches[k], problem.rows, iterate.dv.data());
-    iterate.patches[k].seen = zero;
+    if constexpr (kWaits<T>) iterate.patches[k].seen = zero;
   }
   T least = all;
   for (auto active = budget > zero; any(active);) {
@@ -132,7 +140,7 @@ MANYHANDS_INLINE int iterate_contacts(const ContactProblem<T>& problem, const Fa
     change = select(active & (visited_all | !settles), largest, change);
     budget = select(active, budget - one, budget);
     active = active & !(settles & visited_all) & (budget > zero);
-    least = select(settles, all, part * largest);
+    if constexpr (kWaits<T>) least = select(settles, all, part * largest);
     ++iterations;
   }
   apply_change(problem, factors, iterate);

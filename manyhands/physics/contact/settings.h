@@ -30,7 +30,7 @@ struct SolverTraits<double> {
   /// Newton steps towards the root of a sliding point in one visit: the next visit goes on from there.
   static constexpr int kSlideSteps = 2;
   /// Contacts whose trees have moved by less since their last visit, as a part of what the last iteration moved at
-  /// most, are not visited: in a heap nearly all are at rest. Where negative all are.
+  /// most, are not visited: in a heap nearly all are at rest. 0: all are visited.
   static constexpr double kLittleMoved = 0.3;
   /// By how much a joint's impulse or velocity may contradict its state, relative to its size: rounding.
   static constexpr double kStateTolerance = 1e-12;
@@ -56,7 +56,7 @@ struct SolverTraits<float> {
   static constexpr bool kRefines = false;
   static constexpr int kIterationsPerLook = 2;
   static constexpr int kSlideSteps = 1;
-  static constexpr double kLittleMoved = -1;
+  static constexpr double kLittleMoved = 0;
   static constexpr float kStateTolerance = 1e-5F;
   static constexpr double kStiffest = 1e4;
   static constexpr int kLengthPasses = 1;

@@ -1,12 +1,12 @@
 #include "manyhands/physics/world/world.h"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 
 #include "manyhands/base/float_environment.h"
 #include "manyhands/base/hash.h"
+#include "manyhands/physics/dynamics/checks.h"
 #include "manyhands/physics/world/world_impl.h"
+#include "manyhands/physics/world/world_text.h"
 
 namespace manyhands {
 
@@ -97,18 +97,13 @@ namespace {
 
 /// The joints with a coordinate that is not finite, by name; empty if there are none.
 std::string joints_without_numbers(const WorldCore& core) {
-  constexpr int kMostNamed = 5;
-  std::string names;
-  int count = 0;
+  std::vector<std::string> names;
   for (const Body& body : core.model->bodies()) {
-    const auto all_finite = [](const double* x, int size) {
-      return std::all_of(x, x + size, [](double a) { return is_finite(a); });
-    };
-    if (all_finite(core.state.q() + body.iq, body.nq) && all_finite(core.state.v() + body.iv, body.nv)) continue;
-    if (++count > kMostNamed) continue;
-    names += (names.empty() ? "'" : ", '") + core.model->joint(body.joint).name + "'";
+    const bool finite = internal::all_finite(core.state.q() + body.iq, body.nq) &&
+                        internal::all_finite(core.state.v() + body.iv, body.nv);
+    if (!finite) names.push_back(core.model->joint(body.joint).name);
   }
-  return count > kMostNamed ? names + " and " + std::to_string(count - kMostNamed) + " more" : names;
+  return internal::list_of(names, 5);
 }
 
 /// The joint that moves farthest in the step, of the trees that have made motion, and what is wrong with it.
@@ -127,14 +122,10 @@ std::string made_motion(const WorldCore& core, double h) {
       tree = balance.root[b];
     }
   }
-  const auto text = [](double number) {
-    std::array<char, 32> digits{};
-    std::snprintf(digits.data(), digits.size(), "%.3g", number);
-    return std::string(digits.data());
-  };
-  return "moves joint '" + core.model->joint(core.model->bodies()[farthest].joint).name + "' by " + text(most) +
-         " rad or m at once, and its tree's motion grows from " + text(balance.before[tree]) + " J to " +
-         text(std::max(balance.after[tree], balance.moved[tree])) + " J from nothing";
+  return "moves joint '" + core.model->joint(core.model->bodies()[farthest].joint).name + "' by " +
+         internal::short_text(most) + " rad or m at once, and its tree's motion grows from " +
+         internal::short_text(balance.before[tree]) + " J to " +
+         internal::short_text(std::max(balance.after[tree], balance.moved[tree])) + " J from nothing";
 }
 
 }  // namespace

@@ -1,37 +1,25 @@
 // World: what commonly goes wrong with a scene.
-#include <array>
-#include <cstdio>
+#include <algorithm>
 
 #include "manyhands/physics/dynamics/rnea.h"
 #include "manyhands/physics/world/world_impl.h"
+#include "manyhands/physics/world/world_text.h"
 
 namespace manyhands {
 
 namespace {
 
+using internal::short_text;
+
 constexpr double kFalling = 1.0;      // [m/s] downwards: what falls for a tenth of a second
 constexpr double kSaturated = 0.999;  // share of its largest force that a motor gives when it can no more
 constexpr double kBeyond = 1e-6;      // [rad or m] by which a target lies beyond a limit
-
-std::string number(double x) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.3g", x);
-  return text.data();
-}
-
-/// "'a', 'b', 'c' and 7 more".
-std::string list_of(const std::vector<std::string>& parts) {
-  constexpr std::size_t kNamed = 3;
-  std::string text;
-  for (std::size_t i = 0; i < std::min(parts.size(), kNamed); ++i) text += (i > 0 ? ", '" : "'") + parts[i] + "'";
-  if (parts.size() > kNamed) text += " and " + std::to_string(parts.size() - kNamed) + " more";
-  return text;
-}
+constexpr std::size_t kNamed = 3;     // parts in a sentence
 
 void add_if_any(const char* kind, std::vector<std::string> parts, const std::string& text,
                 std::vector<Finding>& found) {
   if (parts.empty()) return;
-  const std::string subject = list_of(parts);
+  const std::string subject = internal::list_of(parts, kNamed);
   found.push_back({kind, std::move(parts), subject + text});
 }
 
@@ -106,16 +94,16 @@ void find_motors(const WorldCore& now, double h, std::vector<Finding>& found) {
     if (now.has_stepped && given >= kSaturated * most && std::abs(needed[i]) > most) {
       found.push_back({"weak_motor",
                        {name},
-                       "'" + name + "': its motor gives all that it may, " + number(most) + unit +
-                           "; to hold still takes " + number(std::abs(needed[i])) + unit +
+                       "'" + name + "': its motor gives all that it may, " + short_text(most) + unit +
+                           "; to hold still takes " + short_text(std::abs(needed[i])) + unit +
                            ": give it a larger max_force"});
     }
     const double target = now.state.target_q()[i], lower = now.params.lower[i], upper = now.params.upper[i];
     if (now.params.motor_kp[i] > 0 && (target < lower - kBeyond || target > upper + kBeyond)) {
       found.push_back({"target_beyond_limit",
                        {name},
-                       "'" + name + "': its motor is to go to " + number(target) + ", and the joint goes from " +
-                           number(lower) + " to " + number(upper)});
+                       "'" + name + "': its motor is to go to " + short_text(target) + ", and the joint goes from " +
+                           short_text(lower) + " to " + short_text(upper)});
     }
   }
 }

@@ -1,9 +1,11 @@
 // World: its parts by ids, for programs that ask often.
 #include <algorithm>
+#include <array>
 
 #include "manyhands/base/float_environment.h"
 #include "manyhands/math/quaternion.h"
 #include "manyhands/model/model_edit.h"
+#include "manyhands/physics/dynamics/checks.h"
 #include "manyhands/physics/world/world_impl.h"
 
 namespace manyhands {
@@ -16,10 +18,7 @@ namespace {
 
 /// Messages are made only where a check fails: these calls are frequent.
 bool all_finite(std::span<const double> numbers) {
-  return std::ranges::all_of(numbers, [](double x) { return is_finite(x); });
-}
-bool all_finite(std::initializer_list<double> numbers) {
-  return all_finite(std::span(numbers.begin(), numbers.size()));
+  return internal::all_finite(numbers.data(), static_cast<int>(numbers.size()));
 }
 
 }  // namespace
@@ -101,7 +100,8 @@ void World::apply_link_force(LinkId id, const Vec3<double>& force, const Vec3<do
   WorldCore& now = loose();
   const std::string& name = required_link(now, id).name;
   const Force<double> about_origin{torque + cross(point, force), force};
-  if (!all_finite({about_origin.n.x, about_origin.n.y, about_origin.n.z, force.x, force.y, force.z})) {
+  const Vec3<double>& moment = about_origin.n;
+  if (!all_finite(std::array{moment.x, moment.y, moment.z, force.x, force.y, force.z})) {
     require_vector("the force on '" + name + "'", force);
     require_vector("the torque on '" + name + "'", torque);
     require_vector("the point of the force on '" + name + "'", point);

@@ -88,11 +88,11 @@ def parse_choices(assignments: Sequence[str]) -> dict[str, list[Any]]:
         name, equals, text = assignment.partition("=")
         if not equals:
             raise ValueError(f"{assignment!r} is no setting, expected NAME=VALUE,..., for example gamma=0.9,0.95")
-        require_setting(name)
+        known = require_setting(name)
         if name in choices:
             raise ValueError(f"{name} is set twice: give its values as {name}=VALUE,VALUE")
         try:
-            choices[name] = json.loads(f"[{text}]")
+            choices[name] = text.split(",") if isinstance(known, str) else json.loads(f"[{text}]")
         except json.JSONDecodeError as error:
             raise ValueError(f"{assignment!r}: {text!r} are no numbers, lists, true or false") from error
         if not choices[name]:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import Unpack
 
-from manyhands._core.envs import EnvBodies, EnvSpec
+from manyhands._core.envs import EnvBatch, EnvBodies, EnvSpec
 from manyhands.envs import spaces
 from manyhands.envs.cameras import RENDER_MODES, EnvCameras, require_mode
 from manyhands.envs.page import Page
@@ -123,6 +123,12 @@ class ArmEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         """What is observed now."""
         with self._turn:
             return self._observation()
+
+    def training_batch(self, num_envs: int, num_threads: int | None = None) -> EnvBatch:
+        """`num_envs` new worlds of this environment in C++, for a trainer."""
+        own: dict[str, Any] = dict(self._arguments)
+        task, reward_type, control_type = (own.pop(key) for key in ("task", "reward_type", "control_type"))
+        return spaces.make_batch(task, reward_type, control_type, num_envs, num_threads or 0, own)  # pyright: ignore[reportArgumentType]
 
     @property
     def env_spec(self) -> EnvSpec:

@@ -97,7 +97,9 @@ def as_range(name: str, value: Any) -> tuple[str, float, float, bool]:
     parts: list[Any] = list(value) if isinstance(value, Sequence) and len(value) > 1 else [value, value]
     low, high, *law = parts
     numbers = all(isinstance(number, int | float | np.integer | np.floating) for number in (low, high))
-    if not numbers or law not in ([], ["log"]):
+    if not numbers:
+        raise ValueError(f"randomize: {name!r} is {value!r}, expected numbers: x, (low, high) or (low, high, 'log')")
+    if law not in ([], ["log"]):
         raise ValueError(f"randomize: {name!r} is {value!r}, expected a number, (low, high) or (low, high, 'log')")
     return name, float(low), float(high), bool(law)
 

@@ -12,7 +12,7 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import Unpack
 
-from manyhands._core.envs import AutoresetBatch, EnvBodies
+from manyhands._core.envs import AutoresetBatch, EnvBatch, EnvBodies
 from manyhands._core.envs import AutoresetMode as CoreMode
 from manyhands.arguments import MOST_THREADS, whole_number
 from manyhands.envs import spaces
@@ -109,6 +109,16 @@ class ArmVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         self.single_action_space = spaces.action_space(spec)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
+
+    def training_batch(self, num_threads: int | None = None) -> EnvBatch | None:
+        """As many new worlds of it in C++, for a trainer; None if its episodes have a limit of their own."""
+        own = dict(self._arguments)
+        if own["max_episode_steps"] not in (None, self._envs.spec.max_episode_steps):
+            return None
+        task, reward_type, control_type = (own.pop(key) for key in ("task", "reward_type", "control_type"))
+        for key in ("num_envs", "max_episode_steps", "num_threads", "autoreset_mode", "render_mode"):
+            del own[key]
+        return spaces.make_batch(task, reward_type, control_type, self.num_envs, num_threads or 0, own)  # pyright: ignore[reportArgumentType]
 
     def reset(
         self,

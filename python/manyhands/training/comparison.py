@@ -165,4 +165,4 @@ def _label(settings: dict[str, Any], names: Sequence[str]) -> str:
 
 
 def _text(value: Any) -> str:
-    return f"{value:g}" if isinstance(value, float) else json.dumps(value)
+    return f"{value:g}" if isinstance(value, float) else str(value)

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import onnx
 from numpy.typing import NDArray
-from onnx import numpy_helper
+from onnx import TensorProto, numpy_helper
 
 from manyhands._core.learn import Policy
 from manyhands.files import replacing
@@ -18,15 +18,23 @@ Array = NDArray[np.float32]
 def to_onnx(policy: Policy, env_id: str) -> onnx.ModelProto:
     """The policy as a graph.
 
-    Inputs, float32: observation (batch, observation_dim), achieved_goal and desired_goal (batch, goal_dim), raw as the
-    environment gives them. Output: action (batch, action_dim) in [-1, 1].
+    Inputs, float32: observation (batch, observation_dim), and where there are goals achieved_goal and desired_goal
+    (batch, goal_dim), raw as the environment gives them. Output: action (batch, action_dim) in [-1, 1], or the index of
+    a choice.
     """
-    graph = PolicyGraph()
+    graph = PolicyGraph(has_goals=policy.goal_dim > 0)
     x = graph.goal_features(_pairs(policy), policy.mean, policy.scale, policy.clip)
     for i, (weight, bias) in enumerate(policy.layers):
-        last = i == len(policy.layers) - 1
         x = graph.linear(x, weight, bias, i)
-        x = graph.apply("Tanh" if last else "Relu", [x], "action" if last else f"hidden_{i}")
+        if i < len(policy.layers) - 1:
+            x = graph.apply("Relu" if policy.activation == "relu" else "Tanh", [x], f"hidden_{i}")
+    if policy.output == "tanh":
+        graph.apply("Tanh", [x], "action")
+    elif policy.output == "clip":
+        graph.clipped(x, 1, "action")
+    else:
+        choice = graph.apply("ArgMax", [x], "choice", axis=1, keepdims=1)
+        graph.apply("Cast", [choice], "action", to=TensorProto.FLOAT)
     return graph.model(policy.observation_dim, policy.goal_dim, policy.action_dim, env_id)
 
 
@@ -50,12 +58,13 @@ def save_model(model: onnx.ModelProto, path: Path) -> None:
 
 @dataclass(frozen=True)
 class PolicyArrays:
-    """What a file of `save_policy` holds."""
+    """What a file of `save_policy` holds, of a policy that reaches goals and ends with tanh."""
 
     pairs: Array  # (observation_dim, n) takes differences from observations
     mean: Array  # (inputs)
     scale: Array  # (inputs)
     clip: float
+    activation: str  # of hidden layers: "Relu" or "Tanh"
     layers: list[tuple[Array, Array]]  # weight (outputs, inputs), bias (outputs)
     observation_dim: int
     goal_dim: int
@@ -73,9 +82,13 @@ def read_policy(path: Path) -> PolicyArrays:
     done = [node.op_type for node in graph.node]
     count = done.count("Gemm")
     differs = ["MatMul"] if "pairs" in constants else []
-    expected = ["Sub", *differs, "Concat", "Sub", "Mul", "Clip", *["Gemm", "Relu"] * (count - 1), "Gemm", "Tanh"]
-    if done != expected:
-        raise ValueError(f"{path} is no policy of `manyhands train`: its operations are {', '.join(done)}")
+    activation = "Relu" if "Relu" in done else "Tanh"
+    hidden = ["Gemm", activation] * (count - 1)
+    if done != ["Sub", *differs, "Concat", "Sub", "Mul", "Clip", *hidden, "Gemm", "Tanh"]:
+        raise ValueError(
+            f"{path} is no policy that a trainer of ours made, reaches goals and ends with tanh: its operations are "
+            f"{', '.join(done)}"
+        )
     sizes = {one.name: one.type.tensor_type.shape.dim[-1].dim_value for one in graph.input}
     observation_dim = sizes["observation"]
     return PolicyArrays(
@@ -83,6 +96,7 @@ def read_policy(path: Path) -> PolicyArrays:
         mean=constants["mean"],
         scale=constants["scale"],
         clip=float(constants["high_normalised"]),
+        activation=activation,
         layers=[(constants[f"weight_{i}"], constants[f"bias_{i}"]) for i in range(count)],
         observation_dim=observation_dim,
         goal_dim=sizes["desired_goal"],

@@ -12,9 +12,10 @@ INPUTS = ("observation", "achieved_goal", "desired_goal")
 
 
 class PolicyGraph:
-    """Values are known by their names; a graph begins with INPUTS."""
+    """Values are known by their names; a graph begins with INPUTS, or without goals with the first of them."""
 
-    def __init__(self) -> None:
+    def __init__(self, has_goals: bool = True) -> None:
+        self._inputs = INPUTS if has_goals else INPUTS[:1]
         self._constants: list[onnx.TensorProto] = []
         self._nodes: list[onnx.NodeProto] = []
 
@@ -40,12 +41,14 @@ class PolicyGraph:
         return self.apply("Clip", [x, *limits], output)
 
     def goal_features(self, pairs: ArrayLike, mean: ArrayLike, scale: ArrayLike, clip: float) -> str:
-        """What our networks see: observation, goal, the way to it, and differences within the observation, normalised.
+        """What our networks see: observation, where there are goals the goal and the way to it, and differences within
+        the observation, normalised.
 
         pairs: the matrix (observation_dim, n) that takes the differences, none with n = 0.
         """
-        to_goal = self.apply("Sub", ["desired_goal", "achieved_goal"], "to_goal")
-        parts = ["observation", "desired_goal", to_goal]
+        parts = ["observation"]
+        if len(self._inputs) > 1:
+            parts += ["desired_goal", self.apply("Sub", ["desired_goal", "achieved_goal"], "to_goal")]
         if np.size(pairs):
             parts.append(self.apply("MatMul", ["observation", self.constant("pairs", pairs)], "differences"))
         return self.normalised(self.apply("Concat", parts, "features", axis=1), mean, scale, clip)
@@ -62,7 +65,7 @@ class PolicyGraph:
             return helper.make_tensor_value_info(name, TensorProto.FLOAT, ["batch", size])
 
         sizes = (observation_dim, goal_dim, goal_dim)
-        inputs = [rows(name, size) for name, size in zip(INPUTS, sizes, strict=True)]
+        inputs = [rows(name, size) for name, size in zip(self._inputs, sizes, strict=False)]
         graph = helper.make_graph(self._nodes, "policy", inputs, [rows("action", action_dim)], self._constants)
         model = helper.make_model(
             graph,

@@ -49,7 +49,7 @@ class GoalFeatures(BaseFeaturesExtractor):
 
 
 def to_sb3(policy: Path, env: Any, **arguments: Any) -> TD3:
-    """A TD3 whose `predict` acts as a policy of `manyhands train`, a file or a run's folder.
+    """A TD3 whose `predict` acts as a policy that was trained here by DDPG, TD3, SAC or TQC: a file or a run's folder.
 
     `env` is a goal environment or vector of them with the policy's sizes; `arguments` go to TD3. The critics are new:
     who trains on lets them learn before the actor moves. Raises ValueError if it is another network or does not fit.
@@ -58,7 +58,12 @@ def to_sb3(policy: Path, env: Any, **arguments: Any) -> TD3:
     _require_fit(arrays, env)
     hidden = [len(bias) for _, bias in arrays.layers[:-1]]
     seen = {"pairs": arrays.pairs, "mean": arrays.mean, "scale": arrays.scale, "clip": arrays.clip}
-    kwargs = {"net_arch": hidden, "features_extractor_class": GoalFeatures, "features_extractor_kwargs": seen}
+    kwargs = {
+        "net_arch": hidden,
+        "activation_fn": torch.nn.ReLU if arrays.activation == "Relu" else torch.nn.Tanh,
+        "features_extractor_class": GoalFeatures,
+        "features_extractor_kwargs": seen,
+    }
     model = TD3("MultiInputPolicy", env, **{"policy_kwargs": kwargs, "device": "cpu", **arguments})
     for actor in (model.actor, model.actor_target):
         linear = [module for module in actor.mu if isinstance(module, torch.nn.Linear)]

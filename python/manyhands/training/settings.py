@@ -12,11 +12,12 @@ from manyhands.arguments import whole_number
 FIRST_EVALUATION_SEED = 10**9  # of the last evaluation: training draws its seeds from all 64-bit numbers by hash
 
 
-def require_setting(name: str) -> None:
-    """Raises ValueError unless the trainer has a setting of this name; the seed is the run's."""
-    known = TrainerConfig().to_dict().keys() - {"seed"}
-    if name not in known:
-        raise ValueError(f"{name!r} is no trainer setting; there are {', '.join(sorted(known))}")
+def require_setting(name: str) -> Any:
+    """The default of one of the trainer's settings; the seed is the run's. Raises ValueError if there is none."""
+    known = TrainerConfig().to_dict()
+    if name not in known or name == "seed":
+        raise ValueError(f"{name!r} is no trainer setting; there are {', '.join(sorted(known.keys() - {'seed'}))}")
+    return known[name]
 
 
 def parse_overrides(assignments: Sequence[str]) -> dict[str, Any]:
@@ -26,7 +27,10 @@ def parse_overrides(assignments: Sequence[str]) -> dict[str, Any]:
         name, equals, text = assignment.partition("=")
         if not equals:
             raise ValueError(f"{assignment!r} is no setting, expected NAME=VALUE, for example gamma=0.9")
-        require_setting(name)
+        known = require_setting(name)
+        if isinstance(known, str):
+            overrides[name] = text
+            continue
         try:
             overrides[name] = json.loads(text)
         except json.JSONDecodeError as error:
@@ -34,7 +38,8 @@ def parse_overrides(assignments: Sequence[str]) -> dict[str, Any]:
     return overrides
 
 
-def _override(config: TrainerConfig, name: str, value: Any) -> None:
+def override(config: TrainerConfig, name: str, value: Any) -> None:
+    """Sets one trainer setting. Raises ValueError on another type."""
     try:
         setattr(config, name, value)
     except TypeError as error:
@@ -72,7 +77,7 @@ class TrainSettings:
         if self.num_threads is not None:
             config.num_threads = self.num_threads
         for name, value in self.overrides.items():
-            _override(config, name, value)
+            override(config, name, value)
         config.validate()
         if config.wants_expert and self.env_id not in expert_ids():
             raise ValueError(f"there is no expert for {self.env_id!r}: set expert_rate and cloning_weight to 0")

@@ -115,7 +115,7 @@ def _folder_name(chosen: Mapping[str, Any], seed: int) -> str:
 
 
 def _plain(value: Any) -> str:
-    text = "x".join(map(json.dumps, value)) if isinstance(value, list) else json.dumps(value)
+    text = "x".join(map(str, value)) if isinstance(value, list) else str(value)
     return re.sub(r"[^\w.+-]", "_", text)
 
 

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from manyhands._core import World
+from manyhands.envs.spaces import as_range
 
 Range = float | tuple[float, float] | tuple[float, float, str]
 """(low, high), uniform; (low, high, "log"), whose logarithm is uniform; or one number."""
@@ -78,14 +79,7 @@ def vary_world(world: World, varied: Mapping[str, float]) -> None:
 
 def _checked(name: str, given: Range) -> tuple[float, float, bool]:
     kind = RANGES[name]
-    numbers = tuple(given) if isinstance(given, tuple | list) else (given, given)
-    is_log = len(numbers) == 3 and numbers[2] == "log"
-    if len(numbers) != 2 and not is_log:
-        raise ValueError(f"randomize: {name} is {given!r}, expected a number, (low, high) or (low, high, 'log')")
-    try:
-        low, high = float(numbers[0]), float(numbers[1])
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"randomize: {name} is {given!r}, expected numbers") from error
+    _, low, high, is_log = as_range(name, given)
     if not kind.lowest <= low <= high <= kind.highest:
         raise ValueError(
             f"randomize: {name} is {given!r}, expected low <= high within [{kind.lowest:g}, {kind.highest:g}]"

@@ -31,6 +31,7 @@ def written(parent: Path) -> dict[str, int]:
 
 
 def test_values_and_their_combinations() -> None:
+    assert parse_choices(["algorithm=SAC,TD3"]) == {"algorithm": ["SAC", "TD3"]}
     choices = parse_choices(["gamma=0.9,0.95", "hidden_layers=[8, 8],[16]"])
     assert choices == {"gamma": [0.9, 0.95], "hidden_layers": [[8, 8], [16]]}
     assert grid(choices) == [

@@ -1,0 +1,103 @@
+#include "manyhands/learn/off_policy.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace manyhands::learn {
+
+OffPolicy::OffPolicy(const EnvSpec& spec, int num_worlds, int input_dim, const TrainerConfig& config)
+    : config_(config),
+      replay_(spec, config.replay_capacity, config.wants_expert() ? spec.action_dim : 0),
+      minibatch_(replay_.make_minibatch(config.batch_size)),
+      agent_(input_dim, spec.action_dim, config),
+      acting_(agent_.actor().make_tape(num_worlds)),
+      policy_action_(Matrix<float>::Zero(spec.action_dim, num_worlds)) {}
+
+/// The policy's action plus noise, of SAC an action drawn from it, or now and then, and during the warm-up always, a
+/// uniform one. Where the expert acts, its action plus noise: what it shows then leads back to its way, too (Laskey et
+/// al., DART, 2017).
+void OffPolicy::choose_actions(const Collector& worlds, const InputNormaliser& normaliser, std::int64_t iteration,
+                               Matrix<float>& action) {
+  const auto counter = static_cast<std::uint64_t>(iteration);
+  write_states(worlds.envs(), normaliser, acting_.input());
+  if (config_.algorithm == Algorithm::kSac) {
+    agent_.actor().draw(acting_, Random(config_.seed, Purpose::kActing, counter), policy_action_);
+  } else {
+    agent_.actor().act(acting_, policy_action_);
+  }
+  const Eigen::Index count = action.cols();
+  const bool all_led = config_.expert_rate > 0 && warming_up();
+  const Eigen::Index led = all_led ? count : std::lround(config_.expert_rate * static_cast<double>(count));
+  Random random(config_.seed, Purpose::kExploration, counter);
+  for (Eigen::Index world = 0; world < count; ++world) {
+    const bool random_now = random.uniform() < static_cast<float>(config_.random_action_rate);
+    const bool uniform = world >= led && (warming_up() || random_now);
+    const float* wanted = world < led ? &worlds.advice()[static_cast<std::size_t>(world * action.rows())]
+                                      : policy_action_.col(world).data();
+    for (Eigen::Index k = 0; k < action.rows(); ++k) {
+      const float chosen = wanted[k] + config_.exploration_noise * random.normal();
+      action(k, world) = uniform ? random.uniform(-1.0f, 1.0f) : std::clamp(chosen, -1.0f, 1.0f);
+    }
+  }
+}
+
+void OffPolicy::observe(const Collector& worlds, const InputNormaliser& /*normaliser*/) {
+  for (const int world : worlds.finished()) replay_.add(worlds.episode(world));
+}
+
+void OffPolicy::learn(const Collector& worlds, const InputNormaliser& normaliser, Halves& halves, LearnStats& stats) {
+  if (warming_up()) return;
+  const auto horizon = static_cast<float>(1.0 / (1.0 - config_.gamma));
+  const ValueBounds bounds = {.low = replay_.lowest_reward() * horizon, .high = replay_.highest_reward() * horizon};
+  for (int i = 0; i < config_.updates_per_iteration; ++i) {
+    replay_.sample(worlds.envs(), {config_.hindsight_fraction, config_.success_terminates},
+                   Random(config_.seed, Purpose::kSampling, static_cast<std::uint64_t>(gradient_steps())), minibatch_);
+    halves.run([&](int half) { fill_half(normaliser, half); });
+    const UpdateStats update = agent_.update(halves, bounds);
+    if (!std::isfinite(update.critic_loss) || !std::isfinite(update.policy_q)) {
+      throw std::runtime_error("Trainer: training diverged after " + std::to_string(gradient_steps() - 1) +
+                               " gradient steps (the loss is not finite); try smaller learning rates");
+    }
+    stats.critic_loss += static_cast<double>(update.critic_loss);
+    stats.q += static_cast<double>(update.q);
+    ++stats.steps;
+    if (!update.policy_updated) continue;
+    stats.policy_q += static_cast<double>(update.policy_q);
+    stats.entropy += static_cast<double>(update.entropy);
+    ++stats.policy_steps;
+  }
+}
+
+/// Normalises every second column of the mini-batch into one half, so that both hold old and new goals alike.
+void OffPolicy::fill_half(const InputNormaliser& normaliser, int half) {
+  AgentBatch& to = agent_.half(half);
+  for (Eigen::Index column = 0; column < to.reward.size(); ++column) {
+    const Eigen::Index i = 2 * column + half;
+    const float* goal = minibatch_.desired_goal.col(i).data();
+    normaliser.write(minibatch_.observation.col(i).data(), minibatch_.achieved_goal.col(i).data(), goal,
+                     to.state.col(column).data());
+    normaliser.write(minibatch_.next_observation.col(i).data(), minibatch_.next_achieved_goal.col(i).data(), goal,
+                     to.next_state.col(column).data());
+    to.action.col(column) = minibatch_.action.col(i);
+    if (minibatch_.advice.rows() > 0) {
+      to.advice.col(column) = minibatch_.advice.col(i);
+      to.advised[column] = i < minibatch_.relabelled ? 0.0f : 1.0f;
+    }
+    to.reward[column] = minibatch_.reward[i];
+    to.discount[column] = minibatch_.done[static_cast<std::size_t>(i)] != 0 ? 0.0f : static_cast<float>(config_.gamma);
+  }
+}
+
+void OffPolicy::save(ArchiveWriter& out, bool with_replay) const {
+  agent_.save(out);
+  out.value(with_replay);
+  if (with_replay) replay_.save(out);
+}
+
+void OffPolicy::load(ArchiveReader& in) {
+  agent_.load(in);
+  if (in.value<bool>()) replay_.load(in);
+}
+
+}  // namespace manyhands::learn

@@ -1,0 +1,38 @@
+// A trained policy as plain arrays, for files and other programs.
+#pragma once
+
+#include <vector>
+
+#include "manyhands/learn/actor.h"
+#include "manyhands/learn/normaliser.h"
+
+namespace manyhands::learn {
+
+/// What becomes of the last layer's output.
+enum class PolicyOutput {
+  kTanh,   ///< action = tanh(y)
+  kClip,   ///< action = clip(y, -1, 1)
+  kIndex,  ///< the action is the index of the largest y
+};
+
+/// The deterministic policy: y = W_L act(... act(W_1 z + b_1) ...) + b_L, of which `output` makes an action, with
+/// z = clip((x - mean) * scale, -clip, clip) and x = [observation, desired_goal, desired_goal - achieved_goal,
+/// observation[i, i + 3) - observation[k, k + 3) for each pair of `differences`].
+struct Policy {
+  struct Layer {
+    int inputs{}, outputs{};
+    std::vector<float> weight;  ///< (outputs, inputs), row-major
+    std::vector<float> bias;    ///< (outputs)
+  };
+  int observation_dim{}, goal_dim{}, action_dim{};
+  std::vector<float> mean, scale;  ///< (observation_dim + 2 goal_dim + 3 pairs)
+  float clip{};
+  std::vector<int> differences;  ///< pairs (i, k)
+  HiddenActivation activation{};
+  PolicyOutput output{};
+  std::vector<Layer> layers;
+};
+
+[[nodiscard]] Policy export_policy(const EnvSpec& spec, const InputNormaliser& normaliser, const Actor& actor);
+
+}  // namespace manyhands::learn

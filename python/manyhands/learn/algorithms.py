@@ -1,0 +1,263 @@
+"""PPO, SAC, TQC, TD3 and DDPG, by the arguments and defaults of Stable-Baselines3.
+
+What differs: observations are always normalised by their running mean and deviation, PPO's rewards by the deviation of
+the return, and in goal environments hindsight replay is on (`hindsight_fraction`).
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+from manyhands.learn.model import Model
+from manyhands.learn.worlds import AnyEnv
+
+PolicyArguments = Mapping[str, Any] | None
+
+
+def network(policy: str, policy_kwargs: PolicyArguments, layers: list[int], activation: str) -> dict[str, Any]:
+    """The settings of a network. Raises ValueError on a policy or a shape that there is none of."""
+    if policy not in ("MlpPolicy", "MultiInputPolicy"):
+        raise ValueError(f"policy is {policy!r}, expected 'MlpPolicy' or 'MultiInputPolicy', which here are the same")
+    given = dict(policy_kwargs or {})
+    shape = given.pop("net_arch", layers)
+    if isinstance(shape, Mapping):
+        shapes = list(shape.values())
+        if not shapes or any(one != shapes[0] for one in shapes):
+            raise ValueError(f"net_arch is {shape!r}, but policy and critics have layers of the same sizes here")
+        shape = shapes[0]
+    chosen = given.pop("activation_fn", activation)
+    name = (chosen if isinstance(chosen, str) else getattr(chosen, "__name__", str(chosen))).lower()
+    if name not in ("relu", "tanh"):
+        raise ValueError(f"activation_fn is {chosen!r}, expected 'relu' or 'tanh'")
+    if given:
+        raise ValueError(f"policy_kwargs has no {', '.join(map(repr, given))}, only 'net_arch' and 'activation_fn'")
+    return {"hidden_layers": [int(units) for units in shape], "activation": name}
+
+
+def _number(name: str, value: Any) -> float:
+    if callable(value):
+        raise TypeError(f"{name} is a schedule; give a number")
+    return float(value)
+
+
+def _off_policy(
+    gradient_steps: int,
+    train_freq: int,
+    learning_rate: float,
+    buffer_size: int,
+    learning_starts: int,
+    batch_size: int,
+    tau: float,
+    gamma: float,
+    hindsight_fraction: float,
+) -> dict[str, Any]:
+    """Settings that off-policy algorithms share."""
+    if train_freq != 1:
+        raise ValueError(f"train_freq is {train_freq!r}: training follows every step here; set gradient_steps instead")
+    return {
+        "actor_learning_rate": _number("learning_rate", learning_rate),
+        "critic_learning_rate": _number("learning_rate", learning_rate),
+        "replay_capacity": buffer_size,
+        "warmup_transitions": max(learning_starts, 1),
+        "batch_size": batch_size,
+        "target_rate": tau,
+        "gamma": gamma,
+        "updates_per_iteration": gradient_steps,
+        "hindsight_fraction": hindsight_fraction,
+        "random_action_rate": 0.0,
+    }
+
+
+class PPO(Model):
+    """Proximal policy optimisation (Schulman et al., 2017), for actions in a box and for choices."""
+
+    def __init__(
+        self,
+        policy: str,
+        env: AnyEnv,
+        learning_rate: float = 3e-4,
+        n_steps: int | None = None,
+        batch_size: int = 64,
+        n_epochs: int = 10,
+        gamma: float = 0.99,
+        gae_lambda: float = 0.95,
+        clip_range: float = 0.2,
+        ent_coef: float = 0.0,
+        vf_coef: float = 0.5,
+        max_grad_norm: float = 0.5,
+        *,
+        scale_rewards: bool = True,
+        policy_kwargs: PolicyArguments = None,
+        n_envs: int | None = None,
+        num_threads: int | None = None,
+        seed: int = 0,
+        verbose: int = 0,
+    ) -> None:
+        """n_steps: of each world between updates; None makes 2048 transitions of all worlds together.
+
+        n_envs: worlds; None is one, or 64 where they run in C++.
+        """
+        rate = _number("learning_rate", learning_rate)
+        settings = {
+            "algorithm": "PPO",
+            "actor_learning_rate": rate,
+            "critic_learning_rate": rate,
+            "batch_size": batch_size,
+            "epochs": n_epochs,
+            "gamma": gamma,
+            "gae_lambda": gae_lambda,
+            "clip_range": _number("clip_range", clip_range),
+            "entropy_weight": ent_coef,
+            "value_weight": vf_coef,
+            "max_gradient_norm": max_grad_norm,
+            "scale_rewards": scale_rewards,
+            **network(policy, policy_kwargs, [64, 64], "tanh"),
+        }
+        if n_steps is not None:
+            settings["rollout_steps"] = n_steps
+        super().__init__(env, settings, n_envs, num_threads, seed, verbose)
+
+
+class SAC(Model):
+    """Soft actor-critic (Haarnoja et al., 2018)."""
+
+    def __init__(
+        self,
+        policy: str,
+        env: AnyEnv,
+        learning_rate: float = 3e-4,
+        buffer_size: int = 1_000_000,
+        learning_starts: int = 100,
+        batch_size: int = 256,
+        tau: float = 0.005,
+        gamma: float = 0.99,
+        train_freq: int = 1,
+        gradient_steps: int = 1,
+        ent_coef: float | str = "auto",
+        target_entropy: float | str = "auto",
+        *,
+        hindsight_fraction: float = 0.8,
+        policy_kwargs: PolicyArguments = None,
+        n_envs: int | None = None,
+        num_threads: int | None = None,
+        seed: int = 0,
+        verbose: int = 0,
+        **more: Any,
+    ) -> None:
+        """ent_coef: the weight of the entropy; "auto" learns it, "auto_0.1" from 0.1 on.
+
+        gradient_steps: after each step of all worlds.
+        """
+        shared = _off_policy(
+            gradient_steps,
+            train_freq,
+            learning_rate,
+            buffer_size,
+            learning_starts,
+            batch_size,
+            tau,
+            gamma,
+            hindsight_fraction,
+        )
+        settings = {
+            "algorithm": "SAC",
+            "num_critics": 2,
+            "exploration_noise": 0.0,
+            **_temperature(ent_coef),
+            "target_entropy": 0.0 if target_entropy == "auto" else float(target_entropy),
+            **shared,
+            **network(policy, policy_kwargs, [256, 256], "relu"),
+            **self._own_settings(**more),
+        }
+        super().__init__(env, settings, n_envs, num_threads, seed, verbose)
+
+    def _own_settings(self) -> dict[str, Any]:
+        """Settings of a kin of SAC."""
+        return {}
+
+
+def _temperature(ent_coef: float | str) -> dict[str, Any]:
+    if not isinstance(ent_coef, str):
+        return {"temperature": float(ent_coef), "learned_temperature": False}
+    first = ent_coef.removeprefix("auto").removeprefix("_")
+    try:
+        return {"temperature": float(first) if first else 1.0, "learned_temperature": True}
+    except ValueError as error:
+        raise ValueError(f"ent_coef is {ent_coef!r}, expected a number, 'auto' or for example 'auto_0.1'") from error
+
+
+class TQC(SAC):
+    """SAC whose critics give quantiles, of which the largest are left out (Kuznetsov et al., 2020). Beside SAC's
+    arguments: top_quantiles_to_drop_per_net, n_quantiles, n_critics."""
+
+    def _own_settings(
+        self, top_quantiles_to_drop_per_net: int = 2, n_quantiles: int = 25, n_critics: int = 2
+    ) -> dict[str, Any]:
+        return {
+            "num_critics": n_critics,
+            "num_quantiles": n_quantiles,
+            "dropped_quantiles": top_quantiles_to_drop_per_net,
+        }
+
+
+class TD3(Model):
+    """Twin delayed deep deterministic policy gradient (Fujimoto et al., 2018)."""
+
+    def __init__(
+        self,
+        policy: str,
+        env: AnyEnv,
+        learning_rate: float = 1e-3,
+        buffer_size: int = 1_000_000,
+        learning_starts: int = 100,
+        batch_size: int = 256,
+        tau: float = 0.005,
+        gamma: float = 0.99,
+        train_freq: int = 1,
+        gradient_steps: int = 1,
+        action_noise: float = 0.1,
+        policy_delay: int = 2,
+        target_policy_noise: float = 0.2,
+        target_noise_clip: float = 0.5,
+        *,
+        n_critics: int = 2,
+        hindsight_fraction: float = 0.8,
+        policy_kwargs: PolicyArguments = None,
+        n_envs: int | None = None,
+        num_threads: int | None = None,
+        seed: int = 0,
+        verbose: int = 0,
+    ) -> None:
+        """action_noise: the standard deviation of normal noise on actions of [-1, 1]."""
+        shared = _off_policy(
+            gradient_steps,
+            train_freq,
+            learning_rate,
+            buffer_size,
+            learning_starts,
+            batch_size,
+            tau,
+            gamma,
+            hindsight_fraction,
+        )
+        settings = {
+            "algorithm": "TD3",
+            "num_critics": n_critics,
+            "exploration_noise": action_noise,
+            "policy_delay": policy_delay,
+            "target_noise": target_policy_noise,
+            "target_noise_clip": target_noise_clip,
+            **shared,
+            **network(policy, policy_kwargs, [400, 300], "relu"),
+        }
+        super().__init__(env, settings, n_envs, num_threads, seed, verbose)
+
+
+class DDPG(TD3):
+    """Deep deterministic policy gradient (Lillicrap et al., 2016): TD3 without its three additions."""
+
+    def __init__(self, policy: str, env: AnyEnv, learning_rate: float = 1e-3, **more: Any) -> None:
+        """Arguments as TD3's, but for those of its additions."""
+        plain = {"policy_delay": 1, "target_policy_noise": 0.0, "n_critics": 1}
+        for name in plain.keys() & more.keys():
+            raise TypeError(f"DDPG has no {name}; TD3 has")
+        super().__init__(policy, env, learning_rate, **plain, **more)

@@ -1,0 +1,273 @@
+"""A policy in training: what PPO, SAC, TQC, TD3 and DDPG have in common."""
+
+import io
+import json
+import math
+import tempfile
+import time
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from manyhands._core.learn import Policy, Trainer, TrainerConfig, TrainMetrics
+from manyhands.arguments import whole_number
+from manyhands.extras import needs
+from manyhands.files import replacing
+from manyhands.interrupts import Interrupts
+from manyhands.learn.worlds import AnyEnv, make_worlds
+from manyhands.training.settings import override
+
+_SECONDS_PER_PIECE = 0.1
+_SECONDS_PER_LINE = 2.0
+_ROLLOUT = 2048  # transitions between PPO's updates, if nothing is said
+_FORMAT = 1  # of saved files
+
+Callback = Callable[["Model"], bool | None]
+
+_M = TypeVar("_M", bound="Model")
+
+
+class Model:
+    """Trains a policy on an environment, and acts by it."""
+
+    def __init__(
+        self,
+        env: AnyEnv,
+        settings: dict[str, Any],
+        n_envs: int | None,
+        num_threads: int | None,
+        seed: int,
+        verbose: int,
+    ) -> None:
+        """`settings` are the trainer's. Raises ValueError on those that make no sense."""
+        self._worlds = make_worlds(env, n_envs, num_threads)
+        self._settings = dict(settings)
+        self.verbose = verbose
+        self.seed = whole_number("seed", seed, 0, 2**63 - 1)
+        batch = self._worlds.batch
+        if settings["algorithm"] == "PPO" and "rollout_steps" not in settings:
+            self._settings["rollout_steps"] = max(_ROLLOUT // batch.num_envs, 1)
+        if batch.spec.goal_dim == 0:
+            self._settings["hindsight_fraction"] = 0.0
+        if "replay_capacity" in settings:
+            self._settings["replay_capacity"] = max(settings["replay_capacity"], batch.spec.max_episode_steps)
+        self._trainer = Trainer(batch, None, self._config(num_threads))
+
+    def _config(self, num_threads: int | None) -> TrainerConfig:
+        config = TrainerConfig()
+        config.seed = self.seed
+        if num_threads is not None:
+            config.num_threads = num_threads
+        for name, value in self._settings.items():
+            override(config, name, value)
+        config.validate()
+        return config
+
+    @property
+    def n_envs(self) -> int:
+        """Worlds that are stepped at a time."""
+        return self._worlds.batch.num_envs
+
+    @property
+    def num_timesteps(self) -> int:
+        """Steps of all worlds together so far."""
+        return self.metrics.env_steps
+
+    @property
+    def metrics(self) -> TrainMetrics:
+        """Where training stands."""
+        return self._trainer.metrics()
+
+    @property
+    def policy(self) -> Policy:
+        """The deterministic policy as arrays."""
+        return self._trainer.policy()
+
+    def learn(
+        self: _M,
+        total_timesteps: int,
+        callback: Callback | None = None,
+        progress_bar: bool = False,
+        reset_num_timesteps: bool = False,
+    ) -> _M:
+        """Trains for `total_timesteps` more steps of all worlds together, rounded up to whole steps of every world.
+
+        callback: called with the model after each step of the worlds; False ends the training.
+        reset_num_timesteps: must be False; steps are counted on.
+
+        Ctrl-C ends it after the present step, and the model can be saved. Raises RuntimeError if networks diverge.
+        """
+        if reset_num_timesteps:
+            raise ValueError("reset_num_timesteps is True: steps are always counted on; make a new model instead")
+        left = math.ceil(whole_number("total_timesteps", total_timesteps, 0, 2**62) / self.n_envs)
+        piece, last_line = 1, time.monotonic()
+        with Interrupts() as interrupts, _Bar(progress_bar, total_timesteps) as bar:
+            while left > 0:
+                begin = time.perf_counter()
+                self._trainer.advance(min(piece, left))
+                left -= min(piece, left)
+                if callback is not None:
+                    if callback(self) is False:
+                        break
+                else:
+                    elapsed = max(time.perf_counter() - begin, 1e-6)
+                    piece = max(1, round(piece * min(_SECONDS_PER_PIECE / elapsed, 2.0)))
+                bar.show(self)
+                if self.verbose > 0 and (left == 0 or time.monotonic() - last_line > _SECONDS_PER_LINE):
+                    last_line = time.monotonic()
+                    print(_line(self.metrics), flush=True)
+                if interrupts.requested:
+                    raise KeyboardInterrupt
+        return self
+
+    def predict(
+        self,
+        observation: Any,
+        state: None = None,
+        episode_start: NDArray[np.bool_] | None = None,
+        deterministic: bool = False,
+    ) -> tuple[Any, None]:
+        """(action, None) for an observation, or (n actions, None) for n of them, as the environment gives them.
+
+        deterministic: True acts best, False as in training, by chance (TD3 and DDPG have no chance in them). `state`
+        and `episode_start` are of policies with a memory, which these are not. Raises ValueError on a wrong shape.
+        """
+        observations, several = self._worlds.observation.unbatch(observation)
+        rows = self._trainer.predict(*self._worlds.observation.rows(observations), draw=not deterministic)
+        actions = self._worlds.action.actions(rows)
+        return (actions if several else actions[0]), None
+
+    def save_onnx(self, path: str | Path) -> None:
+        """Writes the deterministic policy as an ONNX file, which takes observations as the environment gives them, in
+        a row, and gives actions in [-1, 1] or the index of a choice. Needs the extra `train`."""
+        with needs("train", "an ONNX file"):
+            from manyhands.training.policy_file import save_policy
+        save_policy(self.policy, self._worlds.name, Path(path))
+
+    def save(self, path: str | Path, include_replay: bool = False) -> None:
+        """Writes a .zip file from which `load` goes on: networks, optimisers, statistics. With the replay training
+        goes on exactly, where the environment gives the same bits again. Raises OSError, leaving the file as it was."""
+        path = _zip_path(path)
+        about = {
+            "format": _FORMAT,
+            "algorithm": type(self).__name__,
+            "environment": self._worlds.name,
+            "n_envs": self.n_envs,
+            "seed": self.seed,
+            "settings": self._settings,
+        }
+        with replacing(path) as temporary, tempfile.TemporaryDirectory() as folder:
+            checkpoint = Path(folder) / "checkpoint"
+            self._trainer.save(checkpoint, include_replay)
+            with zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED) as archive:
+                archive.writestr("about.json", json.dumps(about, indent=2))
+                archive.write(checkpoint, "checkpoint")
+
+    @classmethod
+    def load(
+        cls: type[_M],
+        path: str | Path,
+        env: AnyEnv | None = None,
+        num_threads: int | None = None,
+        verbose: int = 0,
+    ) -> _M:
+        """A model that `save` wrote. `env`: None makes the one that it was trained on, by its id.
+
+        Raises FileNotFoundError, or ValueError if the file is damaged, of another algorithm, or does not fit `env`.
+        """
+        path = _zip_path(path)
+        about, checkpoint = _read(path)
+        if about["algorithm"] != cls.__name__:
+            raise ValueError(f"{path} holds a {about['algorithm']}, not a {cls.__name__}: load it by that")
+        model = cls.__new__(cls)
+        environment = about["environment"] if env is None else env
+        Model.__init__(model, environment, about["settings"], about["n_envs"], num_threads, about["seed"], verbose)
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / path.name
+            file.write_bytes(checkpoint)
+            try:
+                model._trainer.load(file)
+            except RuntimeError as error:
+                raise ValueError(f"{path} does not fit {model._worlds.name}: {error}") from error
+        return model
+
+
+def _zip_path(path: str | Path) -> Path:
+    path = Path(path)
+    return path if path.suffix == ".zip" else path.with_name(path.name + ".zip")
+
+
+def _read(path: Path) -> tuple[dict[str, Any], bytes]:
+    """What a saved model says of itself, and its checkpoint."""
+    if not path.is_file():
+        raise FileNotFoundError(f"there is no saved model {path}")
+    try:
+        with zipfile.ZipFile(io.BytesIO(path.read_bytes())) as archive:
+            about, checkpoint = json.loads(archive.read("about.json")), archive.read("checkpoint")
+        missing = {"format", "algorithm", "environment", "n_envs", "seed", "settings"} - about.keys()
+    except (zipfile.BadZipFile, KeyError, ValueError, AttributeError) as error:
+        raise ValueError(f"{path} is no saved model, or damaged: {error}") from error
+    if missing or about["format"] != _FORMAT:
+        raise ValueError(f"{path} is no saved model of this version")
+    return about, checkpoint
+
+
+def _line(metrics: TrainMetrics) -> str:
+    seconds = max(metrics.collect_seconds + metrics.learn_seconds, 1e-9)
+    return (
+        f"{metrics.env_steps:,} steps  {metrics.env_steps / seconds:,.0f} steps/s  {metrics.episodes:,} episodes  "
+        f"mean return {metrics.mean_return:.4g}  success {metrics.success_rate:.0%}"
+    )
+
+
+class _Bar:
+    """A progress bar, if one is wanted."""
+
+    def __init__(self, wanted: bool, total: int) -> None:
+        self._progress = None
+        self._begin: int | None = None
+        if wanted:
+            with needs("train", "a progress bar"):
+                from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+            text = TextColumn("{task.fields[text]}")
+            self._progress = Progress(BarColumn(20), TextColumn("{task.percentage:.0f} %"), TimeRemainingColumn(), text)
+            self._task = self._progress.add_task("training", total=total, text="")
+
+    def show(self, model: Model) -> None:
+        if self._progress is None:
+            return
+        metrics = model.metrics
+        if self._begin is None:
+            self._begin = metrics.env_steps - model.n_envs
+        self._progress.update(self._task, completed=metrics.env_steps - self._begin, text=_line(metrics))
+
+    def __enter__(self) -> "_Bar":
+        if self._progress is not None:
+            self._progress.start()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        if self._progress is not None:
+            self._progress.stop()
+
+
+def evaluate_policy(
+    model: Model, env: Any, n_eval_episodes: int = 10, deterministic: bool = True, seed: int = 0
+) -> tuple[float, float]:
+    """Mean and standard deviation of the return over episodes of one Gymnasium environment, from seed `seed` on."""
+    whole_number("n_eval_episodes", n_eval_episodes, 1, 2**31)
+    returns: list[float] = []
+    for episode in range(n_eval_episodes):
+        observation, _ = env.reset(seed=seed + episode)
+        total, over = 0.0, False
+        while not over:
+            action, _ = model.predict(observation, deterministic=deterministic)
+            observation, reward, terminated, truncated, _ = env.step(action)
+            total += float(reward)
+            over = bool(terminated or truncated)
+        returns.append(total)
+    return float(np.mean(returns)), float(np.std(returns))
