@@ -10,11 +10,14 @@ site() { "$1/bin/python" -c 'import sysconfig; print(sysconfig.get_path("platlib
 
 requirements=$(.venv/bin/python tools/requirements.py interop)
 if [ "$requirements" != "$(cat $here/requirements.txt 2>/dev/null)" ]; then
-  echo "==> Installing PyTorch and Stable-Baselines3 into $here (5 GB, two minutes)"
+  echo "==> Installing PyTorch, Stable-Baselines3 and panda-gym into $here (5 GB, two minutes)"
   .venv/bin/python -m venv --clear $here
   $here/bin/pip install --quiet --no-cache-dir -r <(echo "$requirements")
   echo "$requirements" >$here/requirements.txt
 fi
 rm -rf "$(site $here)"/manyhands*
 cp -r "$(site .venv)"/manyhands* "$(site $here)"
-$here/bin/python -m pytest -q -p no:cacheprovider tests/interop tests/python/envs/test_sb3.py "$@"
+# A process for each file: one has our PyBullet under its name, another the real one.
+for tests in tests/interop/*.py tests/python/envs/test_sb3.py; do
+  $here/bin/python -m pytest -q -p no:cacheprovider "$tests" "$@" || [ $? -eq 5 ] # 5: none was selected
+done

@@ -13,7 +13,7 @@ from manyhands.recording import Recording
 
 Array = NDArray[np.float64]
 
-_PALETTE = (
+PALETTE = (
     "#1f77b4", "#ff7f0e", "#2ca02c", "#d62728", "#9467bd", "#8c564b", "#e377c2", "#7f7f7f", "#bcbd22", "#17becf",
     "#0b3d91", "#ffb000", "#006d5b", "#e6194b", "#4b0082", "#5fd35f", "#222222", "#ff1493", "#6b8e23", "#00bfff",
 )  # fmt: skip
@@ -69,7 +69,7 @@ def panels(run: Recording) -> list[Panel]:
 def _colours(drawn: list[Panel]) -> dict[str, str]:
     """One for each name, the same in all panels."""
     names = dict.fromkeys(name for panel in drawn for name in panel.names)
-    return {name: _PALETTE[k % len(_PALETTE)] for k, name in enumerate(names)}
+    return {name: PALETTE[k % len(PALETTE)] for k, name in enumerate(names)}
 
 
 def _heading(panel: Panel) -> str:

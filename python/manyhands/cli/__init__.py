@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from manyhands._core.envs import env_ids, make_env_batch
 from manyhands._core.learn import CheckpointError
-from manyhands.cli import convert, evaluate, record, train, view
+from manyhands.cli import compare, convert, evaluate, record, sweep, train, view
 from manyhands.extras import install_extra
 from manyhands.interrupts import INTERRUPTED
 
@@ -16,12 +16,21 @@ start here:
   manyhands envs                  what there is to learn
   manyhands train PandaReach      learn it
   manyhands evaluate runs/...     measure what was learned
+  manyhands sweep PandaPush       learn it from five seeds, and compare
   manyhands view PandaPush        see it in the browser, and drive it
   manyhands view PandaReach --policy runs/...    see what was learned
 """
 _UNHEARD = 141  # the shell's code for a broken pipe
 _COMMANDS = (
     ("train", train, "learn a task from nothing", "Learns a task from nothing, or resumes a run."),
+    (
+        "sweep", sweep, "train several seeds and settings at once",
+        "Trains every seed with every combination of settings, in parallel, and compares what came out.",
+    ),
+    (
+        "compare", compare, "learning curves of several runs",
+        "Draws the learning curves of several runs with bands over seeds, and prints a table.",
+    ),
     (
         "evaluate", evaluate, "measure a policy on fresh episodes",
         "Measures the success of a policy on fresh episodes, with onnxruntime.",

@@ -4,17 +4,19 @@ import argparse
 import shlex
 import shutil
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from manyhands.arguments import MOST_THREADS, whole_number
 from manyhands.env_names import resolve_env_id
 from manyhands.interrupts import INTERRUPTED
 
 if TYPE_CHECKING:
+    from manyhands.training.recipe import Recipe
     from manyhands.training.run import Outcome
     from manyhands.training.run_folder import RunFolder
+    from manyhands.training.settings import TrainSettings
 
 EXAMPLES = """\
 examples:
@@ -56,10 +58,9 @@ def run(arguments: argparse.Namespace) -> int:
     from rich.console import Console
 
     from manyhands.training.announcement import announce
-    from manyhands.training.recipe import find_recipe, load_recipe
     from manyhands.training.run import TrainingRun
     from manyhands.training.run_folder import RunFolder
-    from manyhands.training.settings import TrainSettings, parse_overrides
+    from manyhands.training.settings import parse_overrides
 
     changes = {
         "num_threads": arguments.threads,
@@ -97,12 +98,7 @@ def run(arguments: argparse.Namespace) -> int:
             "num_envs": arguments.num_envs,
             "overrides": parse_overrides(arguments.set or []),
         }
-        given = {name: value for name, value in changes.items() if value is not None}
-        env_id = resolve_env_id(arguments.task)
-        recipe = find_recipe(env_id) if arguments.recipe is None else load_recipe(arguments.recipe)
-        if recipe is not None and recipe.env_id != env_id:
-            raise ValueError(f"{recipe.path} is a recipe for {recipe.env_id}, not for {env_id}")
-        settings = TrainSettings(env_id, **given) if recipe is None else recipe.settings(**given)
+        recipe, settings = new_settings(arguments.task, arguments.recipe, changes)
         settings.trainer_config()
         folder = RunFolder.create(arguments.runs, settings)
         run = TrainingRun(folder, settings)
@@ -117,6 +113,24 @@ def run(arguments: argparse.Namespace) -> int:
         print(f"manyhands: success {outcome.evaluation.success_rate:.1%} is below {required:.1%}", file=sys.stderr)
         return 1
     return 0
+
+
+def new_settings(
+    task: str, recipe_file: Path | None, changes: Mapping[str, Any]
+) -> "tuple[Recipe | None, TrainSettings]":
+    """The recipe of a new run, a user's own or the one shipped, and its settings with `changes` that are not None.
+
+    Raises ValueError on an unknown task and a recipe for another one, OSError if the recipe cannot be read.
+    """
+    from manyhands.training.recipe import find_recipe, load_recipe
+    from manyhands.training.settings import TrainSettings
+
+    given = {name: value for name, value in changes.items() if value is not None}
+    env_id = resolve_env_id(task)
+    recipe = find_recipe(env_id) if recipe_file is None else load_recipe(recipe_file)
+    if recipe is not None and recipe.env_id != env_id:
+        raise ValueError(f"{recipe.path} is a recipe for {recipe.env_id}, not for {env_id}")
+    return recipe, TrainSettings(env_id, **given) if recipe is None else recipe.settings(**given)
 
 
 def _summarise(outcome: "Outcome", folder: "RunFolder", seed: int, say: Callable[..., None]) -> None:

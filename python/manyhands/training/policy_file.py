@@ -1,17 +1,18 @@
 """Policies as ONNX files."""
 
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import onnx
-from numpy.typing import ArrayLike
-from onnx import TensorProto, helper, numpy_helper
+from numpy.typing import NDArray
+from onnx import TensorProto, numpy_helper
 
 from manyhands._core.learn import Policy
 from manyhands.files import replacing
+from manyhands.training.policy_graph import PolicyGraph
 
-_OPSET, _IR_VERSION = 17, 8  # old enough for every onnxruntime since 1.12
+Array = NDArray[np.float32]
 
 
 def to_onnx(policy: Policy, env_id: str) -> onnx.ModelProto:
@@ -21,64 +22,82 @@ def to_onnx(policy: Policy, env_id: str) -> onnx.ModelProto:
     (batch, goal_dim), raw as the environment gives them. Output: action (batch, action_dim) in [-1, 1], or the index of
     a choice.
     """
-    constants: list[onnx.TensorProto] = []
-    nodes: list[onnx.NodeProto] = []
-
-    def constant(name: str, value: ArrayLike) -> str:
-        constants.append(numpy_helper.from_array(np.asarray(value, np.float32), name))
-        return name
-
-    def apply(operation: str, inputs: list[str], output: str, **attributes: Any) -> str:
-        nodes.append(helper.make_node(operation, inputs, [output], **attributes))
-        return output
-
-    parts = ["observation"]
-    if policy.goal_dim:
-        parts += ["desired_goal", apply("Sub", ["desired_goal", "achieved_goal"], "to_goal")]
-    if policy.differences:
-        parts.append(apply("MatMul", ["observation", constant("pairs", _pairs(policy))], "differences"))
-    x = apply("Concat", parts, "features", axis=1)
-    x = apply("Sub", [x, constant("mean", policy.mean)], "centred")
-    x = apply("Mul", [x, constant("scale", policy.scale)], "scaled")
-    limits = [constant(name, value) for name, value in (("low", -policy.clip), ("high", policy.clip))]
-    x = apply("Clip", [x, *limits], "normalised")
+    graph = PolicyGraph(has_goals=policy.goal_dim > 0)
+    x = graph.goal_features(_pairs(policy), policy.mean, policy.scale, policy.clip)
     for i, (weight, bias) in enumerate(policy.layers):
-        parameters = [constant(f"weight_{i}", weight), constant(f"bias_{i}", bias)]
-        x = apply("Gemm", [x, *parameters], f"linear_{i}", transB=1)
+        x = graph.linear(x, weight, bias, i)
         if i < len(policy.layers) - 1:
-            x = apply("Relu" if policy.activation == "relu" else "Tanh", [x], f"hidden_{i}")
+            x = graph.apply("Relu" if policy.activation == "relu" else "Tanh", [x], f"hidden_{i}")
     if policy.output == "tanh":
-        apply("Tanh", [x], "action")
+        graph.apply("Tanh", [x], "action")
     elif policy.output == "clip":
-        apply("Clip", [x, constant("least", -1), constant("most", 1)], "action")
+        graph.clipped(x, 1, "action")
     else:
-        apply("Cast", [apply("ArgMax", [x], "choice", axis=1, keepdims=1)], "action", to=TensorProto.FLOAT)
-
-    def rows(name: str, size: int) -> onnx.ValueInfoProto:
-        return helper.make_tensor_value_info(name, TensorProto.FLOAT, ["batch", size])
-
-    goals = [rows(name, policy.goal_dim) for name in ("achieved_goal", "desired_goal") if policy.goal_dim]
-    inputs = [rows("observation", policy.observation_dim), *goals]
-    graph = helper.make_graph(nodes, "policy", inputs, [rows("action", policy.action_dim)], constants)
-    model = helper.make_model(
-        graph,
-        producer_name="manyhands",
-        ir_version=_IR_VERSION,
-        opset_imports=[helper.make_opsetid("", _OPSET)],
-    )
-    helper.set_model_props(model, {"env_id": env_id})
-    onnx.checker.check_model(model, full_check=True)
-    return model
+        choice = graph.apply("ArgMax", [x], "choice", axis=1, keepdims=1)
+        graph.apply("Cast", [choice], "action", to=TensorProto.FLOAT)
+    return graph.model(policy.observation_dim, policy.goal_dim, policy.action_dim, env_id)
 
 
-def _pairs(policy: Policy) -> np.ndarray:
+def _pairs(policy: Policy) -> Array:
     """The matrix (observation_dim, 3 pairs) that takes the policy's differences from observations."""
-    columns = np.eye(policy.observation_dim)
+    columns = np.eye(policy.observation_dim, dtype=np.float32)
     pairs = zip(policy.differences[::2], policy.differences[1::2], strict=True)
-    return np.hstack([columns[:, i : i + 3] - columns[:, k : k + 3] for i, k in pairs])
+    return np.hstack([columns[:, :0], *(columns[:, i : i + 3] - columns[:, k : k + 3] for i, k in pairs)])
 
 
 def save_policy(policy: Policy, env_id: str, path: Path) -> None:
     """Writes the policy as an ONNX file."""
+    save_model(to_onnx(policy, env_id), path)
+
+
+def save_model(model: onnx.ModelProto, path: Path) -> None:
+    """Writes a graph to a file, whole or not at all. Raises OSError if it cannot be written."""
     with replacing(path) as temporary:
-        onnx.save(to_onnx(policy, env_id), temporary)
+        onnx.save(model, temporary)
+
+
+@dataclass(frozen=True)
+class PolicyArrays:
+    """What a file of `save_policy` holds, of a policy that reaches goals and ends with tanh."""
+
+    pairs: Array  # (observation_dim, n) takes differences from observations
+    mean: Array  # (inputs)
+    scale: Array  # (inputs)
+    clip: float
+    activation: str  # of hidden layers: "Relu" or "Tanh"
+    layers: list[tuple[Array, Array]]  # weight (outputs, inputs), bias (outputs)
+    observation_dim: int
+    goal_dim: int
+
+
+def read_policy(path: Path) -> PolicyArrays:
+    """The arrays of a policy that was trained here. Raises ValueError on another graph, OSError if there is no file."""
+    try:
+        graph = onnx.load(path).graph
+    except OSError:
+        raise
+    except Exception as error:  # protobuf's errors have no common base but this
+        raise ValueError(f"{path} cannot be read as ONNX: {error}") from error
+    constants = {one.name: numpy_helper.to_array(one) for one in graph.initializer}
+    done = [node.op_type for node in graph.node]
+    count = done.count("Gemm")
+    differs = ["MatMul"] if "pairs" in constants else []
+    activation = "Relu" if "Relu" in done else "Tanh"
+    hidden = ["Gemm", activation] * (count - 1)
+    if done != ["Sub", *differs, "Concat", "Sub", "Mul", "Clip", *hidden, "Gemm", "Tanh"]:
+        raise ValueError(
+            f"{path} is no policy that a trainer of ours made, reaches goals and ends with tanh: its operations are "
+            f"{', '.join(done)}"
+        )
+    sizes = {one.name: one.type.tensor_type.shape.dim[-1].dim_value for one in graph.input}
+    observation_dim = sizes["observation"]
+    return PolicyArrays(
+        pairs=constants.get("pairs", np.zeros((observation_dim, 0), np.float32)),
+        mean=constants["mean"],
+        scale=constants["scale"],
+        clip=float(constants["high_normalised"]),
+        activation=activation,
+        layers=[(constants[f"weight_{i}"], constants[f"bias_{i}"]) for i in range(count)],
+        observation_dim=observation_dim,
+        goal_dim=sizes["desired_goal"],
+    )

@@ -60,6 +60,8 @@ class TrainingRun:
 
     def train(self, console: Console) -> Outcome:
         """Trains until solved, at the step limit, or interrupted; then evaluates, unless interrupted."""
+        if self._iterations_left() > 0:
+            self._folder.evaluation.unlink(missing_ok=True)  # it was of the policy before
         with Recorder(self._folder, self._settings.num_envs, self.metrics.iterations) as recorder:
             with Interrupts() as interrupts:
                 self._advance(console, recorder, interrupts)

@@ -6,10 +6,12 @@ from dataclasses import asdict, replace
 from datetime import datetime
 from importlib import metadata
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from manyhands.files import write_text
 from manyhands.training.settings import FIRST_EVALUATION_SEED, TrainSettings
+
+_T = TypeVar("_T")
 
 _VERSIONS_OF = ("manyhands", "numpy", "gymnasium", "onnx", "matplotlib", "tensorboard")
 
@@ -32,6 +34,7 @@ class RunFolder:
         self.policy = path / "policy.onnx"
         self.evaluation = path / "evaluation.json"
         self.curve = path / "learning_curve.png"
+        self.log = path / "log.txt"  # of a run in a sweep: what it printed
 
     @classmethod
     def create(cls, parent: Path, settings: TrainSettings) -> "RunFolder":
@@ -51,6 +54,15 @@ class RunFolder:
         folder.write_config(settings)
         return folder
 
+    def make(self, settings: TrainSettings) -> None:
+        """Makes this very folder, unless it is there, and writes its config. Raises OSError if it cannot."""
+        try:
+            self.path.mkdir(parents=True, exist_ok=True)
+        except OSError as reason:
+            text = f"no run can be kept in {self.path.parent} ({reason.strerror}); name another folder with --out"
+            raise type(reason)(text) from reason
+        self.write_config(settings)
+
     def write_config(self, settings: TrainSettings) -> None:
         """Writes config.json: the settings, what follows from them, and the versions at work."""
         last_seed = FIRST_EVALUATION_SEED + settings.evaluation_episodes - 1
@@ -68,10 +80,34 @@ class RunFolder:
         """The settings in config.json, with `changes` that are not None. Raises ValueError if there are none."""
         if not self.config.is_file():
             raise ValueError(f"{self.path} is no run folder: it has no {self.config.name}")
+        config = _read_json(self.config)
         try:
-            settings = TrainSettings(**json.loads(self.config.read_text(encoding="utf-8"))["settings"])
-        except json.JSONDecodeError as error:
-            raise ValueError(f"{self.config}:{error.lineno}: expected JSON: {error.msg}") from error
+            settings = TrainSettings(**config["settings"])
         except (KeyError, TypeError, ValueError) as error:
             raise ValueError(f"{self.config}: expected the settings of a run under 'settings': {error}") from error
         return replace(settings, **{name: value for name, value in changes.items() if value is not None})
+
+    def read_trainer(self) -> dict[str, Any]:
+        """All settings with which the trainer ran, from config.json. Raises ValueError if there are none."""
+        return _read_entry(self.config, "trainer", dict)
+
+    def read_success(self) -> float | None:
+        """Success after training, from evaluation.json; None before it. Raises ValueError if the file is damaged."""
+        return _read_entry(self.evaluation, "success_rate", float) if self.evaluation.is_file() else None
+
+
+def _read_json(path: Path) -> Any:
+    """What a file holds. Raises ValueError with the line that is damaged."""
+    try:
+        return json.loads(path.read_text(encoding="utf-8", errors="replace"))
+    except json.JSONDecodeError as error:
+        raise ValueError(f"{path}:{error.lineno}: expected JSON: {error.msg}") from error
+
+
+def _read_entry(path: Path, name: str, kind: type[_T]) -> _T:
+    """One of the values in a file by their names. Raises ValueError unless it is of this kind."""
+    found = _read_json(path)
+    value = found.get(name) if isinstance(found, dict) else None
+    if not isinstance(value, kind):
+        raise ValueError(f"{path}: expected {kind.__name__} under {name!r}, found {value!r}")
+    return value

@@ -12,17 +12,23 @@ from manyhands.arguments import whole_number
 FIRST_EVALUATION_SEED = 10**9  # of the last evaluation: training draws its seeds from all 64-bit numbers by hash
 
 
+def require_setting(name: str) -> Any:
+    """The default of one of the trainer's settings; the seed is the run's. Raises ValueError if there is none."""
+    known = TrainerConfig().to_dict()
+    if name not in known or name == "seed":
+        raise ValueError(f"{name!r} is no trainer setting; there are {', '.join(sorted(known.keys() - {'seed'}))}")
+    return known[name]
+
+
 def parse_overrides(assignments: Sequence[str]) -> dict[str, Any]:
     """Trainer settings from texts such as "gamma=0.9" and "hidden_layers=[128, 128]". Raises ValueError."""
-    known = TrainerConfig().to_dict()
     overrides: dict[str, Any] = {}
     for assignment in assignments:
         name, equals, text = assignment.partition("=")
         if not equals:
             raise ValueError(f"{assignment!r} is no setting, expected NAME=VALUE, for example gamma=0.9")
-        if name not in known or name == "seed":
-            raise ValueError(f"{name!r} is no trainer setting; there are {', '.join(sorted(known.keys() - {'seed'}))}")
-        if isinstance(known[name], str):
+        known = require_setting(name)
+        if isinstance(known, str):
             overrides[name] = text
             continue
         try:
