@@ -19,5 +19,6 @@ NB_MODULE(_core, m) {
   manyhands::bind_pybullet(m);
   manyhands::bind_pybullet_gui(m);
   manyhands::bind_learn(m);
+  manyhands::bind_regression(m);
   manyhands::explain_refusals(m);
 }
