@@ -1,4 +1,6 @@
 // manyhands._core.learn, continued: regression.
+#include "manyhands/learn/regression.h"
+
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/vector.h>
@@ -10,7 +12,6 @@
 
 #include "bindings/arrays.h"
 #include "bindings/bindings.h"
-#include "manyhands/learn/regression.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -29,9 +30,9 @@ std::vector<float> floats_of(const Array<float, 2>& array) { return {array.data(
 
 int columns_of(const Array<float, 2>& array) { return static_cast<int>(array.shape(1)); }
 
-void make_regression(Regression* self, const Array<float, 2>& inputs, const Array<float, 2>& targets, std::uint64_t seed,
-          int num_threads, const std::vector<int>& hidden_layers, int batch_size, float learning_rate,
-          float averaging_rate, bool bounded) {
+void make_regression(Regression* self, const Array<float, 2>& inputs, const Array<float, 2>& targets,
+                     std::uint64_t seed, int num_threads, const std::vector<int>& hidden_layers, int batch_size,
+                     float learning_rate, float averaging_rate, bool bounded) {
   if (inputs.shape(0) != targets.shape(0)) {
     throw std::invalid_argument("Regression: there are " + std::to_string(inputs.shape(0)) + " inputs and " +
                                 std::to_string(targets.shape(0)) + " targets, expected as many of both");

@@ -34,9 +34,9 @@ std::vector<int> regression_layers(int inputs, const std::vector<int>& hidden, i
 void RegressionConfig::validate() const {
   demand(num_threads >= 1, "num_threads is " + std::to_string(num_threads) + ", expected 1 or more");
   demand(std::ranges::all_of(hidden_layers, [](int units) { return units > 0; }),
-          "hidden_layers holds a layer without units, expected 1 or more in each");
+         "hidden_layers holds a layer without units, expected 1 or more in each");
   demand(batch_size >= 2 && batch_size % 2 == 0,
-          "batch_size is " + std::to_string(batch_size) + ", expected an even number, 2 or more");
+         "batch_size is " + std::to_string(batch_size) + ", expected an even number, 2 or more");
   demand(learning_rate > 0 && std::isfinite(learning_rate), "learning_rate must be positive");
   demand(averaging_rate > 0 && averaging_rate <= 1, "averaging_rate must lie in (0, 1]");
 }
@@ -57,8 +57,8 @@ Regression::Regression(std::vector<float> inputs, int input_dim, std::vector<flo
   demand(pairs > 0, "there are no pairs to learn from");
   demand(pairs <= std::numeric_limits<std::uint32_t>::max(), "there are more than 2^32 pairs");
   demand(inputs_.size() == pairs * static_cast<std::size_t>(input_dim) &&
-              targets_.size() == pairs * static_cast<std::size_t>(output_dim),
-          "inputs and targets do not have the same number of rows");
+             targets_.size() == pairs * static_cast<std::size_t>(output_dim),
+         "inputs and targets do not have the same number of rows");
   demand(std::ranges::all_of(inputs_, [](float x) { return std::isfinite(x); }), "an input is not finite");
   demand(std::ranges::none_of(targets_, [](float y) { return std::isinf(y); }), "a target is infinite");
   pairs_ = static_cast<std::uint32_t>(pairs);

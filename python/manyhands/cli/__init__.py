@@ -85,7 +85,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 2
     except ModuleNotFoundError as error:
         extras = {"view": "viewer", "record": "video", "demos": "demos", "clone": "demos"}
-        extra = "train" if error.name == "onnxruntime" else extras.get(arguments.command, "train")
+        extra = "train" if error.name in ("onnx", "onnxruntime") else extras.get(arguments.command, "train")
         print(f"manyhands {arguments.command} needs {error.name}: {install_extra(extra)}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:

@@ -3,16 +3,17 @@
 https://minari.farama.org/content/dataset_standards
 """
 
+import io
 import json
 import re
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-import gymnasium
 import h5py
 import numpy as np
 from gymnasium import spaces
+from gymnasium.envs.registration import EnvSpec
 
 from manyhands.demos.episodes import ROWS, Demonstrations, Episode, Source
 from manyhands.envs.spaces import action_space, observation_space
@@ -29,11 +30,13 @@ def write(episodes: Iterable[Episode], source: Source, path: Path, force: bool) 
     with replacing_folder(path, force) as folder:
         (folder / "data").mkdir()
         count = steps = 0
-        with h5py.File(folder / _DATA, "w", track_order=True) as file:
+        packed = io.BytesIO()  # in memory first: HDF5 does not come back from a disk that is full
+        with h5py.File(packed, "w", track_order=True) as file:
             for episode in episodes:
                 _add(file.create_group(f"episode_{count}"), count, episode)
                 count += 1
                 steps += len(episode)
+        (folder / _DATA).write_bytes(packed.getbuffer())
         write_text(folder / _METADATA, json.dumps(_metadata(source, path, folder, count, steps)))
 
 
@@ -84,21 +87,20 @@ def _as_json(space: spaces.Space[Any]) -> dict[str, Any]:
 
 def read(path: Path) -> Demonstrations:
     """A dataset of Minari's whose observations have goals. Raises ValueError on anything else."""
+    rows: dict[str, list[Any]] = {name: [] for name in (*ROWS, "action")}
     try:
         metadata = json.loads((path / _METADATA).read_text())
-        rows: dict[str, list[Any]] = {name: [] for name in (*ROWS, "action")}
         with h5py.File(path / _DATA) as file:
             for number in range(metadata["total_episodes"]):
-                group = file[f"episode_{number}"]
+                group: Any = file[f"episode_{number}"]
                 for name in ROWS:
                     rows[name].append(group["observations"][name][:-1])
                 wanted = "infos/intended_action" if "infos/intended_action" in group else "actions"
                 rows["action"].append(group[wanted][:])
-    except (KeyError, ValueError, TypeError, OSError) as reason:
+        if not rows["action"]:
+            raise ValueError("it has no episodes")
+        env_id = EnvSpec.from_json(metadata["env_spec"]).id if "env_spec" in metadata else None
+        arrays: Any = {name: np.concatenate(values).astype(np.float32) for name, values in rows.items()}
+    except (KeyError, ValueError, TypeError, OSError, RuntimeError) as reason:
         raise ValueError(f"{path} is no whole dataset of Minari's with goals: {reason}") from reason
-    if not rows["action"]:
-        raise ValueError(f"{path} holds no episodes")
-    spec = metadata.get("env_spec")
-    env_id = None if spec is None else gymnasium.envs.registration.EnvSpec.from_json(spec).id
-    arrays: Any = {name: np.concatenate(values).astype(np.float32) for name, values in rows.items()}
     return Demonstrations(env_id, **arrays, lengths=np.array([len(one) for one in rows["action"]], np.int64))

@@ -54,7 +54,7 @@ def clone(
     """Learns from demonstrations that fit the environment; `progress(steps done, mean loss)` is called now and then.
 
     The result depends on the demonstrations and settings, not on the threads. Raises ValueError on settings that make
-    no sense, RuntimeError if learning diverges.
+    no sense, or with which learning diverges.
     """
     goals = [shown.desired_goal, shown.desired_goal - shown.achieved_goal]
     x = np.hstack([shown.observation, *goals]).astype(np.float64)
@@ -71,7 +71,11 @@ def clone(
     )
     for done in range(0, settings.steps, _PIECE):
         piece = min(_PIECE, settings.steps - done)
-        progress(done + piece, regression.advance(piece))
+        try:
+            loss = regression.advance(piece)
+        except RuntimeError as diverged:
+            raise ValueError(str(diverged)) from diverged
+        progress(done + piece, loss)
     return ClonedPolicy(
         spec.observation_dim,
         spec.goal_dim,

@@ -10,10 +10,7 @@ from gymnasium.vector import AutoresetMode
 from manyhands._core.envs import EnvSpec, env_ids, make_env_batch
 from manyhands.envs.registration import make_vector_env
 from manyhands.envs.spaces import Observation
-from manyhands.training.chunks import ChunkBlend
 from manyhands.training.run_folder import RunFolder
-
-_HAND_VELOCITY = slice(3, 6)  # in an observation
 
 
 @dataclass(frozen=True)
@@ -29,7 +26,7 @@ class Evaluation:
 
 
 class PolicyFile:
-    """An ONNX policy, ready to act. One that predicts chunks of actions remembers them: use one for each environment."""
+    """An ONNX policy, ready to act. Of one that gives a chunk of actions, the first is done and all are given anew."""
 
     def __init__(self, path: Path) -> None:
         """path: a file, or the folder of a training run. Raises ValueError if it is no policy of ours."""
@@ -48,7 +45,6 @@ class PolicyFile:
         if sorted(self.inputs) != ["achieved_goal", "desired_goal", "observation"]:
             raise ValueError(f"{path} is no goal policy: its inputs are {self.inputs}")
         self._sizes = {one.name: one.shape[-1] for one in [*self._session.get_inputs(), *self._session.get_outputs()]}
-        self._blend = ChunkBlend() if len(self._session.get_outputs()[0].shape) == 3 else None
         self.env_id: str | None = self._session.get_modelmeta().custom_metadata_map.get("env_id")
 
     def require_fit(self, spec: EnvSpec) -> None:
@@ -68,14 +64,9 @@ class PolicyFile:
         return self({name: np.asarray(observation[name], np.float32)[None] for name in self.inputs})[0]
 
     def __call__(self, observation: Observation) -> np.ndarray:
-        """Actions (n, action_dim) for observations with rows (n, ...).
-
-        An episode begins where the hand is at rest to the last bit.
-        """
+        """Actions (n, action_dim) for observations with rows (n, ...)."""
         actions = np.asarray(self._session.run(None, {name: observation[name] for name in self.inputs})[0])
-        if self._blend is None:
-            return actions
-        return self._blend.next(actions, ~observation["observation"][:, _HAND_VELOCITY].any(1))
+        return actions if actions.ndim == 2 else actions[:, 0]
 
 
 def policy_for(path: Path, spec: EnvSpec) -> PolicyFile:
