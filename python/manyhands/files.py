@@ -31,12 +31,14 @@ def replacing(path: Path) -> Iterator[Path]:
 
 
 @contextmanager
-def replacing_folder(path: Path, force: bool = False) -> Iterator[Path]:
-    """The same of a folder: an empty one beside `path`, to be filled. What is there already is replaced with `force`.
+def replacing_folder(path: Path, mark: str, force: bool = False) -> Iterator[Path]:
+    """The same of a folder: an empty one beside `path`, to be filled. With `force` it takes the place of one that is
+    there already, if that holds the file `mark`: nobody's home is lost.
 
-    Raises FileExistsError without it, and OSError, of the fitting kind, if nothing can be written there.
+    Raises FileExistsError on other folders and files, OSError, of the fitting kind, if nothing can be written there.
     """
-    require_new(path, force)
+    path = path.absolute()
+    require_new(path, force, mark)
     temporary = path.with_name(f".{path.name}.{os.getpid()}")
     try:
         temporary.mkdir(parents=True)
@@ -49,22 +51,18 @@ def replacing_folder(path: Path, force: bool = False) -> Iterator[Path]:
         if path.exists():
             path.rename(old)
         temporary.rename(path)
-        _remove(old)
+        shutil.rmtree(old, ignore_errors=True)
     finally:
-        _remove(temporary)
+        shutil.rmtree(temporary, ignore_errors=True)
 
 
-def require_new(path: Path, force: bool) -> None:
-    """Raises FileExistsError if there is something already that must not be replaced."""
+def require_new(path: Path, force: bool, mark: str = "") -> None:
+    """Raises FileExistsError if there is something that must not be replaced: with `force`, what lacks the file `mark`
+    if that is named."""
     if path.exists() and not force:
         raise FileExistsError(f"{path} exists already: name another place, or replace it with --force")
-
-
-def _remove(path: Path) -> None:
-    if path.is_dir():
-        shutil.rmtree(path)
-    else:
-        path.unlink(missing_ok=True)
+    if path.exists() and mark and not (path / mark).is_file():
+        raise FileExistsError(f"{path} exists and is no dataset of this format: name another place")
 
 
 def write_text(path: Path, text: str) -> None:

@@ -26,7 +26,7 @@ _VERSION = "v3.0"
 _FILES_IN_CHUNK, _DATA_BYTES = 1000, 100 * 2**20  # LeRobot's own
 _DATA = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
 _EPISODES = "meta/episodes/chunk-000/file-000.parquet"
-_OURS = "meta/manyhands.json"
+_INFO, _OURS = "meta/info.json", "meta/manyhands.json"
 _TASKS = {
     "PandaReach": "Move the hand to the target.",
     "PandaPush": "Push the cube to the target.",
@@ -47,7 +47,7 @@ def write(episodes: Iterable[Episode], source: Source, path: Path, force: bool) 
             f"LeRobot wants a whole number of frames a second, and a step of {source.env_id} takes "
             f"{source.spec.dt:g} s: set n_substeps and time_step so that it has one, or take another format"
         )
-    with replacing_folder(path, force) as folder:
+    with replacing_folder(path, _INFO, force) as folder:
         features = _features(source)
         writer = _Frames(folder, source, fps, features)
         try:
@@ -58,7 +58,8 @@ def write(episodes: Iterable[Episode], source: Source, path: Path, force: bool) 
         pq.write_table(pa.Table.from_pylist(writer.episodes), _made(folder / _EPISODES))
         _write_tasks(folder, _task(source.env_id))
         write_text(folder / "meta/stats.json", json.dumps(writer.statistics(), indent=2))
-        write_text(folder / "meta/info.json", json.dumps(_info(writer, fps, features), indent=2))
+        robot = json.loads(source.env_spec)["kwargs"].get("robot", "panda")
+        write_text(folder / _INFO, json.dumps(_info(writer, robot, fps, features), indent=2))
         ours = {"env_id": source.env_id, "policy": source.policy, "action_noise": source.noise, "seed": source.seed}
         write_text(folder / _OURS, json.dumps(ours, indent=2))
 
@@ -179,10 +180,10 @@ def _features(source: Source) -> dict[str, Any]:
     return found
 
 
-def _info(writer: _Frames, fps: int, features: dict[str, Any]) -> dict[str, Any]:
+def _info(writer: _Frames, robot: str, fps: int, features: dict[str, Any]) -> dict[str, Any]:
     return {
         "codebase_version": _VERSION,
-        "robot_type": "panda",
+        "robot_type": robot,
         "total_episodes": len(writer.episodes),
         "total_frames": writer.frames,
         "total_tasks": 1,
@@ -254,7 +255,7 @@ def _made(path: Path) -> Path:
 def read(path: Path) -> Demonstrations:
     """A dataset whose `observation.environment_state` holds achieved and desired goals. Raises ValueError on others."""
     try:
-        info = json.loads((path / "meta/info.json").read_text())
+        info = json.loads((path / _INFO).read_text())
         if info["codebase_version"] != _VERSION:
             raise ValueError(f"it is of LeRobot {info['codebase_version']}, expected {_VERSION}")
         wanted = "intended_action" if "intended_action" in info["features"] else "action"

@@ -25,9 +25,10 @@ _DATA, _METADATA = Path("data", "main_data.hdf5"), Path("data", "metadata.json")
 
 def write(episodes: Iterable[Episode], source: Source, path: Path, force: bool) -> None:
     """Writes the folder of a dataset. Raises ValueError if its name is none for Minari, OSError if it cannot."""
+    path = path.absolute()
     if not re.fullmatch(r"[-_.\w]+-v\d+", path.name):
         raise ValueError(f"{path.name!r} is no name of a Minari dataset: end it with a version, as in expert-v0")
-    with replacing_folder(path, force) as folder:
+    with replacing_folder(path, str(_METADATA), force) as folder:
         (folder / "data").mkdir()
         count = steps = 0
         packed = io.BytesIO()  # in memory first: HDF5 does not come back from a disk that is full
@@ -59,7 +60,7 @@ def _add(group: h5py.Group, number: int, episode: Episode) -> None:
 def _metadata(source: Source, path: Path, folder: Path, count: int, steps: int) -> dict[str, Any]:
     pictures = {name: spaces.Box(0, 255, (*size, 3), np.uint8) for name, size in source.cameras.items()}
     seen, done = observation_space(source.spec, pictures), action_space(source.spec)
-    group = path.absolute().parent.name
+    group = path.parent.name
     return {
         "total_episodes": count,
         "total_steps": steps,

@@ -18,7 +18,7 @@ def write(episodes: Iterable[Episode], source: Source, path: Path, force: bool) 
     Observations have a row more for each episode: what was seen last.
     """
     require_new(path, force)
-    with replacing(path) as temporary:
+    with replacing(path.absolute()) as temporary:
         found = list(episodes)
         arrays: dict[str, Any] = {
             **{name: np.concatenate([one.observations[name] for one in found]) for name in found[0].observations},

@@ -126,13 +126,27 @@ def test_a_dataset_is_whole_or_not_there(format: str, tmp_path: Path) -> None:
 
 def test_a_folder_is_replaced_whole(tmp_path: Path) -> None:
     place = tmp_path / "there" / "folder"
-    with replacing_folder(place) as folder:
+    with replacing_folder(place, "mark") as folder:
+        (folder / "mark").touch()
         (folder / "old").touch()
-    with replacing_folder(place, force=True) as folder:
+    with replacing_folder(place, "mark", force=True) as folder:
         (folder / "new").touch()
         assert (place / "old").exists()
     assert [one.name for one in place.iterdir()] == ["new"]
     assert [one.name for one in place.parent.iterdir()] == ["folder"]
+
+
+@pytest.mark.parametrize("format", ["minari", "lerobot"])
+def test_force_replaces_datasets_only(format: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    home = tmp_path / "home-v0"
+    home.mkdir()
+    (home / "letter").touch()
+    (tmp_path / "file-v0").touch()
+    monkeypatch.chdir(home)
+    for path in (home, Path(), Path("..", "file-v0")):
+        with pytest.raises(FileExistsError, match="is no dataset"):
+            write(format, episodes(1), source(), path, force=True)
+    assert (home / "letter").exists()
 
 
 @pytest.mark.parametrize("format", FORMATS)
@@ -150,8 +164,10 @@ def test_a_full_disk_is_told_in_one_line(format: str, tmp_path: Path) -> None:
 
 def test_statistics_are_those_of_numpy() -> None:
     rng = np.random.default_rng(0)
-    rows = of_rows(rng.normal(size=(50, 2)))
-    assert rows["count"] == [50] and rows["q50"] == rows["q50"]
+    values = rng.normal(size=(51, 2))
+    rows = of_rows(values)
+    assert rows["count"] == [51]
+    assert rows["q50"] == np.median(values, axis=0).tolist()
     pictures = rng.integers(0, 256, (3, 8, 9, 3), np.uint8)
     pictures[..., 1] //= 2
     found = of_histogram(histogram(pictures), 3)
@@ -198,6 +214,7 @@ def test_a_policy_demonstrates_too(reach_policy: Path, tmp_path: Path, capsys: p
         (["PandaReach", "--out", "plain"], "end it with a version"),
         (["PandaReach", "--out", "/proc/x/expert-v0"], "cannot be written"),
         (["PandaReach", "--format", "npz", "--out", "/nowhere/x.npz"], "there is no folder /nowhere"),
+        (["PandaReach", "--format", "npz", "--out", ".", "--force"], "is a folder; name a file"),
         (["PandaReach", "--format", "lerobot", "--option", "n_substeps=17"], "whole number of frames"),
     ],
 )
