@@ -59,15 +59,17 @@ def run(arguments: argparse.Namespace) -> int:
     from rich.console import Console
     from rich.progress import track
 
-    named = NamedEnv(resolve_env_id(arguments.env), given_options(arguments))
+    width, height = arguments.size
+    options = given_options(arguments)
+    if arguments.cameras:
+        options["cameras"] = {name: {"width": width, "height": height} for name in arguments.cameras}
+    named = NamedEnv(resolve_env_id(arguments.env), options)
     wanted = whole_number("--episodes", arguments.episodes, 1, 10**7)
     seed = whole_number("--seed", arguments.seed, 0, 2**63)
     if not (math.isfinite(arguments.noise) and arguments.noise >= 0):
         raise ValueError(f"--noise is {arguments.noise}, expected 0 or more")
     out = arguments.out or _default_path(named, arguments.format, arguments.policy)
     require_new(out, arguments.force)
-    width, height = arguments.size
-    named.options["cameras"] = {name: {"width": width, "height": height} for name in arguments.cameras}
     env = _vector_env(named, min(wanted, _SEEN_WORLDS if arguments.cameras else _WORLDS), arguments.threads)
     episodes = collect(
         env, _policy(arguments.policy, named), wanted, seed, arguments.noise, success_only=arguments.success_only
