@@ -20,5 +20,6 @@ NB_MODULE(_core, m) {
   manyhands::bind_pybullet_gui(m);
   manyhands::bind_python_batch(m);
   manyhands::bind_learn(m);
+  manyhands::bind_regression(m);
   manyhands::explain_refusals(m);
 }

@@ -6,13 +6,18 @@ cd "$(dirname "$0")/.."
 here=build/interop
 export PIP_DISABLE_PIP_VERSION_CHECK=1
 
+# Their own requirements want an older PyTorch and hub, which reading a dataset does not.
+lerobot="lerobot==0.4.4 datasets==4.8.5"
+
 site() { "$1/bin/python" -c 'import sysconfig; print(sysconfig.get_path("platlib"))'; }
 
-requirements=$(.venv/bin/python tools/requirements.py interop)
+requirements=$(.venv/bin/python tools/requirements.py interop; echo "# $lerobot")
 if [ "$requirements" != "$(cat $here/requirements.txt 2>/dev/null)" ]; then
-  echo "==> Installing PyTorch, Stable-Baselines3 and panda-gym into $here (5 GB, two minutes)"
+  echo "==> Installing PyTorch, Stable-Baselines3, panda-gym, Minari and LeRobot into $here (5 GB, three minutes)"
   .venv/bin/python -m venv --clear $here
   $here/bin/pip install --quiet --no-cache-dir -r <(echo "$requirements")
+  # shellcheck disable=SC2086
+  $here/bin/pip install --quiet --no-cache-dir --no-deps $lerobot
   echo "$requirements" >$here/requirements.txt
 fi
 rm -rf "$(site $here)"/manyhands*

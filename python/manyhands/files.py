@@ -1,6 +1,7 @@
 """Files that appear whole or not at all."""
 
 import os
+import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -27,6 +28,41 @@ def replacing(path: Path) -> Iterator[Path]:
         temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+@contextmanager
+def replacing_folder(path: Path, mark: str, force: bool = False) -> Iterator[Path]:
+    """The same of a folder: an empty one beside `path`, to be filled. With `force` it takes the place of one that is
+    there already, if that holds the file `mark`: nobody's home is lost.
+
+    Raises FileExistsError on other folders and files, OSError, of the fitting kind, if nothing can be written there.
+    """
+    path = path.absolute()
+    require_new(path, force, mark)
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        temporary.mkdir(parents=True)
+    except OSError as reason:
+        text = f"{path} cannot be written ({reason.strerror}); name a place where files can be"
+        raise type(reason)(text) from reason
+    try:
+        yield temporary
+        old = temporary.with_name(f"{temporary.name}.old")
+        if path.exists():
+            path.rename(old)
+        temporary.rename(path)
+        shutil.rmtree(old, ignore_errors=True)
+    finally:
+        shutil.rmtree(temporary, ignore_errors=True)
+
+
+def require_new(path: Path, force: bool, mark: str = "") -> None:
+    """Raises FileExistsError if there is something that must not be replaced: with `force`, what lacks the file `mark`
+    if that is named."""
+    if path.exists() and not force:
+        raise FileExistsError(f"{path} exists already: name another place, or replace it with --force")
+    if path.exists() and mark and not (path / mark).is_file():
+        raise FileExistsError(f"{path} exists and is no dataset of this format: name another place")
 
 
 def write_text(path: Path, text: str) -> None:

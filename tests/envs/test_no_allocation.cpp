@@ -11,6 +11,7 @@
 
 #include "manyhands/envs/make.h"
 #include "manyhands/envs/panda.h"
+#include "manyhands/learn/regression.h"
 #include "manyhands/math/instantiate.h"
 #include "manyhands/physics/collision/broad/broad_phase.h"
 #include "manyhands/physics/world/batch.h"
@@ -240,6 +241,18 @@ TEST(NoAllocation, InALargeWorldInContact) {
   world.step(10);
   EXPECT_EQ(watch.stop(), 0);
   EXPECT_GT(world.contacts().size(), 200u);
+}
+
+/// Once products have their scratch.
+TEST(NoAllocation, InRegression) {
+  for (const int threads : {1, 2}) {
+    learn::Regression regression(std::vector<float>(600, 0.5f), 6, std::vector<float>(300, 0.1f), 3,
+                                 {.num_threads = threads});
+    regression.advance(1);
+    const Watch watch;
+    regression.advance(20);
+    EXPECT_EQ(watch.stop(), 0) << threads << " threads";
+  }
 }
 
 TEST(NoAllocation, InABatchOfEnvironments) {

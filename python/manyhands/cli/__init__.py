@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from manyhands._core.envs import env_ids, make_env_batch
 from manyhands._core.learn import CheckpointError
-from manyhands.cli import compare, convert, evaluate, record, sweep, train, view
+from manyhands.cli import clone, compare, convert, demos, evaluate, record, sweep, train, view
 from manyhands.extras import install_extra
 from manyhands.interrupts import INTERRUPTED
 
@@ -44,6 +44,10 @@ _COMMANDS = (
         "Reads a robot or scene and writes it in another format, to the last bit where that can say it.",
     ),
     ("record", record, "a video of episodes", "Writes a video of a scripted expert, or of a policy."),
+    (
+        "demos", demos, "a dataset of episodes", "Writes episodes of a scripted expert, or of a policy, as a dataset.",
+    ),
+    ("clone", clone, "learn a policy from a dataset", "Learns to do what the episodes of a dataset show."),
 )  # fmt: skip
 
 
@@ -89,8 +93,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         print(f"manyhands {arguments.command}: {error}", file=sys.stderr)
         return 2
     except ModuleNotFoundError as error:
-        extras = {"view": "viewer", "record": "video"}
-        extra = "train" if error.name == "onnxruntime" else extras.get(arguments.command, "train")
+        extras = {"view": "viewer", "record": "video", "demos": "demos", "clone": "demos"}
+        extra = "train" if error.name in ("onnx", "onnxruntime") else extras.get(arguments.command, "train")
         print(f"manyhands {arguments.command} needs {error.name}: {install_extra(extra)}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:

@@ -26,7 +26,7 @@ class Evaluation:
 
 
 class PolicyFile:
-    """An ONNX policy, ready to act."""
+    """An ONNX policy, ready to act. Of one that gives a chunk of actions, the first is done and all are given anew."""
 
     def __init__(self, path: Path) -> None:
         """path: a file, or the folder of a training run. Raises ValueError if it is no policy of ours."""
@@ -65,7 +65,8 @@ class PolicyFile:
 
     def __call__(self, observation: Observation) -> np.ndarray:
         """Actions (n, action_dim) for observations with rows (n, ...)."""
-        return np.asarray(self._session.run(None, {name: observation[name] for name in self.inputs})[0])
+        actions = np.asarray(self._session.run(None, {name: observation[name] for name in self.inputs})[0])
+        return actions if actions.ndim == 2 else actions[:, 0]
 
 
 def policy_for(path: Path, spec: EnvSpec) -> PolicyFile:

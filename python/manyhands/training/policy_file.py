@@ -10,17 +10,18 @@ from onnx import TensorProto, numpy_helper
 
 from manyhands._core.learn import Policy
 from manyhands.files import replacing
+from manyhands.training.cloning import ClonedPolicy
 from manyhands.training.policy_graph import PolicyGraph
 
 Array = NDArray[np.float32]
 
 
-def to_onnx(policy: Policy, env_id: str) -> onnx.ModelProto:
+def to_onnx(policy: Policy | ClonedPolicy, env_id: str) -> onnx.ModelProto:
     """The policy as a graph.
 
     Inputs, float32: observation (batch, observation_dim), and where there are goals achieved_goal and desired_goal
     (batch, goal_dim), raw as the environment gives them. Output: action (batch, action_dim) in [-1, 1], or the index of
-    a choice.
+    a choice; of a policy that was cloned in chunks (batch, chunk, action_dim), the next ones.
     """
     graph = PolicyGraph(has_goals=policy.goal_dim > 0)
     x = graph.goal_features(_pairs(policy), policy.mean, policy.scale, policy.clip)
@@ -28,6 +29,9 @@ def to_onnx(policy: Policy, env_id: str) -> onnx.ModelProto:
         x = graph.linear(x, weight, bias, i)
         if i < len(policy.layers) - 1:
             x = graph.apply("Relu" if policy.activation == "relu" else "Tanh", [x], f"hidden_{i}")
+    if isinstance(policy, ClonedPolicy) and policy.chunk > 1:
+        graph.reshaped(graph.apply("Tanh", [x], "actions_in_a_row"), (-1, policy.chunk, policy.action_dim), "action")
+        return graph.model(policy.observation_dim, policy.goal_dim, (policy.chunk, policy.action_dim), env_id)
     if policy.output == "tanh":
         graph.apply("Tanh", [x], "action")
     elif policy.output == "clip":
@@ -35,17 +39,17 @@ def to_onnx(policy: Policy, env_id: str) -> onnx.ModelProto:
     else:
         choice = graph.apply("ArgMax", [x], "choice", axis=1, keepdims=1)
         graph.apply("Cast", [choice], "action", to=TensorProto.FLOAT)
-    return graph.model(policy.observation_dim, policy.goal_dim, policy.action_dim, env_id)
+    return graph.model(policy.observation_dim, policy.goal_dim, (policy.action_dim,), env_id)
 
 
-def _pairs(policy: Policy) -> Array:
+def _pairs(policy: Policy | ClonedPolicy) -> Array:
     """The matrix (observation_dim, 3 pairs) that takes the policy's differences from observations."""
     columns = np.eye(policy.observation_dim, dtype=np.float32)
     pairs = zip(policy.differences[::2], policy.differences[1::2], strict=True)
     return np.hstack([columns[:, :0], *(columns[:, i : i + 3] - columns[:, k : k + 3] for i, k in pairs)])
 
 
-def save_policy(policy: Policy, env_id: str, path: Path) -> None:
+def save_policy(policy: Policy | ClonedPolicy, env_id: str, path: Path) -> None:
     """Writes the policy as an ONNX file."""
     save_model(to_onnx(policy, env_id), path)
 

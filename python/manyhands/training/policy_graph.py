@@ -58,15 +58,22 @@ class PolicyGraph:
         parameters = [self.constant(f"weight_{number}", weight), self.constant(f"bias_{number}", bias)]
         return self.apply("Gemm", [x, *parameters], f"linear_{number}", transB=1)
 
-    def model(self, observation_dim: int, goal_dim: int, action_dim: int, env_id: str) -> onnx.ModelProto:
-        """The checked graph; the value "action" is its output."""
+    def reshaped(self, x: str, shape: tuple[int, ...], output: str) -> str:
+        """The same numbers in another shape; -1 is what is left."""
+        self._constants.append(numpy_helper.from_array(np.array(shape, np.int64), f"shape_of_{output}"))
+        return self.apply("Reshape", [x, f"shape_of_{output}"], output)
 
-        def rows(name: str, size: int) -> onnx.ValueInfoProto:
-            return helper.make_tensor_value_info(name, TensorProto.FLOAT, ["batch", size])
+    def model(
+        self, observation_dim: int, goal_dim: int, action_shape: tuple[int, ...], env_id: str
+    ) -> onnx.ModelProto:
+        """The checked graph; the value "action" is its output, (batch, *action_shape)."""
+
+        def rows(name: str, *sizes: int) -> onnx.ValueInfoProto:
+            return helper.make_tensor_value_info(name, TensorProto.FLOAT, ["batch", *sizes])
 
         sizes = (observation_dim, goal_dim, goal_dim)
         inputs = [rows(name, size) for name, size in zip(self._inputs, sizes, strict=False)]
-        graph = helper.make_graph(self._nodes, "policy", inputs, [rows("action", action_dim)], self._constants)
+        graph = helper.make_graph(self._nodes, "policy", inputs, [rows("action", *action_shape)], self._constants)
         model = helper.make_model(
             graph,
             producer_name="manyhands",

@@ -113,7 +113,7 @@ def from_sb3(model: Any, env_id: str, path: Path) -> None:
     graph.apply("Identity" if latent is None else "Tanh", [x], "action")
     sizes = {name: space.shape[0] for name, space in spaces.items()}
     actions = model.action_space.shape[0]
-    save_model(graph.model(sizes["observation"], sizes["desired_goal"], actions, env_id), path)
+    save_model(graph.model(sizes["observation"], sizes["desired_goal"], (actions,), env_id), path)
 
 
 def _normalised_inputs(graph: PolicyGraph, statistics: Any, names: list[str]) -> dict[str, str]:

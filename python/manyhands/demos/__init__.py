@@ -1,0 +1,1 @@
+"""Demonstrations: episodes of experts and policies, and datasets of them."""
