@@ -3,7 +3,7 @@ environment's own rate PPO keeps.
 
     build/interop/bin/python -m benchmarks.learning     # after `make interop`; five minutes on an idle machine
 
-Off-policy: both fill their replay with 2,000 steps of one environment, and are timed over gradient steps alone, in turn,
+Off-policy: both fill their replay with 2,000 steps of one environment, and are timed over gradient steps, in turn,
 the best of three. Both use all cores. PPO: steps of the environment a second with learning and without.
 """
 
@@ -14,8 +14,8 @@ from typing import Any
 
 import gymnasium
 import numpy as np
-import stable_baselines3 as sb3
-import torch
+import stable_baselines3 as sb3  # pyright: ignore[reportMissingImports]
+import torch  # pyright: ignore[reportMissingImports]
 
 import manyhands  # noqa: F401  registers the environments
 from manyhands import learn

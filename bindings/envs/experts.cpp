@@ -42,14 +42,16 @@ void bind_experts(nb::module_& m) {
       .def(
           "act_in",
           [](Expert& expert, const EnvBatch& batch) {
-            const auto n = static_cast<std::size_t>(batch.num_envs()), columns = static_cast<std::size_t>(expert.action_dim());
+            const auto n = static_cast<std::size_t>(batch.num_envs()),
+                       columns = static_cast<std::size_t>(expert.action_dim());
             std::vector<float> action(n * columns);
             expert.act(batch, action);
             return bindings::copied(action.data(), {n, columns});
           },
           "envs"_a, nb::sig("def act_in(self, envs: EnvBatch) -> numpy.typing.NDArray[numpy.float32]"),
           "The same for a batch of the expert's task.");
-  envs.def("expert_ids", &expert_ids, "The ids that `make_expert` knows: every task under control of the end effector or the joints.");
+  envs.def("expert_ids", &expert_ids,
+           "The ids that `make_expert` knows: every task under control of the end effector or the joints.");
   envs.def("make_expert", &make_expert, "id"_a,
            "The expert of the environment `id`. Raises ValueError on an id without one.");
 }

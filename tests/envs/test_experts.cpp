@@ -50,9 +50,8 @@ INSTANTIATE_TEST_SUITE_P(All, Experts,
                                            Task{"PandaPickAndPlace-v3", 0.99}, Task{"PandaStack-v3", 0.95},
                                            Task{"PandaSlide-v3", 0.90}, Task{"PandaFlip-v3", 0.84},
                                            Task{"PandaReachJoints-v3", 0.99}, Task{"PandaPushJoints-v3", 0.99},
-                                           Task{"PandaPickAndPlaceJoints-v3", 0.99},
-                                           Task{"PandaStackJoints-v3", 0.9}, Task{"PandaSlideJoints-v3", 0.5},
-                                           Task{"PandaFlipJoints-v3", 0.5}),
+                                           Task{"PandaPickAndPlaceJoints-v3", 0.99}, Task{"PandaStackJoints-v3", 0.9},
+                                           Task{"PandaSlideJoints-v3", 0.5}, Task{"PandaFlipJoints-v3", 0.5}),
                          [](const auto& test) {
                            const std::string id = test.param.id;
                            return id.substr(5, id.find('-') - 5);

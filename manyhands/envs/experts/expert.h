@@ -22,7 +22,9 @@ class Expert {
                    std::span<float> action) = 0;
 
   /// The same for a batch of the expert's task.
-  virtual void act(const EnvBatch& envs, std::span<float> action) { act(envs.observation(), envs.desired_goal(), action); }
+  virtual void act(const EnvBatch& envs, std::span<float> action) {
+    act(envs.observation(), envs.desired_goal(), action);
+  }
 
   [[nodiscard]] virtual int action_dim() const = 0;
 };

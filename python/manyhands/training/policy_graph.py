@@ -63,9 +63,7 @@ class PolicyGraph:
         self._constants.append(numpy_helper.from_array(np.array(shape, np.int64), f"shape_of_{output}"))
         return self.apply("Reshape", [x, f"shape_of_{output}"], output)
 
-    def model(
-        self, observation_dim: int, goal_dim: int, action_shape: tuple[int, ...], env_id: str
-    ) -> onnx.ModelProto:
+    def model(self, observation_dim: int, goal_dim: int, action_shape: tuple[int, ...], env_id: str) -> onnx.ModelProto:
         """The checked graph; the value "action" is its output, (batch, *action_shape)."""
 
         def rows(name: str, *sizes: int) -> onnx.ValueInfoProto:

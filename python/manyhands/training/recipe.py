@@ -61,19 +61,34 @@ def load_recipe(path: Path) -> Recipe:
     env_id = top.take("environment", str)
     if env_id not in env_ids():
         raise top.error("environment", f"there is no environment {env_id!r}")
+    base = _base(top)
     trainer, beyond = top.block("trainer"), top.block("beyond")
+    own_trainer = {name: entry.value for name, entry in trainer.entry.entries.items()}
+    own_beyond = {name: beyond.take(name, str) for name in list(beyond.entry.entries)}
     recipe = Recipe(
         path=path,
         env_id=env_id,
-        num_envs=top.take("num_envs", int),
-        max_env_steps=top.take("max_env_steps", int),
-        trainer={name: entry.value for name, entry in trainer.entry.entries.items()},
-        beyond={name: beyond.take(name, str) for name in list(beyond.entry.entries)},
+        num_envs=top.take("num_envs", int, None if base is None else base.num_envs),
+        max_env_steps=top.take("max_env_steps", int, None if base is None else base.max_env_steps),
+        trainer=own_trainer if base is None else base.trainer | own_trainer,
+        beyond=own_beyond if base is None else base.beyond | own_beyond,
         measured=_measured(top.block("measured")),
     )
     top.finish()
     _check_settings(recipe, top, trainer)
     return recipe
+
+
+def _base(top: "_Block") -> Recipe | None:
+    """The recipe that this one is like, but for what it says itself."""
+    if "like" not in top.entry.entries:
+        return None
+    name = top.take("like", str)
+    if name not in recipe_ids():
+        raise top.error("like", f"no recipe is shipped for {name!r}; there are {', '.join(recipe_ids())}")
+    if name == top.entry.entries["environment"].value:
+        raise top.error("like", "a recipe cannot be like itself")
+    return load_recipe(_FOLDER / f"{name}.yaml")
 
 
 def _measured(block: "_Block") -> Measured | None:
@@ -93,7 +108,7 @@ def _measured(block: "_Block") -> Measured | None:
 def _check_settings(recipe: Recipe, top: "_Block", trainer: "_Block") -> None:
     """Raises ValueError, with the line of the setting that it is about, unless a run can have these settings."""
     known = TrainerConfig().to_dict().keys() - {"seed"}
-    for name in recipe.trainer:
+    for name in trainer.entry.entries:
         if name not in known:
             raise trainer.error(name, f"{name!r} is no trainer setting; there are {', '.join(sorted(known))}")
     try:
@@ -117,8 +132,10 @@ class _Block:
     def error(self, name: str, complaint: str) -> ValueError:
         return ValueError(f"{self._path}:{self.entry.entries[name].line}: {complaint}")
 
-    def take(self, name: str, kind: type[_T]) -> _T:
-        """A value that must be there."""
+    def take(self, name: str, kind: type[_T], default: _T | None = None) -> _T:
+        """A value that must be there, unless there is a default."""
+        if name not in self._left and default is not None:
+            return default
         if name not in self._left:
             raise ValueError(f"{self._path}:{self.entry.line}: {name} is missing here")
         value = self._left.pop(name).value

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from manyhands import cli
-from manyhands._core.envs import expert_ids, make_env_batch, make_expert
+from manyhands._core.envs import env_ids, expert_ids, make_env_batch, make_expert
 from manyhands._core.learn import Trainer, TrainerConfig
 from manyhands.training.announcement import announce
 from manyhands.training.recipe import find_recipe, load_recipe, recipe_ids
@@ -73,7 +73,22 @@ def test_every_shipped_recipe_can_be_run() -> None:
         assert config.seed == 3
         assert config.wants_expert == ("expert" in recipe.beyond), "what it uses is stated"
         assert not config.wants_expert or env_id in expert_ids()
-    assert find_recipe("PandaReachJoints-v3") is None
+    assert find_recipe("PandaFlip-v3") is None
+
+
+def test_a_recipe_may_be_like_another(tmp_path: Path) -> None:
+    push = find_recipe("PandaPush-v3")
+    assert push is not None
+    text = "environment: PandaPushDense-v3\nlike: PandaPush-v3\nnum_envs: 8\ntrainer:\n  gamma: 0.5\n"
+    recipe = load_recipe(written(tmp_path, text))
+    assert (recipe.env_id, recipe.num_envs, recipe.max_env_steps) == ("PandaPushDense-v3", 8, push.max_env_steps)
+    assert recipe.trainer == push.trainer | {"gamma": 0.5}
+    assert recipe.beyond == push.beyond
+    assert recipe.measured is None
+    with pytest.raises(ValueError, match=r"mine.yaml:2: no recipe is shipped for 'PandaPull-v3'; there are Panda"):
+        load_recipe(written(tmp_path, text.replace("PandaPush-v3", "PandaPull-v3")))
+    with pytest.raises(ValueError, match=r"mine.yaml:2: a recipe cannot be like itself"):
+        load_recipe(written(tmp_path, text.replace("PushDense", "Push")))
 
 
 def test_a_recipes_settings_give_way_to_those_of_the_command(tmp_path: Path) -> None:
@@ -155,8 +170,8 @@ def test_a_trainer_is_led_by_the_expert() -> None:
     assert trainer.advance(60).success_rate > 0.95
 
 
-def test_an_environment_without_an_expert_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    arguments = ["train", "PandaPushJoints", "--set", "expert_rate=0.5", "--runs", str(tmp_path)]
-    assert cli.main(arguments) == 2
-    assert "no expert for 'PandaPushJoints-v3'" in capsys.readouterr().err
-    assert not list(tmp_path.iterdir())
+def test_an_environment_without_an_expert_is_told() -> None:
+    """Of this package's own each has one."""
+    assert set(expert_ids()) == set(env_ids())
+    with pytest.raises(ValueError, match="no expert for 'PandaPull-v3'"):
+        TrainSettings("PandaPull-v3", overrides={"expert_rate": 0.5}).trainer_config()
