@@ -131,17 +131,29 @@ def test_a_body_is_dragged(shown: int, page: Any) -> None:
 
 def test_the_camera_is_turned_by_people_and_by_the_program(shown: int, page: Any) -> None:
     camera = page_of(shown).viewer.server.get_clients
+
+    def seen() -> np.ndarray:
+        yaw, pitch, distance, target = p.getDebugVisualizerCamera()[8:]
+        return np.array([yaw, pitch, distance, *target])
+
+    def is_still() -> bool:  # the page lets a drag run out, and tells of it later
+        now = seen()
+        page.wait_for_timeout(300)
+        return bool(np.array_equal(seen(), now))
+
     before = p.getDebugVisualizerCamera()[8:10]
     page.mouse.move(60, 400)
     page.mouse.down()
     page.mouse.move(160, 400, steps=5)
     page.mouse.up()
     until(lambda: abs(p.getDebugVisualizerCamera()[8] - before[0]) > 5)
+    until(is_still)
     assert p.getDebugVisualizerCamera()[10] == pytest.approx(1, abs=1e-3)
     p.resetDebugVisualizerCamera(2, 90, 0, [0, 0, 1])
     until(lambda: np.allclose(next(iter(camera().values())).camera.position, [2, 0, 1], atol=1e-3))
-    yaw, pitch, distance, target = p.getDebugVisualizerCamera()[8:]
-    assert (yaw, pitch, distance, *target) == pytest.approx((90, 0, 2, 0, 0, 1), abs=1e-3)
+    until(lambda: np.allclose(seen(), [90, 0, 2, 0, 0, 1], atol=1e-3))
+    assert is_still(), "the page stays where the program put it"
+    assert seen() == pytest.approx([90, 0, 2, 0, 0, 1], abs=1e-3)
 
 
 def test_the_program_goes_on_when_the_page_is_closed(shown: int, page: Any) -> None:
