@@ -75,6 +75,7 @@ void TrainerConfig::validate() const {
           "TD3 or SAC where expert_rate or cloning_weight ask for an expert");
   require(algorithm == Algorithm::kTd3 || (cloning_weight == 0 && policy_delay == 1), "algorithm", "not TD3",
           "TD3 where cloning_weight is not 0 or policy_delay not 1");
+  require_at_least("round_steps", round_steps, 1);
   require_at_least("evaluation_interval", evaluation_interval, 1);
   require_at_least("evaluation_episodes", evaluation_episodes, 1);
   require_range("stop_success_rate", stop_success_rate, 0.0, 1.0);
