@@ -268,6 +268,8 @@ void bind_trainer(nb::module_& m) {
   using Release = nb::call_guard<nb::gil_scoped_release>;
   // NOLINTNEXTLINE(bugprone-throw-keyword-missing,bugprone-unused-raii): makes Python's type
   nb::exception<learn::CheckpointError>(m, "CheckpointError", PyExc_RuntimeError);
+  // NOLINTNEXTLINE(bugprone-throw-keyword-missing,bugprone-unused-raii): makes Python's type
+  nb::exception<learn::DivergenceError>(m, "DivergenceError", PyExc_RuntimeError);
   nb::class_<Trainer>(m, "Trainer", "Trains a policy on a batch of environments, by the algorithm of its config.")
       .def(nb::init<EnvBatch&, EnvBatch*, const TrainerConfig&, Expert*>(), "envs"_a, "evaluation"_a.none(), "config"_a,
            "expert"_a.none() = nb::none(), nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>(), nb::keep_alive<1, 5>(),
@@ -276,7 +278,7 @@ void bind_trainer(nb::module_& m) {
            "ValueError if the config makes no sense.")
       .def("advance", &Trainer::advance, "iterations"_a, Release(),
            "Runs up to `iterations` more: each one step of the batch and `updates_per_iteration` gradient steps. Stops "
-           "early when solved. Raises RuntimeError if the networks diverge.")
+           "early when solved. Raises DivergenceError if the networks diverge.")
       .def("spread", &Trainer::spread, "shares"_a,
            "From now on all worlds run elsewhere, in shares of so many, see `Share`; to be called first. Instead of "
            "`advance` there are rounds: each share runs `order` from its `place` on, `receive` takes what they bring, "
@@ -298,7 +300,7 @@ void bind_trainer(nb::module_& m) {
           "Takes in what the shares brought, in their order, and makes the next order. Raises CheckpointError.")
       .def(
           "learn", [](Trainer& trainer) { return trainer.learn(); }, Release(),
-          "The gradient steps and evaluations that are due after a round. Raises RuntimeError as `advance` does.")
+          "The gradient steps and evaluations that are due after a round. Raises DivergenceError as `advance` does.")
       .def("metrics", &Trainer::metrics, "Where training stands.")
       .def("evaluate", &Trainer::evaluate, "envs"_a, "episodes"_a, "first_seed"_a, Release(),
            "Runs the policy without noise; episode k starts from seed first_seed + k, whatever the size of `envs`.")

@@ -31,8 +31,8 @@ void OffPolicy::learn(const Collector& worlds, const InputNormaliser& normaliser
     halves.run([&](int half) { fill_half(normaliser, half); });
     const UpdateStats update = agent_.update(halves, bounds);
     if (!std::isfinite(update.critic_loss) || !std::isfinite(update.policy_q)) {
-      throw std::runtime_error("Trainer: training diverged after " + std::to_string(gradient_steps() - 1) +
-                               " gradient steps (the loss is not finite); try smaller learning rates");
+      throw DivergenceError("Trainer: training diverged after " + std::to_string(gradient_steps() - 1) +
+                            " gradient steps (the loss is not finite); try smaller learning rates");
     }
     stats.critic_loss += static_cast<double>(update.critic_loss);
     stats.q += static_cast<double>(update.q);

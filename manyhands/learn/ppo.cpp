@@ -126,8 +126,8 @@ void Ppo::update(std::span<const int> rows, Halves& halves, LearnStats& stats) {
 
   const double loss = (halves_[0].squared_error + halves_[1].squared_error) / n;
   if (!std::isfinite(loss)) {
-    throw std::runtime_error("Trainer: training diverged after " + std::to_string(gradient_steps()) +
-                             " gradient steps (the loss is not finite); try smaller learning rates");
+    throw DivergenceError("Trainer: training diverged after " + std::to_string(gradient_steps()) +
+                          " gradient steps (the loss is not finite); try smaller learning rates");
   }
   stats.critic_loss += loss;
   stats.q += (halves_[0].value_sum + halves_[1].value_sum) / n;

@@ -50,7 +50,7 @@ class Trainer {
   [[nodiscard]] int action_dim() const { return spec_.action_dim; }
 
   /// Runs up to `iterations` more: each one step of the batch and `updates_per_iteration` gradient steps, now and then
-  /// an evaluation. Stops early when solved. Throws std::runtime_error if the networks diverge to non-numbers.
+  /// an evaluation. Stops early when solved. Throws DivergenceError if the networks diverge to non-numbers.
   TrainMetrics advance(int iterations);
 
   /// From now on every world of training runs elsewhere, in shares of so many (`Share`); those of `envs` rest, and only
