@@ -84,7 +84,7 @@ def rows(parent: Path) -> int:
 def start(arguments: list[str]) -> "subprocess.Popen[str]":
     program = "import sys; from manyhands.cli import main; sys.exit(main(sys.argv[1:]))"
     return subprocess.Popen(
-        [sys.executable, "-c", program, *arguments],
+        [sys.executable, "-u", "-c", program, *arguments],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
     )  # fmt: skip
 
@@ -159,10 +159,12 @@ def test_a_worker_that_never_lives_ends_the_run(
 
 def test_workers_for_whom_there_is_no_place_are_told(cluster: Any, tmp_path: Path) -> None:
     process = start([*command(cluster, tmp_path, 10**9)[:-1], "9"])
+    guard = threading.Timer(90, process.kill)
+    guard.start()
     assert process.stdout is not None
-    for line in process.stdout:
-        if line.startswith("Waiting for 9 of 9 workers. Of the cluster's 3 processors 0 are free."):
-            break
+    expected = "Waiting for 6 of 9 workers. Of the cluster's 3 processors 0 are free."
+    assert any(line.startswith(expected) for line in process.stdout)
+    guard.cancel()
     process.send_signal(signal.SIGINT)
     _, err = process.communicate(timeout=60)
     assert process.returncode == 130 and not err
