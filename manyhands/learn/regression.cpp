@@ -75,7 +75,7 @@ double Regression::advance(int steps) {
   for (int i = 0; i < steps; ++i) sum += step();
   if (!std::isfinite(sum)) {
     throw DivergenceError("Regression: the network diverged within " + std::to_string(optimiser_.step_count()) +
-                             " steps (the loss is not finite); try a smaller learning rate");
+                          " steps (the loss is not finite); try a smaller learning rate");
   }
   return steps > 0 ? sum / steps : 0;
 }
