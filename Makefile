@@ -51,7 +51,7 @@ scripted: $(VENV)/.test $(VENV)/.installed  ## Tasks of robosuite and metaworld,
 absurd: $(VENV)/.test $(VENV)/.installed  ## 10,000 random scenes without reason: build/absurd.json
 	python -m benchmarks.absurd --jobs $(JOBS) $(ABSURD)
 
-interop: $(VENV)/.core $(VENV)/.installed  ## Stable-Baselines3, RL Zoo, panda-gym, Minari and LeRobot beside our package, in an environment of their own (5 GB)
+interop: $(VENV)/.core $(VENV)/.installed  ## Stable-Baselines3, RL Zoo, panda-gym, Minari, LeRobot and Ray beside our package, in an environment of their own (5 GB)
 	tools/interop.sh
 
 lint: $(VENV)/.test $(VENV)/.installed  ## All checks that run no program, with clang-tidy (slow)

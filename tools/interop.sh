@@ -13,7 +13,7 @@ site() { "$1/bin/python" -c 'import sysconfig; print(sysconfig.get_path("platlib
 
 requirements=$(.venv/bin/python tools/requirements.py interop; echo "# $lerobot")
 if [ "$requirements" != "$(cat $here/requirements.txt 2>/dev/null)" ]; then
-  echo "==> Installing PyTorch, Stable-Baselines3, panda-gym, Minari and LeRobot into $here (5 GB, three minutes)"
+  echo "==> Installing PyTorch, Stable-Baselines3, panda-gym, Minari, LeRobot and Ray into $here (5 GB, three minutes)"
   .venv/bin/python -m venv --clear $here
   $here/bin/pip install --quiet --no-cache-dir -r <(echo "$requirements")
   # shellcheck disable=SC2086

@@ -18,6 +18,7 @@
 #include "manyhands/envs/env_batch.h"
 #include "manyhands/envs/experts/expert.h"
 #include "manyhands/learn/archive.h"
+#include "manyhands/learn/share.h"
 #include "manyhands/learn/trainer.h"
 #include "manyhands/learn/trainer_config.h"
 
@@ -129,6 +130,7 @@ void visit_settings(Visit&& visit) {
         "Share of the worlds in which the expert acts; if not 0, in all of them until learning.");
   visit("exploration_noise", &C::exploration_noise, "Standard deviation of the noise on actions.");
   visit("random_action_rate", &C::random_action_rate, "Probability of a uniform action instead.");
+  visit("round_steps", &C::round_steps, "Of worlds elsewhere: steps of each under one policy.");
   visit("evaluation_interval", &C::evaluation_interval, "Iterations between evaluations.");
   visit("evaluation_episodes", &C::evaluation_episodes, "Episodes of each.");
   visit("stop_success_rate", &C::stop_success_rate, "An evaluation at or above this counts towards stopping.");
@@ -236,10 +238,41 @@ void bind_policy(nb::module_& m) {
                    "(weight (outputs, inputs), bias (outputs)) of each layer.");
 }
 
+nb::bytes bytes_of(const learn::Message& message) { return nb::bytes(message.data(), message.size()); }
+
+learn::Message message_of(const nb::bytes& bytes) {
+  const auto* data = static_cast<const std::byte*>(bytes.data());
+  return {data, data + bytes.size()};
+}
+
+void bind_share(nb::module_& m) {
+  nb::class_<learn::Share>(m, "Share", "Some of a training's worlds, apart from the trainer.")
+      .def(nb::init<EnvBatch&, Expert*, const TrainerConfig&, int>(), "envs"_a, "expert"_a.none(), "config"_a,
+           "first"_a, nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>(),
+           "Worlds first, ..., first + envs.num_envs - 1 of all.")
+      .def(
+          "run",
+          [](learn::Share& share, const nb::bytes& order, const nb::bytes& place) {
+            const learn::Message from = message_of(order), at = message_of(place);
+            learn::Message result;
+            {
+              const nb::gil_scoped_release release;
+              result = share.run(from, at);
+            }
+            return bytes_of(result);
+          },
+          "order"_a, "place"_a,
+          "Does what a trainer's `order` says, from `place` on. What comes back, for `Trainer.receive`, depends on "
+          "nothing else: it can be done again by another share of the same worlds. Raises CheckpointError if a "
+          "message is not from a trainer like this.");
+}
+
 void bind_trainer(nb::module_& m) {
   using Release = nb::call_guard<nb::gil_scoped_release>;
   // NOLINTNEXTLINE(bugprone-throw-keyword-missing,bugprone-unused-raii): makes Python's type
   nb::exception<learn::CheckpointError>(m, "CheckpointError", PyExc_RuntimeError);
+  // NOLINTNEXTLINE(bugprone-throw-keyword-missing,bugprone-unused-raii): makes Python's type
+  nb::exception<learn::DivergenceError>(m, "DivergenceError", PyExc_RuntimeError);
   nb::class_<Trainer>(m, "Trainer", "Trains a policy on a batch of environments, by the algorithm of its config.")
       .def(nb::init<EnvBatch&, EnvBatch*, const TrainerConfig&, Expert*>(), "envs"_a, "evaluation"_a.none(), "config"_a,
            "expert"_a.none() = nb::none(), nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>(), nb::keep_alive<1, 5>(),
@@ -248,7 +281,29 @@ void bind_trainer(nb::module_& m) {
            "ValueError if the config makes no sense.")
       .def("advance", &Trainer::advance, "iterations"_a, Release(),
            "Runs up to `iterations` more: each one step of the batch and `updates_per_iteration` gradient steps. Stops "
-           "early when solved. Raises RuntimeError if the networks diverge.")
+           "early when solved. Raises DivergenceError if the networks diverge.")
+      .def("spread", &Trainer::spread, "shares"_a,
+           "From now on all worlds run elsewhere, in shares of so many, see `Share`; to be called first. Instead of "
+           "`advance` there are rounds: each share runs `order` from its `place` on, `receive` takes what they bring, "
+           "and while they run the next order, `learn` learns from that. Raises ValueError if the algorithm cannot.")
+      .def_prop_ro(
+          "order", [](const Trainer& trainer) { return bytes_of(trainer.order()); }, "What all shares are to do now.")
+      .def(
+          "place", [](const Trainer& trainer, int share) { return bytes_of(trainer.place(share)); }, "share"_a,
+          "Where a share's worlds are to begin.")
+      .def(
+          "receive",
+          [](Trainer& trainer, const std::vector<nb::bytes>& results) {
+            std::vector<learn::Message> messages;
+            for (const nb::bytes& result : results) messages.push_back(message_of(result));
+            const nb::gil_scoped_release release;
+            trainer.receive(messages);
+          },
+          "results"_a,
+          "Takes in what the shares brought, in their order, and makes the next order. Raises CheckpointError.")
+      .def(
+          "learn", [](Trainer& trainer) { return trainer.learn(); }, Release(),
+          "The gradient steps and evaluations that are due after a round. Raises DivergenceError as `advance` does.")
       .def("metrics", &Trainer::metrics, "Where training stands.")
       .def("evaluate", &Trainer::evaluate, "envs"_a, "episodes"_a, "first_seed"_a, Release(),
            "Runs the policy without noise; episode k starts from seed first_seed + k, whatever the size of `envs`.")
@@ -286,6 +341,7 @@ void bind_learn(nb::module_& m) {
   bind_results(learn);
   bind_policy(learn);
   bind_trainer(learn);
+  bind_share(learn);
 }
 
 }  // namespace manyhands

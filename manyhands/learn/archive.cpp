@@ -13,7 +13,7 @@ namespace manyhands::learn {
 namespace {
 
 constexpr std::array<char, 8> kMagic = {'m', 'h', 'l', 'e', 'a', 'r', 'n', '\n'};
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 
 struct Header {
   std::array<char, 8> magic = kMagic;
@@ -53,7 +53,7 @@ void ArchiveWriter::commit(const std::filesystem::path& path) const {
   }
 }
 
-ArchiveReader::ArchiveReader(const std::filesystem::path& path) : path_(path) {
+ArchiveReader::ArchiveReader(const std::filesystem::path& path) : what_("checkpoint " + path.string()) {
   std::error_code error;
   const bool regular = std::filesystem::is_regular_file(path, error);
   check(regular && !error, "there is no such file");
@@ -82,22 +82,26 @@ void ArchiveReader::extract(void* data, std::size_t bytes) {
 }
 
 std::string ArchiveReader::text() {
+  const Message bytes = message();
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+Message ArchiveReader::message() {
   const auto length = value<std::uint64_t>();
   check(length <= bytes_.size() - at_, "it ends too early");
-  std::string text(static_cast<std::size_t>(length), '\0');
-  extract(text.data(), text.size());
-  return text;
+  Message message(static_cast<std::size_t>(length));
+  extract(message.data(), message.size());
+  return message;
 }
 
 void ArchiveReader::check(bool holds, const std::string& complaint) const {
-  if (!holds) throw CheckpointError("cannot load checkpoint " + path_.string() + ": " + complaint);
+  if (!holds) throw CheckpointError("cannot load " + what_ + ": " + complaint);
 }
 
 void ArchiveReader::finish() const { check(at_ == bytes_.size(), "it holds more than this trainer's state"); }
 
 void ArchiveReader::mismatch(const std::string& what, const std::string& stored, const std::string& own) const {
-  throw CheckpointError("cannot load checkpoint " + path_.string() + ": its " + what + " is " + stored +
-                        ", this trainer's is " + own);
+  throw CheckpointError("cannot load " + what_ + ": its " + what + " is " + stored + ", this trainer's is " + own);
 }
 
 }  // namespace manyhands::learn

@@ -1,4 +1,4 @@
-// Checkpoint files: a checked, whole-or-nothing binary archive of plain values and arrays.
+// Checkpoint files: a checked, whole-or-nothing binary archive of plain values and arrays. Messages between processes.
 #pragma once
 
 #include <cstdint>
@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace manyhands::learn {
@@ -20,6 +21,9 @@ class CheckpointError : public std::runtime_error {
 
 template <class T>
 concept Plain = std::is_arithmetic_v<T> || std::is_enum_v<T>;
+
+/// Values as they travel between processes of one build.
+using Message = std::vector<std::byte>;
 
 /// Collects values in memory; `commit` writes the file.
 class ArchiveWriter {
@@ -34,10 +38,14 @@ class ArchiveWriter {
     append(values.data(), values.size_bytes());
   }
   void text(const std::string& text) { array(std::span(text)); }
+  void message(std::span<const std::byte> bytes) { array(bytes); }
 
   /// Writes header, checksum and values beside `path` and renames it into place: a reader sees the old file or the new
   /// one, whole. Throws CheckpointError, leaving `path` as it was.
   void commit(const std::filesystem::path& path) const;
+
+  /// The values alone, as a message.
+  [[nodiscard]] Message take() && { return std::move(bytes_); }
 
  private:
   void append(const void* data, std::size_t bytes);
@@ -50,6 +58,9 @@ class ArchiveReader {
  public:
   /// Reads the whole file and verifies its header, length and checksum.
   explicit ArchiveReader(const std::filesystem::path& path);
+  /// Reads a message; `what` it is, for errors.
+  ArchiveReader(std::span<const std::byte> message, std::string what)
+      : what_(std::move(what)), bytes_(message.begin(), message.end()) {}
 
   template <Plain T>
   void value(T& value) {
@@ -68,6 +79,7 @@ class ArchiveReader {
     extract(values.data(), values.size_bytes());
   }
   [[nodiscard]] std::string text();
+  [[nodiscard]] Message message();
 
   /// Throws unless the stored value equals `own`.
   template <class T>
@@ -88,7 +100,7 @@ class ArchiveReader {
   void extract(void* data, std::size_t bytes);
   [[noreturn]] void mismatch(const std::string& what, const std::string& stored, const std::string& own) const;
 
-  std::filesystem::path path_;
+  std::string what_;
   std::vector<std::byte> bytes_;
   std::size_t at_ = 0;
 };

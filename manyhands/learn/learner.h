@@ -34,6 +34,12 @@ class Learner {
   /// Takes in the step that the worlds have made, before those that have finished start again.
   virtual void observe(const Collector& worlds, const InputNormaliser& normaliser) = 0;
 
+  /// Takes in an episode of worlds elsewhere, whose policy was some steps older. Only off-policy learners can.
+  virtual void add(const EpisodeView& episode) = 0;
+
+  /// Whether so little has been taken in that the policy does not act yet.
+  [[nodiscard]] virtual bool warming_up() const { return false; }
+
   /// Takes the gradient steps that are due.
   virtual void learn(const Collector& worlds, const InputNormaliser& normaliser, Halves& halves, LearnStats& stats) = 0;
 

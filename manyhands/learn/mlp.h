@@ -6,12 +6,19 @@
 
 #include <cstdint>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "manyhands/learn/eigen.h"
 
 namespace manyhands::learn {
+
+/// The networks have left the finite numbers. The message says after how many steps, and what to try.
+class DivergenceError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 template <class S>
 using Matrix = Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic>;

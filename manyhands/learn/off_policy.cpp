@@ -1,6 +1,5 @@
 #include "manyhands/learn/off_policy.h"
 
-#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -11,39 +10,15 @@ OffPolicy::OffPolicy(const EnvSpec& spec, int num_worlds, int input_dim, const T
       replay_(spec, config.replay_capacity, config.wants_expert() ? spec.action_dim : 0),
       minibatch_(replay_.make_minibatch(config.batch_size)),
       agent_(input_dim, spec.action_dim, config),
-      acting_(agent_.actor().make_tape(num_worlds)),
-      policy_action_(Matrix<float>::Zero(spec.action_dim, num_worlds)) {}
+      exploration_(agent_.actor(), config, 0, num_worlds) {}
 
-/// The policy's action plus noise, of SAC an action drawn from it, or now and then, and during the warm-up always, a
-/// uniform one. Where the expert acts, its action plus noise: what it shows then leads back to its way, too (Laskey et
-/// al., DART, 2017).
 void OffPolicy::choose_actions(const Collector& worlds, const InputNormaliser& normaliser, std::int64_t iteration,
                                Matrix<float>& action) {
-  const auto counter = static_cast<std::uint64_t>(iteration);
-  write_states(worlds.envs(), normaliser, acting_.input());
-  if (config_.algorithm == Algorithm::kSac) {
-    agent_.actor().draw(acting_, Random(config_.seed, Purpose::kActing, counter), policy_action_);
-  } else {
-    agent_.actor().act(acting_, policy_action_);
-  }
-  const Eigen::Index count = action.cols();
-  const bool all_led = config_.expert_rate > 0 && warming_up();
-  const Eigen::Index led = all_led ? count : std::lround(config_.expert_rate * static_cast<double>(count));
-  Random random(config_.seed, Purpose::kExploration, counter);
-  for (Eigen::Index world = 0; world < count; ++world) {
-    const bool random_now = random.uniform() < static_cast<float>(config_.random_action_rate);
-    const bool uniform = world >= led && (warming_up() || random_now);
-    const float* wanted = world < led ? &worlds.advice()[static_cast<std::size_t>(world * action.rows())]
-                                      : policy_action_.col(world).data();
-    for (Eigen::Index k = 0; k < action.rows(); ++k) {
-      const float chosen = wanted[k] + config_.exploration_noise * random.normal();
-      action(k, world) = uniform ? random.uniform(-1.0f, 1.0f) : std::clamp(chosen, -1.0f, 1.0f);
-    }
-  }
+  exploration_.choose(actor(), worlds, normaliser, iteration, warming_up(), action);
 }
 
 void OffPolicy::observe(const Collector& worlds, const InputNormaliser& /*normaliser*/) {
-  for (const int world : worlds.finished()) replay_.add(worlds.episode(world));
+  for (const int world : worlds.finished()) add(worlds.episode(world));
 }
 
 void OffPolicy::learn(const Collector& worlds, const InputNormaliser& normaliser, Halves& halves, LearnStats& stats) {
@@ -56,8 +31,8 @@ void OffPolicy::learn(const Collector& worlds, const InputNormaliser& normaliser
     halves.run([&](int half) { fill_half(normaliser, half); });
     const UpdateStats update = agent_.update(halves, bounds);
     if (!std::isfinite(update.critic_loss) || !std::isfinite(update.policy_q)) {
-      throw std::runtime_error("Trainer: training diverged after " + std::to_string(gradient_steps() - 1) +
-                               " gradient steps (the loss is not finite); try smaller learning rates");
+      throw DivergenceError("Trainer: training diverged after " + std::to_string(gradient_steps() - 1) +
+                            " gradient steps (the loss is not finite); try smaller learning rates");
     }
     stats.critic_loss += static_cast<double>(update.critic_loss);
     stats.q += static_cast<double>(update.q);

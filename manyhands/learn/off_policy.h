@@ -2,6 +2,7 @@
 #pragma once
 
 #include "manyhands/learn/agent.h"
+#include "manyhands/learn/exploration.h"
 #include "manyhands/learn/learner.h"
 #include "manyhands/learn/replay.h"
 
@@ -14,9 +15,11 @@ class OffPolicy final : public Learner {
 
   [[nodiscard]] const Actor& actor() const override { return agent_.actor(); }
   [[nodiscard]] std::int64_t gradient_steps() const override { return agent_.gradient_steps(); }
+  [[nodiscard]] bool warming_up() const override { return replay_.size() < config_.warmup_transitions; }
 
   void choose_actions(const Collector& worlds, const InputNormaliser& normaliser, std::int64_t iteration,
                       Matrix<float>& action) override;
+  void add(const EpisodeView& episode) override { replay_.add(episode); }
   void observe(const Collector& worlds, const InputNormaliser& normaliser) override;
   void learn(const Collector& worlds, const InputNormaliser& normaliser, Halves& halves, LearnStats& stats) override;
 
@@ -24,15 +27,13 @@ class OffPolicy final : public Learner {
   void load(ArchiveReader& in) override;
 
  private:
-  [[nodiscard]] bool warming_up() const { return replay_.size() < config_.warmup_transitions; }
   void fill_half(const InputNormaliser& normaliser, int half);
 
   TrainerConfig config_;
   ReplayBuffer replay_;
   Minibatch minibatch_;
   Agent agent_;
-  MlpTape<float> acting_;
-  Matrix<float> policy_action_;  // (action_dim, worlds)
+  Exploration exploration_;
 };
 
 }  // namespace manyhands::learn

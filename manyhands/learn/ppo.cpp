@@ -88,6 +88,10 @@ void Ppo::observe(const Collector& worlds, const InputNormaliser& normaliser) {
   ++rollout_.filled;
 }
 
+void Ppo::add(const EpisodeView& /*episode*/) {
+  throw std::logic_error("PPO learns from what its present policy does in worlds of its own alone");
+}
+
 void Ppo::learn(const Collector& worlds, const InputNormaliser& normaliser, Halves& halves, LearnStats& stats) {
   if (!rollout_.full()) return;
   write_states(worlds.envs(), normaliser, valuing_.input());
@@ -122,8 +126,8 @@ void Ppo::update(std::span<const int> rows, Halves& halves, LearnStats& stats) {
 
   const double loss = (halves_[0].squared_error + halves_[1].squared_error) / n;
   if (!std::isfinite(loss)) {
-    throw std::runtime_error("Trainer: training diverged after " + std::to_string(gradient_steps()) +
-                             " gradient steps (the loss is not finite); try smaller learning rates");
+    throw DivergenceError("Trainer: training diverged after " + std::to_string(gradient_steps()) +
+                          " gradient steps (the loss is not finite); try smaller learning rates");
   }
   stats.critic_loss += loss;
   stats.q += (halves_[0].value_sum + halves_[1].value_sum) / n;

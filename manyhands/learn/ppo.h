@@ -23,6 +23,7 @@ class Ppo final : public Learner {
   void choose_actions(const Collector& worlds, const InputNormaliser& normaliser, std::int64_t iteration,
                       Matrix<float>& action) override;
   void observe(const Collector& worlds, const InputNormaliser& normaliser) override;
+  void add(const EpisodeView& episode) override;
   void learn(const Collector& worlds, const InputNormaliser& normaliser, Halves& halves, LearnStats& stats) override;
 
   void save(ArchiveWriter& out, bool with_replay) const override;

@@ -74,8 +74,8 @@ double Regression::advance(int steps) {
   double sum = 0;
   for (int i = 0; i < steps; ++i) sum += step();
   if (!std::isfinite(sum)) {
-    throw std::runtime_error("Regression: the network diverged within " + std::to_string(optimiser_.step_count()) +
-                             " steps (the loss is not finite); try a smaller learning rate");
+    throw DivergenceError("Regression: the network diverged within " + std::to_string(optimiser_.step_count()) +
+                          " steps (the loss is not finite); try a smaller learning rate");
   }
   return steps > 0 ? sum / steps : 0;
 }

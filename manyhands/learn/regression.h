@@ -37,7 +37,7 @@ class Regression {
              const RegressionConfig& config);
 
   /// Takes so many gradient steps, without allocating, and returns their mean loss (0 if there are none). Throws
-  /// std::runtime_error if the network diverges to non-numbers.
+  /// DivergenceError if the network diverges to non-numbers.
   double advance(int steps);
 
   /// What has been fitted so far.

@@ -55,16 +55,17 @@ Trainer::Trainer(EnvBatch& envs, EnvBatch* evaluation, const TrainerConfig& conf
 }
 
 TrainMetrics Trainer::advance(int iterations) {
+  if (!rounds_.shares.empty())
+    throw std::logic_error("Trainer::advance: the worlds run elsewhere; see Trainer::spread");
   LearnStats stats;
   for (int i = 0; i < iterations && !metrics_.solved; ++i) {
     collect();
-    learn(stats);
-    ++metrics_.iterations;
-    if (evaluation_ != nullptr && metrics_.gradient_steps > 0 &&
-        metrics_.iterations % config_.evaluation_interval == 0) {
-      check_progress();
-    }
+    learn_once(stats);
   }
+  return report(stats);
+}
+
+TrainMetrics Trainer::report(const LearnStats& stats) {
   metrics_.critic_loss = stats.critic_loss / std::max(stats.steps, 1);
   metrics_.q_mean = stats.q / std::max(stats.steps, 1);
   metrics_.policy_q_mean = stats.policy_q / std::max(stats.policy_steps, 1);
@@ -77,21 +78,27 @@ void Trainer::collect() {
   learner_->choose_actions(collector_, normaliser_, metrics_.iterations, actions_);
   collector_.step(floats(actions_));
   learner_->observe(collector_, normaliser_);
-  for (const int world : collector_.finished()) count_episode(world);
+  for (const int world : collector_.finished()) count_episode(collector_.episode(world), collector_.succeeded(world));
   collector_.restart_finished();
   normaliser_.refresh();
   metrics_.env_steps += collector_.envs().num_envs();
 }
 
-void Trainer::learn(LearnStats& stats) {
-  const Stopwatch stopwatch(metrics_.learn_seconds);
-  learner_->learn(collector_, normaliser_, *halves_, stats);
-  metrics_.gradient_steps = learner_->gradient_steps();
+/// One iteration's gradient steps, and the evaluation if one is due.
+void Trainer::learn_once(LearnStats& stats) {
+  {
+    const Stopwatch stopwatch(metrics_.learn_seconds);
+    learner_->learn(collector_, normaliser_, *halves_, stats);
+    metrics_.gradient_steps = learner_->gradient_steps();
+  }
+  ++metrics_.iterations;
+  if (evaluation_ != nullptr && metrics_.gradient_steps > 0 && metrics_.iterations % config_.evaluation_interval == 0) {
+    check_progress();
+  }
 }
 
 /// Adds a finished episode to the statistics.
-void Trainer::count_episode(int world) {
-  const EpisodeView episode = collector_.episode(world);
+void Trainer::count_episode(const EpisodeView& episode, bool succeeded) {
   for (int t = 0; t < episode.length; ++t) {
     normaliser_.add(episode.observation.data() + t * spec_.observation_dim,
                     episode.achieved_goal.data() + t * spec_.goal_dim, episode.desired_goal.data());
@@ -101,7 +108,7 @@ void Trainer::count_episode(int world) {
     recent_successes_.resize(at + 1);
     recent_returns_.resize(at + 1);
   }
-  recent_successes_[at] = collector_.succeeded(world) ? 1 : 0;
+  recent_successes_[at] = succeeded ? 1 : 0;
   recent_returns_[at] = std::accumulate(episode.reward.begin(), episode.reward.end(), 0.0f);
   const auto mean = [](const auto& ring) {
     return std::accumulate(ring.begin(), ring.end(), 0.0) / static_cast<double>(ring.size());

@@ -12,6 +12,7 @@
 #include "manyhands/learn/learner.h"
 #include "manyhands/learn/normaliser.h"
 #include "manyhands/learn/policy.h"
+#include "manyhands/learn/share.h"
 #include "manyhands/learn/trainer_config.h"
 
 namespace manyhands::learn {
@@ -49,8 +50,26 @@ class Trainer {
   [[nodiscard]] int action_dim() const { return spec_.action_dim; }
 
   /// Runs up to `iterations` more: each one step of the batch and `updates_per_iteration` gradient steps, now and then
-  /// an evaluation. Stops early when solved. Throws std::runtime_error if the networks diverge to non-numbers.
+  /// an evaluation. Stops early when solved. Throws DivergenceError if the networks diverge to non-numbers.
   TrainMetrics advance(int iterations);
+
+  /// From now on every world of training runs elsewhere, in shares of so many (`Share`); those of `envs` rest, and only
+  /// say what goals are worth. To be called first. Instead of `advance` there are rounds: each share runs `order` from
+  /// its `place` on, `receive` takes what they bring, and while they run the next order, `learn` learns from that. So
+  /// the policy of an order knows nothing of the round before it, and the same seed and shares give the same bits.
+  /// Throws std::invalid_argument if the algorithm learns from worlds of its own alone.
+  void spread(std::vector<int> shares);
+
+  /// What all shares are to do now, and where share i begins. Both hold until `receive`, across checkpoints.
+  [[nodiscard]] const Message& order() const { return rounds_.order; }
+  [[nodiscard]] const Message& place(int share) const { return rounds_.places[static_cast<std::size_t>(share)]; }
+
+  /// Takes in what the shares brought, in their order, and makes the next order. Throws CheckpointError, having taken
+  /// nothing, if something else came.
+  void receive(std::span<const Message> results);
+
+  /// The gradient steps and evaluations that are due after a round.
+  TrainMetrics learn();
 
   [[nodiscard]] TrainMetrics metrics() const { return metrics_; }
 
@@ -79,13 +98,24 @@ class Trainer {
  private:
   static constexpr int kRecentEpisodes = 100;
 
+  /// What is under way in worlds elsewhere, so that it can be done again.
+  struct Rounds {
+    std::vector<int> shares;  // worlds of each
+    Message order;
+    std::vector<Message> places;
+  };
+
   void collect();
-  void learn(LearnStats& stats);
+  void learn_once(LearnStats& stats);
+  TrainMetrics report(const LearnStats& stats);
   void check_progress();
-  void count_episode(int world);
+  void count_episode(const EpisodeView& episode, bool succeeded);
+  void make_order(std::int64_t iteration);
+  void save_rounds(ArchiveWriter& out) const;
   void require_same_task(const EnvBatch& envs) const;
   void save_shape(ArchiveWriter& out) const;
   void expect_shape(ArchiveReader& in) const;
+  [[nodiscard]] Rounds read_rounds(ArchiveReader& in) const;
 
   TrainerConfig config_;
   EnvSpec spec_;
@@ -94,6 +124,7 @@ class Trainer {
   InputNormaliser normaliser_;
   std::unique_ptr<Learner> learner_;
   std::unique_ptr<Halves> halves_;
+  Rounds rounds_;
   Matrix<float> actions_;                       // (action_dim, worlds)
   std::vector<std::uint8_t> recent_successes_;  // rings of the last training episodes
   std::vector<float> recent_returns_;

@@ -80,6 +80,7 @@ void Trainer::save(const std::filesystem::path& path, bool with_replay) const {
   normaliser_.save(out);
   learner_->save(out, with_replay);
   collector_.save(out);
+  save_rounds(out);
   out.commit(path);
 }
 
@@ -100,6 +101,7 @@ bool Trainer::load(const std::filesystem::path& path) {
   auto learner = make_learner(spec_, collector_.envs().num_envs(), normaliser.dim(), config);
   learner->load(in);
   const Collector::Running running = collector_.read(in);
+  Rounds rounds = read_rounds(in);
   in.finish();
 
   config_ = std::move(config);
@@ -109,6 +111,7 @@ bool Trainer::load(const std::filesystem::path& path) {
   recent_returns_ = std::move(recent_returns);
   normaliser_ = std::move(normaliser);
   learner_ = std::move(learner);
+  rounds_ = std::move(rounds);
   return collector_.restore(running);
 }
 

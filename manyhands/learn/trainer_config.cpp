@@ -78,6 +78,7 @@ void TrainerConfig::validate() const {
           "positive, and cloning_filter false, with DAgger, which learns from the expert alone");
   require(algorithm == Algorithm::kTd3 || algorithm == Algorithm::kDagger || (cloning_weight == 0 && policy_delay == 1),
           "algorithm", "not TD3", "TD3 where cloning_weight is not 0 or policy_delay not 1");
+  require_at_least("round_steps", round_steps, 1);
   require_at_least("evaluation_interval", evaluation_interval, 1);
   require_at_least("evaluation_episodes", evaluation_episodes, 1);
   require_range("stop_success_rate", stop_success_rate, 0.0, 1.0);

@@ -67,6 +67,8 @@ struct TrainerConfig {
   float exploration_noise = 0.2f;   ///< standard deviation of the noise on actions
   double random_action_rate = 0.2;  ///< probability of a uniform action instead
 
+  int round_steps = 5;  ///< of worlds elsewhere: steps of each under one policy
+
   // Stopping: evaluations of the noise-free policy on fresh episodes, if the trainer has an evaluation batch
   int evaluation_interval = 25;    ///< iterations between evaluations
   int evaluation_episodes = 250;   ///< episodes of each

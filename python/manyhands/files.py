@@ -8,6 +8,17 @@ from pathlib import Path
 
 
 @contextmanager
+def naming(path: Path) -> Iterator[None]:
+    """An OSError in the block that names no file, as those of writing, says that it was this one."""
+    try:
+        yield
+    except OSError as reason:
+        if reason.filename is not None or reason.strerror is None:
+            raise
+        raise type(reason)(f"{path} cannot be written ({reason.strerror})") from reason
+
+
+@contextmanager
 def replacing(path: Path) -> Iterator[Path]:
     """A path beside `path` to write to, moved to it if the block ends well and removed if not.
 
@@ -24,7 +35,8 @@ def replacing(path: Path) -> Iterator[Path]:
         text = f"{path} cannot be written ({reason.strerror}); name a place where files can be"
         raise type(reason)(text) from reason
     try:
-        yield temporary
+        with naming(path):
+            yield temporary
         temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)

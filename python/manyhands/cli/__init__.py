@@ -6,7 +6,7 @@ import sys
 from collections.abc import Sequence
 
 from manyhands._core.envs import env_ids, make_env_batch
-from manyhands._core.learn import CheckpointError
+from manyhands._core.learn import CheckpointError, DivergenceError
 from manyhands.cli import clone, compare, convert, demos, evaluate, record, sweep, train, view
 from manyhands.extras import install_extra
 from manyhands.interrupts import INTERRUPTED
@@ -89,12 +89,16 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # `manyhands envs | head` has read enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # nothing is left to be said at exit
         return _UNHEARD
-    except (ValueError, OSError, CheckpointError) as error:
+    except (ValueError, OSError, CheckpointError, DivergenceError) as error:
         print(f"manyhands {arguments.command}: {error}", file=sys.stderr)
+        return 2
+    except MemoryError:
+        print(f"manyhands {arguments.command}: there is not enough memory for so much of it", file=sys.stderr)
         return 2
     except ModuleNotFoundError as error:
         extras = {"view": "viewer", "record": "video", "demos": "demos", "clone": "demos"}
-        extra = "train" if error.name in ("onnx", "onnxruntime") else extras.get(arguments.command, "train")
+        extras |= {"onnx": "train", "onnxruntime": "train", "ray": "ray"}
+        extra = extras.get(error.name or "") or extras.get(arguments.command, "train")
         print(f"manyhands {arguments.command} needs {error.name}: {install_extra(extra)}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:

@@ -5,6 +5,7 @@ import shlex
 import shutil
 import sys
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,10 +14,16 @@ from manyhands.env_names import resolve_env_id
 from manyhands.interrupts import INTERRUPTED
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from manyhands.training.recipe import Recipe
-    from manyhands.training.run import Outcome
+    from manyhands.training.run import Outcome, TrainingRun
     from manyhands.training.run_folder import RunFolder
     from manyhands.training.settings import TrainSettings
+
+    _Begin = Callable[[TrainSettings], tuple[TrainingRun, str]]
+
+_MOST_WORKERS = 4096
 
 EXAMPLES = """\
 examples:
@@ -26,6 +33,7 @@ examples:
   manyhands train PandaReachJoints --seed 3           drive the joints; another seed
   manyhands train PandaReach --set gamma=0.9 --set hidden_layers=[128,128]
   manyhands train --resume runs/PandaReach-v3-...     go on where Ctrl-C stopped a run
+  manyhands train PandaPush --ray auto --workers 8    with worlds in eight processes of a Ray cluster
 
 A run folder holds config.json, metrics.csv, TensorBoard events, learning_curve.png, checkpoint.bin, policy.onnx and
 evaluation.json. Ctrl-C saves a checkpoint and says how to go on.
@@ -44,6 +52,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--max-steps", type=int, metavar="N", help="environment steps at most, over all worlds (default: the recipe's)"
     )
     parser.add_argument("--episodes", type=int, metavar="N", help="of the evaluation after training (default 1000)")
+    parser.add_argument(
+        "--ray",
+        metavar="ADDRESS",
+        help='worlds run on a Ray cluster: HOST:PORT, "auto", or "local" to start one',
+    )
+    parser.add_argument(
+        "--workers", type=int, metavar="N", help="processes of the cluster (default: one for each core but one)"
+    )
     parser.add_argument("--runs", type=Path, default=Path("runs"), metavar="DIR", help="where run folders go (runs)")
     parser.add_argument(
         "--set", action="append", metavar="NAME=VALUE", help="a setting of the trainer; may be given more than once"
@@ -57,25 +73,70 @@ def run(arguments: argparse.Namespace) -> int:
     """Learns, measures what was learned, and says where it is."""
     from rich.console import Console
 
+    _check_numbers(arguments)
+    console = Console()
+    prepare = _prepare_new if arguments.resume is None else _prepare_resumed
+    settings, begin = prepare(arguments)
+    if arguments.ray is None:
+        return _train(arguments, console, *begin(settings))
+    from manyhands.training.cluster import Cluster
+
+    with Cluster(arguments.ray) as cluster:
+        if arguments.resume is None and arguments.workers is None:
+            settings = replace(settings, workers=min(cluster.default_workers(), settings.num_envs))
+        return _train(arguments, console, *begin(settings))
+
+
+def _check_numbers(arguments: argparse.Namespace) -> None:
+    if arguments.threads is not None:
+        whole_number("--threads", arguments.threads, 1, MOST_THREADS)
+    if arguments.workers is not None:
+        whole_number("--workers", arguments.workers, 1, _MOST_WORKERS)
+        if arguments.ray is None:
+            raise ValueError("--workers are those of a Ray cluster: name it with --ray (--ray local starts one here)")
+
+
+def _prepare_new(arguments: argparse.Namespace) -> "tuple[TrainSettings, _Begin]":
+    """Settings that make sense, and what begins the run."""
     from manyhands.training.announcement import announce
     from manyhands.training.run import TrainingRun
     from manyhands.training.run_folder import RunFolder
     from manyhands.training.settings import parse_overrides
 
-    changes = {
-        "num_threads": arguments.threads,
-        "max_env_steps": arguments.max_steps,
-        "evaluation_episodes": arguments.episodes,
+    if arguments.task is None:
+        raise ValueError("name a task, for example: manyhands train PandaReach (manyhands envs lists them)")
+    changes = _changes(arguments) | {
+        "seed": arguments.seed,
+        "num_envs": arguments.num_envs,
+        "workers": arguments.workers or (None if arguments.ray is None else 1),
+        "overrides": parse_overrides(arguments.set or []),
     }
-    if arguments.threads is not None:
-        whole_number("--threads", arguments.threads, 1, MOST_THREADS)
-    console = Console()
-    if arguments.resume is not None:
-        fixed = ("task", "seed", "recipe", "num_envs", "set")
-        if given := [name for name in fixed if getattr(arguments, name) is not None]:
-            raise ValueError(f"a resumed run keeps its {', '.join(given)}: leave it out, or start a new run")
-        folder = RunFolder(arguments.resume)
-        settings = folder.read_settings(**changes)
+    recipe, settings = new_settings(arguments.task, arguments.recipe, changes)
+    settings.trainer_config()
+
+    def begin(settings: "TrainSettings") -> "tuple[TrainingRun, str]":
+        folder = RunFolder.create(arguments.runs, settings)
+        lines = [f"Training {settings.env_id}, seed {settings.seed}: {folder.path}", *announce(recipe, settings)]
+        return TrainingRun(folder, settings), "\n".join(lines)
+
+    return settings, begin
+
+
+def _prepare_resumed(arguments: argparse.Namespace) -> "tuple[TrainSettings, _Begin]":
+    """The settings of a run that is there, and what resumes it."""
+    from manyhands.training.run import TrainingRun
+    from manyhands.training.run_folder import RunFolder
+
+    fixed = ("task", "seed", "recipe", "num_envs", "workers", "set")
+    if given := [name for name in fixed if getattr(arguments, name) is not None]:
+        raise ValueError(f"a resumed run keeps its {', '.join(given)}: leave it out, or start a new run")
+    folder = RunFolder(arguments.resume)
+    settings = folder.read_settings(**_changes(arguments))
+    if (settings.workers is None) != (arguments.ray is None):
+        wanted = "without --ray" if settings.workers is None else "with --ray"
+        raise ValueError(f"{folder.path} was begun {wanted}, and can only go on so")
+
+    def begin(settings: "TrainSettings") -> "tuple[TrainingRun, str]":
         run = TrainingRun(folder, settings, resume=True)
         done = run.metrics.env_steps
         if run.metrics.solved:
@@ -89,23 +150,24 @@ def run(arguments: argparse.Namespace) -> int:
         else:
             text = f"All {done:,} steps are done, --max-steps would add more; only evaluated again: {folder.path}"
         folder.write_config(settings)
-        console.print(text, highlight=False, markup=False, soft_wrap=True)
-    else:
-        if arguments.task is None:
-            raise ValueError("name a task, for example: manyhands train PandaReach (manyhands envs lists them)")
-        changes |= {
-            "seed": arguments.seed,
-            "num_envs": arguments.num_envs,
-            "overrides": parse_overrides(arguments.set or []),
-        }
-        recipe, settings = new_settings(arguments.task, arguments.recipe, changes)
-        settings.trainer_config()
-        folder = RunFolder.create(arguments.runs, settings)
-        run = TrainingRun(folder, settings)
-        lines = [f"Training {settings.env_id}, seed {settings.seed}: {folder.path}", *announce(recipe, settings)]
-        console.print("\n".join(lines), highlight=False, markup=False, soft_wrap=True)
+        return run, text
+
+    return settings, begin
+
+
+def _changes(arguments: argparse.Namespace) -> dict[str, Any]:
+    """What may differ in a run that is resumed."""
+    return {
+        "num_threads": arguments.threads,
+        "max_env_steps": arguments.max_steps,
+        "evaluation_episodes": arguments.episodes,
+    }
+
+
+def _train(arguments: argparse.Namespace, console: "Console", run: "TrainingRun", introduction: str) -> int:
+    console.print(introduction, highlight=False, markup=False, soft_wrap=True)
     outcome = run.train(console)
-    _summarise(outcome, folder, settings.seed, console.print)
+    _summarise(outcome, run.folder, run.settings.seed, arguments.ray, console.print)
     if outcome.evaluation is None:
         return INTERRUPTED
     required = arguments.require_success
@@ -133,13 +195,14 @@ def new_settings(
     return recipe, TrainSettings(env_id, **given) if recipe is None else recipe.settings(**given)
 
 
-def _summarise(outcome: "Outcome", folder: "RunFolder", seed: int, say: Callable[..., None]) -> None:
+def _summarise(outcome: "Outcome", folder: "RunFolder", seed: int, ray: str | None, say: Callable[..., None]) -> None:
     lines = [""]
+    with_ray = "" if ray is None else f" --ray {shlex.quote(ray)}"
     program, path = _program("manyhands"), shlex.quote(str(folder.path))
     if outcome.evaluation is None:
         lines += [
             f"Stopped after {outcome.env_steps:,} steps and {outcome.training_seconds:.1f} s. Nothing is lost:",
-            f"  {program} train --resume {path}",
+            f"  {program} train --resume {path}{with_ray}",
         ]
     else:
         result = outcome.evaluation
@@ -149,6 +212,7 @@ def _summarise(outcome: "Outcome", folder: "RunFolder", seed: int, say: Callable
             f"(return {result.mean_return:.2f}, length {result.mean_length:.1f})",
             f"Training took {outcome.training_seconds:.1f} s for {outcome.env_steps:,} steps, "
             f"the evaluation after it {outcome.evaluation_seconds:.1f} s.",
+            *([f"It waited {outcome.waited_seconds:.1f} s for its workers."] if outcome.waited_seconds else []),
             "",
             f"In {folder.path}:",
             f"  {folder.curve.name:<20} how it went, as a picture",
@@ -160,11 +224,11 @@ def _summarise(outcome: "Outcome", folder: "RunFolder", seed: int, say: Callable
             "Next:",
             f"  {program} evaluate {path}",
             f"  {program} view {result.env_id} --policy {path}",
-            f"  {program} train {result.env_id} --seed {seed + 1}",
+            f"  {program} train {result.env_id} --seed {seed + 1}{with_ray}",
             f"  {_program('tensorboard')} --logdir {shlex.quote(str(folder.path.parent))}",
         ]
         if not outcome.solved:
-            lines.append(f"  {program} train --resume {path} --max-steps {2 * outcome.env_steps}")
+            lines.append(f"  {program} train --resume {path}{with_ray} --max-steps {2 * outcome.env_steps}")
     say("\n".join(lines), highlight=False, markup=False, soft_wrap=True)
 
 

@@ -269,7 +269,8 @@ def read(path: Path) -> Demonstrations:
         ours = path / _OURS
         env_id = json.loads(ours.read_text())["env_id"] if ours.is_file() else None
     except (KeyError, ValueError, TypeError, OSError, pa.ArrowException) as reason:
-        raise ValueError(f"{path} is no whole dataset of LeRobot's with goals: {reason}") from reason
+        said = " ".join(f"{reason}".split())  # pyarrow takes several lines
+        raise ValueError(f"{path} is no whole dataset of LeRobot's with goals: {said}") from reason
     achieved, desired = np.split(goals, [goals.shape[1] // 2], axis=1)
     return Demonstrations(env_id, state, achieved, desired, action, np.unique(episode, return_counts=True)[1])
 

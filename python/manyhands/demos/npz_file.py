@@ -45,5 +45,6 @@ def read(path: Path) -> Demonstrations:
             last = np.cumsum(lengths + 1) - 1
             rows = {name: np.delete(file[name], last, axis=0) for name in ROWS}
             return Demonstrations(str(file["env_id"]), **rows, action=file["intended_action"], lengths=lengths)
-    except (KeyError, IndexError, ValueError, OSError, zipfile.BadZipFile, zlib.error) as reason:
+    # zipfile says RuntimeError of what it takes for a password, or for a version to come.
+    except (LookupError, ValueError, OSError, EOFError, RuntimeError, zipfile.BadZipFile, zlib.error) as reason:
         raise ValueError(f"{path} is no whole file of demonstrations: {reason}") from reason

@@ -82,6 +82,13 @@ def read_policy(path: Path) -> PolicyArrays:
         raise
     except Exception as error:  # protobuf's errors have no common base but this
         raise ValueError(f"{path} cannot be read as ONNX: {error}") from error
+    try:
+        return _arrays(graph, path)
+    except (LookupError, TypeError) as error:
+        raise ValueError(f"{path} is no whole policy of a trainer of ours: {error!r}") from error
+
+
+def _arrays(graph: onnx.GraphProto, path: Path) -> PolicyArrays:
     constants = {one.name: numpy_helper.to_array(one) for one in graph.initializer}
     done = [node.op_type for node in graph.node]
     count = done.count("Gemm")

@@ -44,8 +44,9 @@ class _Figures(ProgressColumn):
 class TrainingProgress:
     """Context manager; `update` after each piece of training."""
 
-    def __init__(self, console: Console, env_id: str, max_env_steps: int) -> None:
+    def __init__(self, console: Console, env_id: str, max_env_steps: int, workers: int | None = None) -> None:
         self._console = console
+        self._workers = "" if workers is None else f" of {workers} {'worker' if workers == 1 else 'workers'}"
         self._limit = max_env_steps
         self._bar: Progress | None = None
         self._last_line = 0.0
@@ -56,7 +57,7 @@ class TrainingProgress:
 
     def update(self, row: Row) -> None:
         """Shows where training stands."""
-        speed = f"{_speed(row):,.0f} steps/s"
+        speed = f"{_speed(row):,.0f} steps/s{self._workers}"
         left = f"≤ {_clock(_seconds_left(row, self._limit))} left"
         if self._bar is not None:
             self._bar.update(self._task, completed=row.env_steps, figures=f"{speed}  success {_success(row)}  {left}")
@@ -67,6 +68,10 @@ class TrainingProgress:
                 highlight=False,
                 soft_wrap=True,
             )
+
+    def say(self, text: str) -> None:
+        """Prints a line above the bar."""
+        self._console.print(text, highlight=False, markup=False, soft_wrap=True)
 
     def __enter__(self) -> "TrainingProgress":
         if self._bar is not None:

@@ -3,6 +3,7 @@
 import csv
 import io
 import math
+import threading
 import time
 from dataclasses import asdict, dataclass, fields
 from types import TracebackType
@@ -12,7 +13,7 @@ from tensorboard.compat.proto.summary_pb2 import Summary  # pyright: ignore[repo
 from tensorboard.summary.writer.event_file_writer import EventFileWriter
 
 from manyhands._core.learn import TrainMetrics
-from manyhands.files import write_text
+from manyhands.files import naming, write_text
 from manyhands.training.run_folder import RunFolder
 
 
@@ -42,7 +43,10 @@ class Recorder:
         self._folder = folder
         self._num_envs = num_envs
         self.rows = [row for row in read_rows(folder) if row.iterations <= resume_at] if resume_at else []
-        self._events = EventFileWriter(str(folder.path))
+        self._hook = threading.excepthook
+        threading.excepthook = self._hear
+        with naming(folder.path / "events"):
+            self._events = EventFileWriter(str(folder.path))
 
     @property
     def seconds(self) -> float:
@@ -80,7 +84,13 @@ class Recorder:
 
     def _write_event(self, row: Row) -> None:
         values = [Summary.Value(tag=f"train/{name}", simple_value=value) for name, value in asdict(row).items()]
-        self._events.add_event(Event(wall_time=time.time(), step=row.env_steps, summary=Summary(value=values)))
+        with naming(self._folder.path / "events"):
+            self._events.add_event(Event(wall_time=time.time(), step=row.env_steps, summary=Summary(value=values)))
+
+    def _hear(self, unheard: threading.ExceptHookArgs) -> None:
+        """What stops TensorBoard's thread is raised again where the next event is added, and need not be told twice."""
+        if not type(unheard.thread).__module__.startswith("tensorboard."):
+            self._hook(unheard)
 
     def __enter__(self) -> "Recorder":
         return self
@@ -88,7 +98,11 @@ class Recorder:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
-        self._events.close()
+        try:
+            with naming(self._folder.path / "events"):
+                self._events.close()
+        finally:
+            threading.excepthook = self._hook
 
 
 def read_rows(folder: RunFolder) -> list[Row]:

@@ -3,7 +3,9 @@
 import json
 import math
 import time
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 
@@ -17,7 +19,10 @@ from manyhands.training.policy_file import save_policy
 from manyhands.training.progress import TrainingProgress
 from manyhands.training.recorder import Recorder
 from manyhands.training.run_folder import RunFolder
-from manyhands.training.settings import FIRST_EVALUATION_SEED, TrainSettings
+from manyhands.training.settings import FIRST_EVALUATION_SEED, TrainSettings, shares_of
+
+if TYPE_CHECKING:
+    from manyhands.training.cluster import Workers
 
 _SECONDS_PER_PIECE = (0.05, 1.0)  # of training between two looks at it: shortest and longest
 _SHARE_PER_PIECE = 0.01  # of the training so far, between these
@@ -32,6 +37,7 @@ class Outcome:
     env_steps: int
     training_seconds: float  # periodic evaluations included, across resumptions
     evaluation_seconds: float
+    waited_seconds: float  # of those of training, for workers of a cluster, since the last resumption
     evaluation: Evaluation | None
 
 
@@ -40,14 +46,18 @@ class TrainingRun:
 
     def __init__(self, folder: RunFolder, settings: TrainSettings, resume: bool = False) -> None:
         """With `resume`, goes on from the folder's checkpoint: raises ValueError if it has none."""
-        self._folder = folder
-        self._settings = settings
+        self.folder = folder
+        self.settings = settings
         config = settings.trainer_config()
         threads = settings.num_threads or 0
-        self._envs = make_env_batch(settings.env_id, settings.num_envs, num_threads=threads)
+        worlds_here = settings.num_envs if settings.workers is None else 1
+        self._envs = make_env_batch(settings.env_id, worlds_here, num_threads=threads)
         self._evaluation = make_env_batch(settings.env_id, config.evaluation_episodes, num_threads=threads)
         expert = make_expert(settings.env_id) if config.wants_expert else None
         self._trainer = Trainer(self._envs, self._evaluation, config, expert)
+        if settings.workers is not None:
+            self._trainer.spread(shares_of(settings.num_envs, settings.workers))
+        self._workers: Workers | None = None
         if resume:
             if not folder.checkpoint.is_file():
                 raise ValueError(f"{folder.path} has no checkpoint to resume from; start again with a new run")
@@ -60,16 +70,20 @@ class TrainingRun:
 
     def train(self, console: Console) -> Outcome:
         """Trains until solved, at the step limit, or interrupted; then evaluates, unless interrupted."""
-        if self._iterations_left() > 0:
-            self._folder.evaluation.unlink(missing_ok=True)  # it was of the policy before
-        with Recorder(self._folder, self._settings.num_envs, self.metrics.iterations) as recorder:
+        with Recorder(self.folder, self.settings.num_envs, self.metrics.iterations) as recorder:
             with Interrupts() as interrupts:
-                self._advance(console, recorder, interrupts)
-                self._trainer.save(self._folder.checkpoint)
-                save_policy(self._trainer.policy(), self._settings.env_id, self._folder.policy)
+                if not self.folder.checkpoint.is_file():
+                    self._trainer.save(self.folder.checkpoint)  # from now on the run can be resumed
+                try:
+                    self._advance(console, recorder, interrupts)
+                except ConnectionError:  # of the workers: nothing that was learned is lost with them
+                    self._trainer.save(self.folder.checkpoint)
+                    raise
+                self._trainer.save(self.folder.checkpoint)
+                save_policy(self._trainer.policy(), self.settings.env_id, self.folder.policy)
                 if recorder.rows:
-                    title = f"{self._settings.env_id}, seed {self._settings.seed}"
-                    draw_curve(self._folder, recorder.rows, title)
+                    title = f"{self.settings.env_id}, seed {self.settings.seed}"
+                    draw_curve(self.folder, recorder.rows, title)
             begin = time.perf_counter()
             evaluation = None if interrupts.requested else self._evaluate()
             return Outcome(
@@ -77,41 +91,56 @@ class TrainingRun:
                 env_steps=self.metrics.env_steps,
                 training_seconds=recorder.seconds,
                 evaluation_seconds=time.perf_counter() - begin,
+                waited_seconds=0.0 if self._workers is None else self._workers.waited_seconds,
                 evaluation=evaluation,
             )
 
     def _advance(self, console: Console, recorder: Recorder, interrupts: Interrupts) -> None:
         piece = 1
         last_checkpoint = time.monotonic()
-        with TrainingProgress(console, self._settings.env_id, self._settings.max_env_steps) as progress:
+        settings = self.settings
+        with TrainingProgress(console, settings.env_id, settings.max_env_steps, settings.workers) as progress:
+            advance = self._advancer(progress, interrupts)
             while (left := self._iterations_left()) > 0 and not interrupts.requested:
                 begin = time.perf_counter()
-                metrics = self._trainer.advance(min(piece, left))
+                metrics = advance(min(piece, left))
                 elapsed = time.perf_counter() - begin
                 progress.update(recorder.add(metrics, elapsed))
+                self.folder.evaluation.unlink(missing_ok=True)  # it was of the policy before
                 shortest, longest = _SECONDS_PER_PIECE
                 wanted = min(max(shortest, _SHARE_PER_PIECE * recorder.seconds), longest)
                 piece = max(1, round(piece * min(wanted / max(elapsed, 1e-6), 2.0)))
                 if time.monotonic() - last_checkpoint > _SECONDS_PER_CHECKPOINT:
-                    self._trainer.save(self._folder.checkpoint)
+                    self._trainer.save(self.folder.checkpoint)
                     last_checkpoint = time.monotonic()
+
+    def _advancer(self, progress: TrainingProgress, interrupts: Interrupts) -> Callable[[int], TrainMetrics]:
+        """What runs iterations: the trainer, or the workers of a cluster and the trainer."""
+        if self.settings.workers is None:
+            return self._trainer.advance
+        from manyhands.training.cluster import Workers
+        from manyhands.training.spread import Spread
+
+        self._workers = Workers(self.settings, progress.say)
+        spread = Spread(self._trainer, self._workers, self.settings.trainer_config().round_steps)
+        return lambda iterations: spread.advance(iterations, lambda: interrupts.requested)
 
     def _iterations_left(self) -> int:
         metrics = self.metrics
         if metrics.solved:
             return 0
-        return math.ceil((self._settings.max_env_steps - metrics.env_steps) / self._settings.num_envs)
+        return math.ceil((self.settings.max_env_steps - metrics.env_steps) / self.settings.num_envs)
 
     def _evaluate(self) -> Evaluation:
-        episodes = self._settings.evaluation_episodes
+        episodes = self.settings.evaluation_episodes
         result = self._trainer.evaluate(self._evaluation, episodes, FIRST_EVALUATION_SEED)
         evaluation = Evaluation(
-            env_id=self._settings.env_id,
+            env_id=self.settings.env_id,
             episodes=episodes,
             first_seed=FIRST_EVALUATION_SEED,
             success_rate=result.success_rate,
             mean_return=result.mean_return,
             mean_length=result.mean_length,
         )
-        write_text(self._folder.evaluation, json.dumps(asdict(evaluation), indent=2) + "\n")
+        write_text(self.folder.evaluation, json.dumps(asdict(evaluation), indent=2) + "\n")
         return evaluation

@@ -51,7 +51,11 @@ class RunFolder:
                 text = f"no run can be kept in {parent} ({reason.strerror}); name another folder with --runs"
                 raise type(reason)(text) from reason
         folder = cls(path)
-        folder.write_config(settings)
+        try:
+            folder.write_config(settings)
+        except OSError:
+            path.rmdir()
+            raise
         return folder
 
     def make(self, settings: TrainSettings) -> None:

@@ -47,6 +47,11 @@ def override(config: TrainerConfig, name: str, value: Any) -> None:
         raise ValueError(f"the trainer setting {name} is {value!r}, expected {expected}") from error
 
 
+def shares_of(worlds: int, workers: int) -> list[int]:
+    """Worlds of each worker, as equal as whole numbers can be."""
+    return [worlds // workers + (i < worlds % workers) for i in range(workers)]
+
+
 @dataclass(frozen=True)
 class TrainSettings:
     """Everything from which a run follows; the same settings give the same policy on the same build."""
@@ -57,6 +62,7 @@ class TrainSettings:
     num_threads: int | None = None  # None: MANYHANDS_THREADS, or the machine's cores
     max_env_steps: int = 1_000_000  # over all worlds, if the task is not solved before
     evaluation_episodes: int = 1000  # after training
+    workers: int | None = None  # of a Ray cluster, which share the worlds; None: they are all here
     overrides: dict[str, Any] = field(default_factory=dict)  # trainer settings that differ from their defaults
 
     def __post_init__(self) -> None:
@@ -65,6 +71,8 @@ class TrainSettings:
         whole_number("seed", self.seed, 0, 2**63 - 1)
         if self.num_threads is not None:
             whole_number("num_threads", self.num_threads, 1, 1024)
+        if self.workers is not None:
+            whole_number("workers", self.workers, 1, self.num_envs)
         if not isinstance(self.env_id, str):
             raise ValueError(f"env_id is {self.env_id!r}, expected a name")
         if not isinstance(self.overrides, dict):
@@ -81,4 +89,6 @@ class TrainSettings:
         config.validate()
         if config.wants_expert and self.env_id not in expert_ids():
             raise ValueError(f"there is no expert for {self.env_id!r}: set expert_rate and cloning_weight to 0")
+        if self.workers is not None and config.algorithm == "PPO":
+            raise ValueError("PPO learns from what its present policy does, which workers do not know: use TD3 or SAC")
         return config
