@@ -212,6 +212,7 @@ void bind_policy(nb::module_& m) {
       "action: tanh(y), clip(y, -1, 1) or the index of the largest; with z = clip((x - mean) * scale, -clip, clip) and "
       "x = [observation, desired_goal, desired_goal - "
       "achieved_goal, observation[i:i+3] - observation[k:k+3] for each pair of differences].")
+      .def_ro("env_id", &Policy::env_id, "The environment it was learned in; empty if that is not known.")
       .def_ro("observation_dim", &Policy::observation_dim)
       .def_ro("goal_dim", &Policy::goal_dim)
       .def_ro("action_dim", &Policy::action_dim)

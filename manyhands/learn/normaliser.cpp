@@ -33,6 +33,17 @@ InputNormaliser::InputNormaliser(int observation_dim, int goal_dim, float clip, 
   raw_.setZero(measured + fixed);
 }
 
+InputNormaliser::InputNormaliser(int observation_dim, int goal_dim, float clip, std::vector<int> differences,
+                                 std::span<const float> mean, std::span<const float> scale)
+    : InputNormaliser(observation_dim, goal_dim, clip, std::move(differences)) {
+  if (mean.size() != static_cast<std::size_t>(dim()) || scale.size() != mean.size()) {
+    throw std::invalid_argument("mean and scale are of " + std::to_string(mean.size()) + " and " +
+                                std::to_string(scale.size()) + " inputs, not of " + std::to_string(dim()));
+  }
+  std::ranges::copy(mean, mean_.data());
+  std::ranges::copy(scale, scale_.data());
+}
+
 void InputNormaliser::write_raw(const float* observation, const float* achieved_goal, const float* desired_goal,
                                 float* x) const {
   x = std::copy_n(observation, observation_dim_, x);

@@ -19,6 +19,9 @@ class InputNormaliser {
   InputNormaliser() = default;
   /// `differences`: see TrainerConfig. Throws std::invalid_argument if they lie outside of an observation.
   InputNormaliser(int observation_dim, int goal_dim, float clip, std::vector<int> differences = {});
+  /// With statistics that are known: mean and scale (dim()).
+  InputNormaliser(int observation_dim, int goal_dim, float clip, std::vector<int> differences,
+                  std::span<const float> mean, std::span<const float> scale);
 
   [[nodiscard]] int dim() const { return static_cast<int>(mean_.size()); }
 
