@@ -106,6 +106,8 @@ void visit_settings(Visit&& visit) {
   visit("differences", &C::differences,
         "Pairs (i, k): the network also sees o[i:i+3] - o[k:k+3] of an observation o, as fine as 2 cm.");
   visit("input_clip", &C::input_clip, "Largest normalised network input, in standard deviations.");
+  visit("privileged_critic", &C::privileged_critic,
+        "Critics see what the environment has randomised, too; the policy does not.");
   visit("rollout_steps", &C::rollout_steps, "PPO: environment steps of every world between updates.");
   visit("epochs", &C::epochs, "PPO: how often an update goes through them.");
   visit("gae_lambda", &C::gae_lambda, "PPO: of the advantages, in [0, 1].");

@@ -9,16 +9,18 @@ namespace manyhands::learn {
 
 namespace {
 
-/// A feature that hardly moves is noise: it is not blown up beyond this standard deviation.
-constexpr double kLeastDeviation = 1e-2;
-
 /// The unit of differences within an observation [m].
 constexpr float kNear = 0.02f;
 
 }  // namespace
 
-InputNormaliser::InputNormaliser(int observation_dim, int goal_dim, float clip, std::vector<int> differences)
-    : observation_dim_(observation_dim), goal_dim_(goal_dim), clip_(clip), differences_(std::move(differences)) {
+InputNormaliser::InputNormaliser(int observation_dim, int goal_dim, float clip, std::vector<int> differences,
+                                 double least_deviation)
+    : observation_dim_(observation_dim),
+      goal_dim_(goal_dim),
+      clip_(clip),
+      least_deviation_(least_deviation),
+      differences_(std::move(differences)) {
   for (const int i : differences_) {
     if (i >= 0 && i + 3 <= observation_dim) continue;
     throw std::invalid_argument("differences: three numbers from " + std::to_string(i) +
@@ -69,7 +71,7 @@ void InputNormaliser::refresh() {
   for (Eigen::Index i = 0; i < running_mean_.size(); ++i) {
     const double deviation = std::sqrt(sum_of_squares_[i] / count_);
     mean_[i] = static_cast<float>(running_mean_[i]);
-    scale_[i] = static_cast<float>(1.0 / std::max(deviation, kLeastDeviation));
+    scale_[i] = static_cast<float>(1.0 / std::max(deviation, least_deviation_));
   }
 }
 

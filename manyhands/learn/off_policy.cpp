@@ -8,9 +8,10 @@ namespace manyhands::learn {
 
 OffPolicy::OffPolicy(const EnvSpec& spec, int num_worlds, int input_dim, const TrainerConfig& config)
     : config_(config),
-      replay_(spec, config.replay_capacity, config.wants_expert() ? spec.action_dim : 0),
+      privileged_(spec, config),
+      replay_(spec, config.replay_capacity, config.wants_expert() ? spec.action_dim : 0, privileged_.dim()),
       minibatch_(replay_.make_minibatch(config.batch_size)),
-      agent_(input_dim, spec.action_dim, config),
+      agent_(input_dim, spec.action_dim, config, privileged_.dim()),
       acting_(agent_.actor().make_tape(num_worlds)),
       policy_action_(Matrix<float>::Zero(spec.action_dim, num_worlds)) {}
 
@@ -43,7 +44,11 @@ void OffPolicy::choose_actions(const Collector& worlds, const InputNormaliser& n
 }
 
 void OffPolicy::observe(const Collector& worlds, const InputNormaliser& /*normaliser*/) {
-  for (const int world : worlds.finished()) replay_.add(worlds.episode(world));
+  for (const int world : worlds.finished()) {
+    replay_.add(worlds.episode(world));
+    privileged_.add(worlds.episode(world).randomized);
+  }
+  privileged_.refresh();
 }
 
 void OffPolicy::learn(const Collector& worlds, const InputNormaliser& normaliser, Halves& halves, LearnStats& stats) {
@@ -79,6 +84,9 @@ void OffPolicy::fill_half(const InputNormaliser& normaliser, int half) {
                      to.state.col(column).data());
     normaliser.write(minibatch_.next_observation.col(i).data(), minibatch_.next_achieved_goal.col(i).data(), goal,
                      to.next_state.col(column).data());
+    for (Matrix<float>* state : {&to.state, &to.next_state}) {
+      privileged_.write(minibatch_.randomized.col(i).data(), state->col(column).data() + normaliser.dim());
+    }
     to.action.col(column) = minibatch_.action.col(i);
     if (minibatch_.advice.rows() > 0) {
       to.advice.col(column) = minibatch_.advice.col(i);
@@ -90,12 +98,14 @@ void OffPolicy::fill_half(const InputNormaliser& normaliser, int half) {
 }
 
 void OffPolicy::save(ArchiveWriter& out, bool with_replay) const {
+  privileged_.save(out);
   agent_.save(out);
   out.value(with_replay);
   if (with_replay) replay_.save(out);
 }
 
 void OffPolicy::load(ArchiveReader& in) {
+  privileged_.load(in);
   agent_.load(in);
   if (in.value<bool>()) replay_.load(in);
 }

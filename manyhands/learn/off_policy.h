@@ -3,6 +3,7 @@
 
 #include "manyhands/learn/agent.h"
 #include "manyhands/learn/learner.h"
+#include "manyhands/learn/privileged_input.h"
 #include "manyhands/learn/replay.h"
 
 namespace manyhands::learn {
@@ -28,6 +29,7 @@ class OffPolicy final : public Learner {
   void fill_half(const InputNormaliser& normaliser, int half);
 
   TrainerConfig config_;
+  PrivilegedInput privileged_;
   ReplayBuffer replay_;
   Minibatch minibatch_;
   Agent agent_;

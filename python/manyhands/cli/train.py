@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from manyhands.arguments import MOST_THREADS, whole_number
 from manyhands.env_names import resolve_env_id
+from manyhands.envs import transfer_ranges
 from manyhands.interrupts import INTERRUPTED
 
 if TYPE_CHECKING:
@@ -24,6 +25,7 @@ examples:
   manyhands train PandaPush                           learn to push, by the recipe that is shipped for it
   manyhands train PandaPush --recipe mine.yaml        by one of your own
   manyhands train PandaReachJoints --seed 3           drive the joints; another seed
+  manyhands train PandaPush --randomize               another robot and cube in every episode
   manyhands train PandaReach --set gamma=0.9 --set hidden_layers=[128,128]
   manyhands train --resume runs/PandaReach-v3-...     go on where Ctrl-C stopped a run
 
@@ -45,6 +47,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--episodes", type=int, metavar="N", help="of the evaluation after training (default 1000)")
     parser.add_argument("--runs", type=Path, default=Path("runs"), metavar="DIR", help="where run folders go (runs)")
+    parser.add_argument(
+        "--randomize", action="store_true",
+        help="every episode another robot and object, by the ranges of docs/randomization.md; critics see which",
+    )  # fmt: skip
     parser.add_argument(
         "--set", action="append", metavar="NAME=VALUE", help="a setting of the trainer; may be given more than once"
     )
@@ -71,8 +77,8 @@ def run(arguments: argparse.Namespace) -> int:
         whole_number("--threads", arguments.threads, 1, MOST_THREADS)
     console = Console()
     if arguments.resume is not None:
-        fixed = ("task", "seed", "recipe", "num_envs", "set")
-        if given := [name for name in fixed if getattr(arguments, name) is not None]:
+        fixed = ("task", "seed", "recipe", "num_envs", "set", "randomize")
+        if given := [name for name in fixed if getattr(arguments, name) not in (None, False)]:
             raise ValueError(f"a resumed run keeps its {', '.join(given)}: leave it out, or start a new run")
         folder = RunFolder(arguments.resume)
         settings = folder.read_settings(**changes)
@@ -98,6 +104,9 @@ def run(arguments: argparse.Namespace) -> int:
             "num_envs": arguments.num_envs,
             "overrides": parse_overrides(arguments.set or []),
         }
+        if arguments.randomize:
+            changes["randomize"] = transfer_ranges(resolve_env_id(arguments.task))
+            changes["overrides"] = {"privileged_critic": True} | changes["overrides"]
         recipe, settings = new_settings(arguments.task, arguments.recipe, changes)
         settings.trainer_config()
         folder = RunFolder.create(arguments.runs, settings)
@@ -156,6 +165,7 @@ def _summarise(outcome: "Outcome", folder: "RunFolder", seed: int, say: Callable
             f"  {folder.policy.name:<20} the policy, for onnxruntime",
             f"  {folder.evaluation.name:<20} success, return and length",
             f"  {folder.checkpoint.name:<20} to go on from",
+            *([f"  {folder.randomization.name:<20} success over each range"] if folder.randomization.exists() else []),
             "",
             "Next:",
             f"  {program} evaluate {path}",

@@ -8,6 +8,7 @@ def announce(recipe: Recipe | None, settings: TrainSettings) -> list[str]:
     """A few lines about the run."""
     if recipe is None:
         return [
+            *_randomization(settings),
             f"No recipe is known for {settings.env_id}: the trainer's defaults may not solve it, and the run ends",
             f"after {settings.max_env_steps:,} steps. Recipes are shipped for {', '.join(recipe_ids())}.",
             "Try one of theirs with its environment changed (--recipe FILE), or single settings (--set; --help).",
@@ -16,7 +17,8 @@ def announce(recipe: Recipe | None, settings: TrainSettings) -> list[str]:
     lines += [f"  {name}: {does}" for name, does in recipe.beyond.items()]
     if not recipe.beyond:
         lines.append("  nothing but the task's own reward")
-    changed = settings.num_envs != recipe.num_envs or settings.overrides != recipe.trainer
+    lines += _randomization(settings)
+    changed = settings.num_envs != recipe.num_envs or settings.overrides != recipe.trainer or settings.randomize
     if changed:
         lines.append("  with settings of yours, so what it will take is not known")
     elif recipe.measured is None:
@@ -28,6 +30,15 @@ def announce(recipe: Recipe | None, settings: TrainSettings) -> list[str]:
             f"{known.env_steps:,} steps: the worst of {known.seeds} seeds on {known.machine}"
         )
     return lines
+
+
+def _randomization(settings: TrainSettings) -> list[str]:
+    if not settings.randomize:
+        return []
+    ranges = ", ".join(f"{name} {low:g} to {high:g}" for name, low, high, _ in settings.ranges)
+    seen = settings.trainer_config().privileged_critic
+    see = "critics see what was drawn, the policy does not" if seen else "neither critics nor policy see what was drawn"
+    return [f"  randomised in every episode: {ranges}", f"  {see}; success below is under these ranges"]
 
 
 def _duration(seconds: float) -> str:
