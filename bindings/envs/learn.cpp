@@ -45,7 +45,7 @@ template <class E>
 using Names = std::vector<std::pair<E, const char*>>;
 
 const Names<Algorithm>& names(Algorithm) {
-  static const Names<Algorithm> all = {{Algorithm::kTd3, "TD3"}, {Algorithm::kSac, "SAC"}, {Algorithm::kPpo, "PPO"}};
+  static const Names<Algorithm> all = {{Algorithm::kTd3, "TD3"}, {Algorithm::kSac, "SAC"}, {Algorithm::kPpo, "PPO"}, {Algorithm::kDagger, "DAgger"}};
   return all;
 }
 const Names<HiddenActivation>& names(HiddenActivation) {

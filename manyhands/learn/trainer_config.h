@@ -12,6 +12,7 @@ enum class Algorithm {
   kTd3,  ///< deterministic policy gradient: DDPG, and with its three additions TD3
   kSac,  ///< soft actor-critic, and with quantiles TQC
   kPpo,  ///< proximal policy optimisation: on-policy
+  kDagger,  ///< imitation of the expert in the states that the policy comes to; the reward is not learned from
 };
 
 struct TrainerConfig {
