@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 from manyhands.arguments import MOST_THREADS, whole_number
 from manyhands.env_names import resolve_env_id
-from manyhands.envs import transfer_ranges
 from manyhands.interrupts import INTERRUPTED
 
 if TYPE_CHECKING:
@@ -64,6 +63,7 @@ def run(arguments: argparse.Namespace) -> int:
     from rich.console import Console
 
     from manyhands.training.announcement import announce
+    from manyhands.training.randomization import randomized
     from manyhands.training.run import TrainingRun
     from manyhands.training.run_folder import RunFolder
     from manyhands.training.settings import parse_overrides
@@ -104,10 +104,9 @@ def run(arguments: argparse.Namespace) -> int:
             "num_envs": arguments.num_envs,
             "overrides": parse_overrides(arguments.set or []),
         }
-        if arguments.randomize:
-            changes["randomize"] = transfer_ranges(resolve_env_id(arguments.task))
-            changes["overrides"] = {"privileged_critic": True} | changes["overrides"]
         recipe, settings = new_settings(arguments.task, arguments.recipe, changes)
+        if arguments.randomize:
+            settings = randomized(settings, changes["overrides"], arguments.max_steps)
         settings.trainer_config()
         folder = RunFolder.create(arguments.runs, settings)
         run = TrainingRun(folder, settings)

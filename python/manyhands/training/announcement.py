@@ -36,9 +36,13 @@ def _randomization(settings: TrainSettings) -> list[str]:
     if not settings.randomize:
         return []
     ranges = ", ".join(f"{name} {low:g} to {high:g}" for name, low, high, _ in settings.ranges)
-    seen = settings.trainer_config().privileged_critic
+    config = settings.trainer_config()
+    seen = config.privileged_critic and config.algorithm != "DAgger"  # which has no critics
     see = "critics see what was drawn, the policy does not" if seen else "neither critics nor policy see what was drawn"
-    return [f"  randomised in every episode: {ranges}", f"  {see}; success below is under these ranges"]
+    lines = [f"  randomised in every episode: {ranges}", f"  {see}; success below is under these ranges"]
+    if seen and config.cloning_weight > 0 and config.cloning_filter:
+        lines.append("  the script knows nothing of it: its answers count where critics expect more of them")
+    return lines
 
 
 def _duration(seconds: float) -> str:

@@ -1,20 +1,37 @@
 """How a policy does where robot and objects differ from episode to episode: success over each range."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from manyhands._core.envs import make_env_batch
+from manyhands.envs import transfer_ranges
 from manyhands.envs.spaces import as_range
 from manyhands.policies import Policy
 from manyhands.training.evaluation import PolicyFile
-from manyhands.training.settings import FIRST_EVALUATION_SEED
+from manyhands.training.settings import FIRST_EVALUATION_SEED, TrainSettings
 
+_MORE_STEPS = 4  # than without, at most
 _Z = 1.96  # of a 95 % interval
 _EPISODES = 2000  # after training: 200 in each of ten bins, whose success is known within seven points
+
+
+def randomized(settings: TrainSettings, overrides: Mapping[str, Any], max_env_steps: int | None) -> TrainSettings:
+    """The settings of a run under the ranges of transfer; `overrides` and `max_env_steps` are the user's own.
+
+    There is more to learn, and an expert does not know of delays: critics judge its answers.
+    """
+    judged = settings.overrides.get("cloning_weight", 0) > 0 and settings.overrides.get("algorithm", "TD3") == "TD3"
+    added = {"privileged_critic": True} | ({"cloning_filter": True} if judged else {})
+    return replace(
+        settings,
+        randomize=transfer_ranges(settings.env_id),
+        overrides=settings.overrides | added | overrides,
+        max_env_steps=max_env_steps or _MORE_STEPS * settings.max_env_steps,
+    )
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from manyhands._core.learn import Trainer, TrainerConfig
 from manyhands.envs import TRANSFER, transfer_ranges
 from manyhands.envs.spaces import as_range
 from manyhands.training.announcement import announce
-from manyhands.training.randomization import RandomizedRun, run_randomized, table, wilson
+from manyhands.training.randomization import RandomizedRun, randomized, run_randomized, table, wilson
 from manyhands.training.randomization_picture import draw_randomization
 from manyhands.training.recipe import find_recipe
 from manyhands.training.run_folder import RunFolder
@@ -125,6 +125,17 @@ def test_the_first_screen_says_what_differs_and_who_sees_it(whole: RunFolder) ->
         assert "Expect" not in text
     blind = TrainSettings("PandaReach-v3", randomize=settings.randomize)
     assert "neither critics nor policy see" in "\n".join(announce(recipe, blind))
+
+
+def test_an_expert_who_does_not_know_of_delays_is_judged() -> None:
+    recipe = find_recipe("PandaPush-v3")
+    assert recipe is not None
+    settings = randomized(recipe.settings(), {}, None)
+    assert settings.overrides == recipe.trainer | {"privileged_critic": True, "cloning_filter": True}
+    assert settings.max_env_steps == 4 * recipe.max_env_steps
+    assert "its answers count where critics expect more of them" in "\n".join(announce(recipe, settings))
+    own = randomized(recipe.settings(), {"cloning_filter": False}, 10)
+    assert own.overrides["cloning_filter"] is False and own.max_env_steps == 10
 
 
 def test_the_folder_holds_the_picture_and_a_policy_that_sees_what_is_observed(whole: RunFolder) -> None:
