@@ -14,7 +14,8 @@ from manyhands.policies import Policy
 from manyhands.training.evaluation import PolicyFile
 from manyhands.training.settings import FIRST_EVALUATION_SEED, TrainSettings
 
-_MORE_STEPS = 4  # than without, at most
+_MORE_STEPS = 6  # than without, at most
+WHOLE = ("action_latency",)  # what is drawn in whole numbers
 _Z = 1.96  # of a 95 % interval
 _EPISODES = 2000  # after training: 200 in each of ten bins, whose success is known within seven points
 
@@ -60,7 +61,7 @@ class RandomizedRun:
     def bins(self, name: str, count: int) -> list[Bin]:
         """Success over equal parts of a range; of whole numbers over each of them."""
         low, high, logarithmic = self.ranges[name]
-        if name == "action_latency":
+        if name in WHOLE:
             edges = np.arange(low, high + 2) - 0.5
         else:
             edges = np.geomspace(low, high, count + 1) if logarithmic else np.linspace(low, high, count + 1)

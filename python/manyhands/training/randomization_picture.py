@@ -6,10 +6,10 @@ from pathlib import Path
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.ticker import PercentFormatter
+from matplotlib.ticker import NullLocator, PercentFormatter
 
 from manyhands.files import replacing
-from manyhands.training.randomization import RandomizedRun
+from manyhands.training.randomization import WHOLE, RandomizedRun
 
 _BINS, _COLUMNS = 10, 4
 _LINE, _BAND, _MEAN, _GRID = "#0b6e4f", "#0b6e4f33", "#e08e2b", "#e6e6e6"
@@ -44,8 +44,11 @@ def _panel(axes: Axes, run: RandomizedRun, name: str) -> None:
         axes.vlines(middle, low, high, color=_BAND, lw=8)
     axes.plot(middle, [one.success for one in bins], color=_LINE, marker="o", ms=3, lw=1.5 if len(bins) > 2 else 0)
     if logarithmic:
-        axes.set_xscale("log", base=2)
-        axes.xaxis.set_major_formatter("{x:g}")
+        axes.set_xscale("log")
+        axes.xaxis.set_minor_locator(NullLocator())
+    axes.set_xlim(bins[0].low, bins[-1].high)
+    marked = middle if name in WHOLE else [bins[0].low, bins[len(bins) // 2].low, bins[-1].high]
+    axes.set_xticks(marked, [f"{x:.3g}" for x in marked])
     axes.set_ylim(-0.02, 1.04)
     axes.yaxis.set_major_formatter(PercentFormatter(1.0))
     axes.set_title(name, loc="left", fontsize=10)

@@ -132,7 +132,7 @@ def test_an_expert_who_does_not_know_of_delays_is_judged() -> None:
     assert recipe is not None
     settings = randomized(recipe.settings(), {}, None)
     assert settings.overrides == recipe.trainer | {"privileged_critic": True, "cloning_filter": True}
-    assert settings.max_env_steps == 4 * recipe.max_env_steps
+    assert settings.max_env_steps == 6 * recipe.max_env_steps
     assert "its answers count where critics expect more of them" in "\n".join(announce(recipe, settings))
     own = randomized(recipe.settings(), {"cloning_filter": False}, 10)
     assert own.overrides["cloning_filter"] is False and own.max_env_steps == 10
