@@ -30,7 +30,7 @@ def randomized(settings: TrainSettings, overrides: Mapping[str, Any], max_env_st
     return replace(
         settings,
         randomize=transfer_ranges(settings.env_id),
-        overrides=settings.overrides | added | overrides,
+        overrides={**settings.overrides, **added, **overrides},
         max_env_steps=max_env_steps or _MORE_STEPS * settings.max_env_steps,
     )
 
@@ -66,7 +66,7 @@ class RandomizedRun:
         else:
             edges = np.geomspace(low, high, count + 1) if logarithmic else np.linspace(low, high, count + 1)
         part = np.clip(np.searchsorted(edges, self.values[name], "right") - 1, 0, len(edges) - 2)
-        return [self._bin(*edges[k : k + 2], self.success[part == k]) for k in range(len(edges) - 1)]
+        return [self._bin(edges[k], edges[k + 1], self.success[part == k]) for k in range(len(edges) - 1)]
 
     @staticmethod
     def _bin(low: float, high: float, success: NDArray[np.bool_]) -> Bin:
