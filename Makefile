@@ -2,10 +2,11 @@
 SHELL := /bin/bash
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
-.PHONY: help train test asan tsan bench accuracy realfiles scripted absurd interop lint format build clean
+.PHONY: help train policies test asan tsan bench accuracy realfiles scripted absurd interop lint format build clean
 
 TASK ?= PandaReach
 SEED ?= 0
+SEEDS ?= 1
 PYTHON ?= python3
 JOBS ?= $(shell nproc)
 export PYTHON JOBS
@@ -24,6 +25,9 @@ help:  ## This list
 train: $(VENV)/.core $(VENV)/.installed  ## Learn a task from nothing: make train TASK=PandaReach SEED=0
 	@echo "$(VENV)/bin/manyhands train $(TASK) --seed $(SEED)"
 	@PATH='$(USER_PATH)' $(VENV)/bin/manyhands train $(TASK) --seed $(SEED)
+
+policies: $(VENV)/.core $(VENV)/.installed  ## Train and pack the policies that ship: make policies ENVS=PandaStack SEEDS=5
+	python tools/package_policies.py $(ENVS) --seeds $(SEEDS) --jobs $(JOBS)
 
 test: $(VENV)/.test $(VENV)/.installed  ## C++ and Python tests, formatting, types, layers
 	tools/test.sh

@@ -24,6 +24,7 @@ void bind_pybullet_gui(nanobind::module_& m);  // after bind_pybullet
 void bind_python_batch(nanobind::module_& m);  // after bind_envs
 void bind_learn(nanobind::module_& m);
 void bind_regression(nanobind::module_& m);   // after bind_learn
+void bind_policies(nanobind::module_& m);     // after bind_learn
 void explain_refusals(nanobind::module_& m);  // after all others
 
 /// Advances worlds by n steps in pieces, keeping the interpreter's lock, and looks for Ctrl-C between two of them.

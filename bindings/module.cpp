@@ -21,5 +21,6 @@ NB_MODULE(_core, m) {
   manyhands::bind_python_batch(m);
   manyhands::bind_learn(m);
   manyhands::bind_regression(m);
+  manyhands::bind_policies(m);
   manyhands::explain_refusals(m);
 }

@@ -110,6 +110,8 @@ void visit_settings(Visit&& visit) {
   visit("differences", &C::differences,
         "Pairs (i, k): the network also sees o[i:i+3] - o[k:k+3] of an observation o, as fine as 2 cm.");
   visit("input_clip", &C::input_clip, "Largest normalised network input, in standard deviations.");
+  visit("privileged_critic", &C::privileged_critic,
+        "Critics see what the environment has randomised, too; the policy does not.");
   visit("rollout_steps", &C::rollout_steps, "PPO: environment steps of every world between updates.");
   visit("epochs", &C::epochs, "PPO: how often an update goes through them.");
   visit("gae_lambda", &C::gae_lambda, "PPO: of the advantages, in [0, 1].");
@@ -217,6 +219,7 @@ void bind_policy(nb::module_& m) {
       "action: tanh(y), clip(y, -1, 1) or the index of the largest; with z = clip((x - mean) * scale, -clip, clip) and "
       "x = [observation, desired_goal, desired_goal - "
       "achieved_goal, observation[i:i+3] - observation[k:k+3] for each pair of differences].")
+      .def_ro("env_id", &Policy::env_id, "The environment it was learned in; empty if that is not known.")
       .def_ro("observation_dim", &Policy::observation_dim)
       .def_ro("goal_dim", &Policy::goal_dim)
       .def_ro("action_dim", &Policy::action_dim)

@@ -1,6 +1,7 @@
 #include "manyhands/learn/actor.h"
 
 #include <cmath>
+#include <utility>
 
 #include "manyhands/learn/squashed_gaussian.h"
 
@@ -45,6 +46,10 @@ Actor::Actor(PolicyKind kind, int state_dim, int outputs, const TrainerConfig& c
            config.activation) {
   net_.initialise(derive_seed(config.seed, Purpose::kActorSeed, 0), kLastLayerScale);
   if (kind == PolicyKind::kGaussian) log_std_.setZero(outputs);
+}
+
+Actor::Actor(PolicyKind kind, Mlp<float> net) : kind_(kind), outputs_(net.sizes().back()), net_(std::move(net)) {
+  if (kind == PolicyKind::kGaussian) log_std_.setZero(outputs_);
 }
 
 void Actor::act(MlpTape<float>& tape, Matrix<float>& action) const {

@@ -22,6 +22,8 @@ class Actor {
   Actor() = default;
   /// `outputs`: numbers of an action, or choices. Starts with small actions and even odds.
   Actor(PolicyKind kind, int state_dim, int outputs, const TrainerConfig& config);
+  /// By a network that has been trained; `kind`: any but kSquashedGaussian.
+  Actor(PolicyKind kind, Mlp<float> net);
 
   [[nodiscard]] PolicyKind kind() const { return kind_; }
   [[nodiscard]] int action_dim() const { return kind_ == PolicyKind::kCategorical ? 1 : outputs_; }

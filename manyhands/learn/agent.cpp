@@ -8,19 +8,20 @@
 
 namespace manyhands::learn {
 
-Agent::Agent(int state_dim, int action_dim, const TrainerConfig& config)
+Agent::Agent(int state_dim, int action_dim, const TrainerConfig& config, int privileged_dim)
     : config_(config),
+      state_dim_(state_dim),
       actor_(policy_kind(config.algorithm, 0), state_dim, action_dim, config),
       actor_target_(actor_),
       actor_optimiser_(actor_.net().num_parameters(), config.actor_learning_rate),
-      critics_(state_dim, action_dim, config),
+      critics_(state_dim + privileged_dim, action_dim, config),
       log_temperature_(Vector<float>::Constant(1, std::log(config.temperature))),
       temperature_optimiser_(1, config.actor_learning_rate) {
   if (config_.target_entropy == 0) config_.target_entropy = -static_cast<float>(action_dim);
   const int columns = config.batch_size / 2;
   for (Half& half : halves_) {
-    half.batch.state.setZero(state_dim, columns);
-    half.batch.next_state.setZero(state_dim, columns);
+    half.batch.state.setZero(state_dim + privileged_dim, columns);
+    half.batch.next_state.setZero(state_dim + privileged_dim, columns);
     half.batch.action.setZero(action_dim, columns);
     half.batch.advice.setZero(action_dim, columns);
     half.batch.advised.setZero(columns);
@@ -85,7 +86,7 @@ void Agent::compute_targets(Half& half, int index, const ValueBounds& bounds) co
 /// TD3: the target policy's action and clipped noise. SAC: drawn from the policy.
 void Agent::choose_next_action(Half& half, int index) const {
   Random random(config_.seed, Purpose::kTargetNoise, static_cast<std::uint64_t>(2 * gradient_steps_ + index));
-  half.actor.input() = half.batch.next_state;
+  half.actor.input() = half.batch.next_state.topRows(state_dim_);
   if (soft()) {
     actor_.net().forward(half.actor);
     for (Eigen::Index i = 0; i < half.draw.noise.size(); ++i) half.draw.noise(i) = random.normal();
@@ -107,7 +108,7 @@ void Agent::choose_next_action(Half& half, int index) const {
 /// the last two; if soft, temperature log pi(a|s) - Q(s, a) for drawn a.
 void Agent::compute_actor_gradient(Half& half, int index) const {
   const float weight = 1.0f / static_cast<float>(config_.batch_size);
-  half.actor.input() = half.batch.state;
+  half.actor.input() = half.batch.state.topRows(state_dim_);
   actor_.net().forward(half.actor);
   if (soft()) {
     draw_action(half, index);

@@ -19,7 +19,7 @@ namespace manyhands::learn {
 
 /// Half of a mini-batch as the networks see it, one transition per column.
 struct AgentBatch {
-  Matrix<float> state, next_state;  ///< (state_dim, n), normalised
+  Matrix<float> state, next_state;  ///< (state_dim + privileged_dim, n), normalised; the policy sees the first rows
   Matrix<float> action;             ///< (action_dim, n)
   Matrix<float> advice;             ///< (action_dim, n), an expert's actions; read if `cloning_weight` is not 0
   Vector<float> advised;            ///< (n), 1 where there is advice, else 0
@@ -44,7 +44,8 @@ struct UpdateStats {
 /// Actor, critics, their targets and optimisers. Knows nothing of environments, goals or replay.
 class Agent {
  public:
-  Agent(int state_dim, int action_dim, const TrainerConfig& config);
+  /// `privileged_dim`: rows of a state that critics alone see, below the others.
+  Agent(int state_dim, int action_dim, const TrainerConfig& config, int privileged_dim = 0);
 
   /// The policy that acts.
   [[nodiscard]] const Actor& actor() const { return config_.average_policy ? actor_target_ : actor_; }
@@ -88,6 +89,7 @@ class Agent {
   void follow_entropy();
 
   TrainerConfig config_;
+  int state_dim_;
   Actor actor_, actor_target_;
   Adam<float> actor_optimiser_;
   Critics critics_;

@@ -80,6 +80,7 @@ void Collector::step(std::span<const float> action) {
 EpisodeView Collector::episode(int world) const {
   const auto w = static_cast<std::size_t>(world);
   const auto length = static_cast<std::size_t>(tracks_[w].length);
+  const std::size_t randomized = envs_.spec().randomized.size();
   const auto rows = [&](const std::vector<float>& data, std::size_t most, std::size_t count, std::size_t width) {
     return std::span(data).subspan(w * most * width, count * width);
   };
@@ -90,7 +91,8 @@ EpisodeView Collector::episode(int world) const {
           .desired_goal = rows(desired_, 1, 1, ng_),
           .action = rows(action_, max_steps_, length, na_),
           .reward = rows(reward_, max_steps_, length, 1),
-          .advice = expert_ != nullptr ? rows(advice_, max_steps_, length, na_) : std::span<const float>()};
+          .advice = expert_ != nullptr ? rows(advice_, max_steps_, length, na_) : std::span<const float>(),
+          .randomized = envs_.randomized().subspan(w * randomized, randomized)};
 }
 
 bool Collector::succeeded(int world) const { return tracks_[static_cast<std::size_t>(world)].success; }

@@ -9,16 +9,18 @@ namespace manyhands::learn {
 
 namespace {
 
-/// A feature that hardly moves is noise: it is not blown up beyond this standard deviation.
-constexpr double kLeastDeviation = 1e-2;
-
 /// The unit of differences within an observation [m].
 constexpr float kNear = 0.02f;
 
 }  // namespace
 
-InputNormaliser::InputNormaliser(int observation_dim, int goal_dim, float clip, std::vector<int> differences)
-    : observation_dim_(observation_dim), goal_dim_(goal_dim), clip_(clip), differences_(std::move(differences)) {
+InputNormaliser::InputNormaliser(int observation_dim, int goal_dim, float clip, std::vector<int> differences,
+                                 double least_deviation)
+    : observation_dim_(observation_dim),
+      goal_dim_(goal_dim),
+      clip_(clip),
+      least_deviation_(least_deviation),
+      differences_(std::move(differences)) {
   for (const int i : differences_) {
     if (i >= 0 && i + 3 <= observation_dim) continue;
     throw std::invalid_argument("differences: three numbers from " + std::to_string(i) +
@@ -31,6 +33,17 @@ InputNormaliser::InputNormaliser(int observation_dim, int goal_dim, float clip, 
   scale_.setOnes(measured + fixed);
   scale_.tail(fixed).setConstant(1 / kNear);
   raw_.setZero(measured + fixed);
+}
+
+InputNormaliser::InputNormaliser(int observation_dim, int goal_dim, float clip, std::vector<int> differences,
+                                 std::span<const float> mean, std::span<const float> scale)
+    : InputNormaliser(observation_dim, goal_dim, clip, std::move(differences)) {
+  if (mean.size() != static_cast<std::size_t>(dim()) || scale.size() != mean.size()) {
+    throw std::invalid_argument("mean and scale are of " + std::to_string(mean.size()) + " and " +
+                                std::to_string(scale.size()) + " inputs, not of " + std::to_string(dim()));
+  }
+  std::ranges::copy(mean, mean_.data());
+  std::ranges::copy(scale, scale_.data());
 }
 
 void InputNormaliser::write_raw(const float* observation, const float* achieved_goal, const float* desired_goal,
@@ -58,7 +71,7 @@ void InputNormaliser::refresh() {
   for (Eigen::Index i = 0; i < running_mean_.size(); ++i) {
     const double deviation = std::sqrt(sum_of_squares_[i] / count_);
     mean_[i] = static_cast<float>(running_mean_[i]);
-    scale_[i] = static_cast<float>(1.0 / std::max(deviation, kLeastDeviation));
+    scale_[i] = static_cast<float>(1.0 / std::max(deviation, least_deviation_));
   }
 }
 

@@ -18,7 +18,12 @@ class InputNormaliser {
  public:
   InputNormaliser() = default;
   /// `differences`: see TrainerConfig. Throws std::invalid_argument if they lie outside of an observation.
-  InputNormaliser(int observation_dim, int goal_dim, float clip, std::vector<int> differences = {});
+  /// `least_deviation`: below it what varies counts as noise, and is not blown up further.
+  InputNormaliser(int observation_dim, int goal_dim, float clip, std::vector<int> differences = {},
+                  double least_deviation = 1e-2);
+  /// With statistics that are known: mean and scale (dim()).
+  InputNormaliser(int observation_dim, int goal_dim, float clip, std::vector<int> differences,
+                  std::span<const float> mean, std::span<const float> scale);
 
   [[nodiscard]] int dim() const { return static_cast<int>(mean_.size()); }
 
@@ -42,6 +47,7 @@ class InputNormaliser {
 
   int observation_dim_ = 0, goal_dim_ = 0;
   float clip_ = 5;
+  double least_deviation_ = 1e-2;
   std::vector<int> differences_;
   double count_ = 0;
   Vector<double> running_mean_, sum_of_squares_;  // Welford, 1962

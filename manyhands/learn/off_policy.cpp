@@ -7,14 +7,20 @@ namespace manyhands::learn {
 
 OffPolicy::OffPolicy(const EnvSpec& spec, int num_worlds, int input_dim, const TrainerConfig& config)
     : config_(config),
-      replay_(spec, config.replay_capacity, config.wants_expert() ? spec.action_dim : 0),
+      privileged_(spec, config),
+      replay_(spec, config.replay_capacity, config.wants_expert() ? spec.action_dim : 0, privileged_.dim()),
       minibatch_(replay_.make_minibatch(config.batch_size)),
-      agent_(input_dim, spec.action_dim, config),
+      agent_(input_dim, spec.action_dim, config, privileged_.dim()),
       exploration_(agent_.actor(), config, 0, num_worlds) {}
 
 void OffPolicy::choose_actions(const Collector& worlds, const InputNormaliser& normaliser, std::int64_t iteration,
                                Matrix<float>& action) {
   exploration_.choose(actor(), worlds, normaliser, iteration, warming_up(), action);
+}
+
+void OffPolicy::add(const EpisodeView& episode) {
+  replay_.add(episode);
+  privileged_.add(episode.randomized);
 }
 
 void OffPolicy::observe(const Collector& worlds, const InputNormaliser& /*normaliser*/) {
@@ -23,6 +29,7 @@ void OffPolicy::observe(const Collector& worlds, const InputNormaliser& /*normal
 
 void OffPolicy::learn(const Collector& worlds, const InputNormaliser& normaliser, Halves& halves, LearnStats& stats) {
   if (warming_up()) return;
+  privileged_.refresh();
   const auto horizon = static_cast<float>(1.0 / (1.0 - config_.gamma));
   const ValueBounds bounds = {.low = replay_.lowest_reward() * horizon, .high = replay_.highest_reward() * horizon};
   for (int i = 0; i < config_.updates_per_iteration; ++i) {
@@ -54,6 +61,9 @@ void OffPolicy::fill_half(const InputNormaliser& normaliser, int half) {
                      to.state.col(column).data());
     normaliser.write(minibatch_.next_observation.col(i).data(), minibatch_.next_achieved_goal.col(i).data(), goal,
                      to.next_state.col(column).data());
+    for (Matrix<float>* state : {&to.state, &to.next_state}) {
+      privileged_.write(minibatch_.randomized.col(i).data(), state->col(column).data() + normaliser.dim());
+    }
     to.action.col(column) = minibatch_.action.col(i);
     if (minibatch_.advice.rows() > 0) {
       to.advice.col(column) = minibatch_.advice.col(i);
@@ -65,12 +75,14 @@ void OffPolicy::fill_half(const InputNormaliser& normaliser, int half) {
 }
 
 void OffPolicy::save(ArchiveWriter& out, bool with_replay) const {
+  privileged_.save(out);
   agent_.save(out);
   out.value(with_replay);
   if (with_replay) replay_.save(out);
 }
 
 void OffPolicy::load(ArchiveReader& in) {
+  privileged_.load(in);
   agent_.load(in);
   if (in.value<bool>()) replay_.load(in);
 }

@@ -4,6 +4,7 @@
 #include "manyhands/learn/agent.h"
 #include "manyhands/learn/exploration.h"
 #include "manyhands/learn/learner.h"
+#include "manyhands/learn/privileged_input.h"
 #include "manyhands/learn/replay.h"
 
 namespace manyhands::learn {
@@ -19,7 +20,7 @@ class OffPolicy final : public Learner {
 
   void choose_actions(const Collector& worlds, const InputNormaliser& normaliser, std::int64_t iteration,
                       Matrix<float>& action) override;
-  void add(const EpisodeView& episode) override { replay_.add(episode); }
+  void add(const EpisodeView& episode) override;
   void observe(const Collector& worlds, const InputNormaliser& normaliser) override;
   void learn(const Collector& worlds, const InputNormaliser& normaliser, Halves& halves, LearnStats& stats) override;
 
@@ -30,6 +31,7 @@ class OffPolicy final : public Learner {
   void fill_half(const InputNormaliser& normaliser, int half);
 
   TrainerConfig config_;
+  PrivilegedInput privileged_;
   ReplayBuffer replay_;
   Minibatch minibatch_;
   Agent agent_;

@@ -1,5 +1,9 @@
 #include "manyhands/learn/policy.h"
 
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
 namespace manyhands::learn {
 
 namespace {
@@ -14,10 +18,41 @@ std::vector<float> copied(const M& m) {
   return {m.data(), m.data() + m.size()};
 }
 
+void require(bool holds, const std::string& complaint) {
+  if (!holds) throw std::invalid_argument("the policy makes no sense: " + complaint);
+}
+
+bool finite(const std::vector<float>& values) {
+  return std::ranges::all_of(values, [](float x) { return std::isfinite(x); });
+}
+
 }  // namespace
 
+void Policy::validate() const {
+  const auto count = [](int n) { return static_cast<std::size_t>(n); };
+  require(observation_dim > 0 && goal_dim >= 0 && action_dim > 0, "its sizes are not positive");
+  require(differences.size() % 2 == 0, "a difference has no second part");
+  for (const int i : differences) require(i >= 0 && i + 3 <= observation_dim, "a difference is not of the observation");
+  const std::size_t inputs = count(observation_dim) + 2 * count(goal_dim) + 3 * differences.size() / 2;
+  require(mean.size() == inputs && scale.size() == inputs,
+          "mean and scale are not of its " + std::to_string(inputs) + " inputs");
+  require(finite(mean) && finite(scale) && clip > 0 && std::isfinite(clip), "its inputs are scaled without end");
+  require(!layers.empty(), "it has no layer");
+  int given = static_cast<int>(inputs);
+  for (const Layer& layer : layers) {
+    require(layer.inputs == given && layer.outputs > 0, "a layer does not fit the one before it");
+    require(
+        layer.weight.size() == count(layer.inputs) * count(layer.outputs) && layer.bias.size() == count(layer.outputs),
+        "a layer has weights of another size");
+    require(finite(layer.weight) && finite(layer.bias), "a weight is not finite");
+    given = layer.outputs;
+  }
+  require(output == PolicyOutput::kIndex ? action_dim == 1 : action_dim == given, "its last layer gives no action");
+}
+
 Policy export_policy(const EnvSpec& spec, const InputNormaliser& normaliser, const Actor& actor) {
-  Policy policy = {.observation_dim = spec.observation_dim,
+  Policy policy = {.env_id = spec.id,
+                   .observation_dim = spec.observation_dim,
                    .goal_dim = spec.goal_dim,
                    .action_dim = spec.action_dim,
                    .mean = copied(normaliser.mean()),

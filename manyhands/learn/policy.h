@@ -1,8 +1,10 @@
 // A trained policy as plain arrays, for files and other programs.
 #pragma once
 
+#include <string>
 #include <vector>
 
+#include "manyhands/envs/env_batch.h"
 #include "manyhands/learn/actor.h"
 #include "manyhands/learn/normaliser.h"
 
@@ -24,6 +26,7 @@ struct Policy {
     std::vector<float> weight;  ///< (outputs, inputs), row-major
     std::vector<float> bias;    ///< (outputs)
   };
+  std::string env_id;  ///< the environment it was learned in; empty if that is not known
   int observation_dim{}, goal_dim{}, action_dim{};
   std::vector<float> mean, scale;  ///< (observation_dim + 2 goal_dim + 3 pairs)
   float clip{};
@@ -31,6 +34,9 @@ struct Policy {
   HiddenActivation activation{};
   PolicyOutput output{};
   std::vector<Layer> layers;
+
+  /// Throws std::invalid_argument, with the reason, if the arrays do not fit each other or are not finite.
+  void validate() const;
 };
 
 [[nodiscard]] Policy export_policy(const EnvSpec& spec, const InputNormaliser& normaliser, const Actor& actor);

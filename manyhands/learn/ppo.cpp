@@ -23,14 +23,16 @@ Adam<float> optimiser(int parameters, float learning_rate) {
 
 Ppo::Ppo(const EnvSpec& spec, int num_worlds, int input_dim, const TrainerConfig& config)
     : config_(config),
+      privileged_(spec, config),
       actor_(policy_kind(Algorithm::kPpo, spec.choices), input_dim, spec.choices > 0 ? spec.choices : spec.action_dim,
              config),
-      value_(layer_sizes(input_dim, config.hidden_layers, 1), OutputActivation::kLinear, config.activation),
+      value_(layer_sizes(input_dim + privileged_.dim(), config.hidden_layers, 1), OutputActivation::kLinear,
+             config.activation),
       actor_optimiser_(optimiser(actor_.net().num_parameters(), config.actor_learning_rate)),
       value_optimiser_(optimiser(value_.num_parameters(), config.critic_learning_rate)),
       log_std_optimiser_(optimiser(static_cast<int>(actor_.log_std().size()), config.actor_learning_rate)),
       reward_scale_(num_worlds, static_cast<float>(config.gamma), config.scale_rewards),
-      rollout_(config.rollout_steps, num_worlds, input_dim, actor_.action_dim()),
+      rollout_(config.rollout_steps, num_worlds, input_dim + privileged_.dim(), actor_.action_dim()),
       acting_(actor_.make_tape(num_worlds)),
       valuing_(value_.make_tape(num_worlds)) {
   if (rollout_.size() < config.batch_size) {
@@ -49,14 +51,20 @@ Ppo::Ppo(const EnvSpec& spec, int num_worlds, int input_dim, const TrainerConfig
   order_.resize(static_cast<std::size_t>(rollout_.size()));
 }
 
+/// What the critic sees of the worlds as they are.
+void Ppo::write_states(const EnvBatch& envs, const InputNormaliser& normaliser) {
+  learn::write_states(envs, normaliser, valuing_.input());
+  privileged_.write_below(envs, valuing_.input());
+}
+
 void Ppo::choose_actions(const Collector& worlds, const InputNormaliser& normaliser, std::int64_t iteration,
                          Matrix<float>& action) {
-  write_states(worlds.envs(), normaliser, acting_.input());
+  write_states(worlds.envs(), normaliser);
+  acting_.input() = valuing_.input().topRows(normaliser.dim());
   actor_.draw(acting_, Random(config_.seed, Purpose::kExploration, static_cast<std::uint64_t>(iteration)), action);
-  valuing_.input() = acting_.input();
   value_.forward(valuing_);
   const int begin = rollout_.filled * rollout_.worlds;
-  rollout_.state.middleCols(begin, rollout_.worlds) = acting_.input();
+  rollout_.state.middleCols(begin, rollout_.worlds) = valuing_.input();
   rollout_.action.middleCols(begin, rollout_.worlds) = action;
   rollout_.value.segment(begin, rollout_.worlds) = valuing_.output().row(0).transpose();
   const ActionDistribution<float> policy{actor_.kind(), acting_.output(), actor_.log_std()};
@@ -76,7 +84,7 @@ void Ppo::observe(const Collector& worlds, const InputNormaliser& normaliser) {
     rollout_.ended[static_cast<std::size_t>(begin + w)] = 0;
   }
   if (!worlds.finished().empty()) {
-    write_states(envs, normaliser, valuing_.input());
+    write_states(envs, normaliser);
     value_.forward(valuing_);
   }
   for (const int w : worlds.finished()) {
@@ -84,7 +92,9 @@ void Ppo::observe(const Collector& worlds, const InputNormaliser& normaliser) {
     rollout_.ended[static_cast<std::size_t>(begin + w)] = 1;
     rollout_.last_value[begin + w] = terminated ? 0.0f : valuing_.output()(0, w);
     reward_scale_.end(w);
+    privileged_.add(worlds.episode(w).randomized);
   }
+  privileged_.refresh();
   ++rollout_.filled;
 }
 
@@ -94,7 +104,7 @@ void Ppo::add(const EpisodeView& /*episode*/) {
 
 void Ppo::learn(const Collector& worlds, const InputNormaliser& normaliser, Halves& halves, LearnStats& stats) {
   if (!rollout_.full()) return;
-  write_states(worlds.envs(), normaliser, valuing_.input());
+  write_states(worlds.envs(), normaliser);
   value_.forward(valuing_);
   rollout_.set_advantages(valuing_.output().row(0).transpose(), static_cast<float>(config_.gamma),
                           static_cast<float>(config_.gae_lambda));
@@ -143,8 +153,8 @@ void Ppo::compute_gradients(std::span<const int> rows, int index) {
   const Eigen::Index columns = half.actor.input().cols();
   const float weight = 1.0f / static_cast<float>(config_.batch_size);
   const auto row_of = [&](Eigen::Index column) { return rows[static_cast<std::size_t>(2 * column + index)]; };
-  for (Eigen::Index i = 0; i < columns; ++i) half.actor.input().col(i) = rollout_.state.col(row_of(i));
-  half.value.input() = half.actor.input();
+  for (Eigen::Index i = 0; i < columns; ++i) half.value.input().col(i) = rollout_.state.col(row_of(i));
+  half.actor.input() = half.value.input().topRows(half.actor.input().rows());
   actor_.net().forward(half.actor);
   value_.forward(half.value);
 
@@ -203,6 +213,7 @@ void Ppo::step(Halves& halves) {
 }
 
 void Ppo::save(ArchiveWriter& out, bool /*with_replay*/) const {
+  privileged_.save(out);
   out.array(floats(actor_.net().parameters()));
   out.array(floats(actor_.log_std()));
   out.array(floats(value_.parameters()));
@@ -215,6 +226,7 @@ void Ppo::save(ArchiveWriter& out, bool /*with_replay*/) const {
 }
 
 void Ppo::load(ArchiveReader& in) {
+  privileged_.load(in);
   in.array(floats(actor_.net().parameters()));
   in.array(floats(actor_.log_std()));
   in.array(floats(value_.parameters()));

@@ -6,6 +6,7 @@
 #include <array>
 
 #include "manyhands/learn/learner.h"
+#include "manyhands/learn/privileged_input.h"
 #include "manyhands/learn/reward_scale.h"
 #include "manyhands/learn/rollout.h"
 
@@ -41,13 +42,16 @@ class Ppo final : public Learner {
   void compute_gradients(std::span<const int> rows, int half);
   void step(Halves& halves);
 
+  void write_states(const EnvBatch& envs, const InputNormaliser& normaliser);
+
   TrainerConfig config_;
+  PrivilegedInput privileged_;
   Actor actor_;
   Mlp<float> value_;
   Adam<float> actor_optimiser_, value_optimiser_, log_std_optimiser_;
   RewardScale reward_scale_;
   Rollout rollout_;
-  MlpTape<float> acting_, valuing_;
+  MlpTape<float> acting_, valuing_;  // an input of the latter has what critics alone see below the former's
   std::array<Half, 2> halves_;
   std::vector<int> order_;  // of the rollout's rows in this epoch
   float advantage_mean_ = 0, advantage_scale_ = 1;

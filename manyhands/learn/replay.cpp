@@ -18,13 +18,13 @@ float* put(std::span<const float> from, int begin, int n, float* to) { return st
 
 }  // namespace
 
-ReplayBuffer::ReplayBuffer(const EnvSpec& spec, int capacity, int advice_dim)
-    : spec_(spec), capacity_(capacity), advice_dim_(advice_dim) {
+ReplayBuffer::ReplayBuffer(const EnvSpec& spec, int capacity, int advice_dim, int privileged_dim)
+    : spec_(spec), capacity_(capacity), advice_dim_(advice_dim), privileged_dim_(privileged_dim) {
   if (spec.max_episode_steps <= 0 || capacity < spec.max_episode_steps) {
     throw std::invalid_argument("ReplayBuffer: capacity " + std::to_string(capacity) + " cannot hold one episode of " +
                                 std::to_string(spec.max_episode_steps) + " steps");
   }
-  row_ = 2 * spec.observation_dim + 3 * spec.goal_dim + spec.action_dim + advice_dim + 1;
+  row_ = 2 * spec.observation_dim + 3 * spec.goal_dim + spec.action_dim + advice_dim + privileged_dim + 1;
   data_ = std::make_unique_for_overwrite<float[]>(static_cast<std::size_t>(capacity) * static_cast<std::size_t>(row_));
   steps_to_end_.resize(static_cast<std::size_t>(capacity));
   terminated_.resize(static_cast<std::size_t>(capacity));
@@ -38,7 +38,8 @@ void ReplayBuffer::add(const EpisodeView& episode) {
   if (length <= 0 || length > capacity_ || !has(episode.observation, length + 1, no) ||
       !has(episode.achieved_goal, length + 1, ng) || !has(episode.desired_goal, 1, ng) ||
       !has(episode.action, length, na) || !has(episode.reward, length, 1) ||
-      !has(episode.advice, length, advice_dim_)) {
+      !has(episode.advice, length, advice_dim_) ||
+      (privileged_dim_ > 0 && !has(episode.randomized, 1, privileged_dim_))) {
     throw std::invalid_argument("ReplayBuffer::add: the arrays do not fit an episode of " + std::to_string(length) +
                                 " steps of " + spec_.id);
   }
@@ -52,6 +53,7 @@ void ReplayBuffer::add(const EpisodeView& episode) {
     to = put(episode.desired_goal, 0, ng, to);
     to = put(episode.action, t * na, na, to);
     to = put(episode.advice, t * advice_dim_, advice_dim_, to);
+    to = put(episode.randomized, 0, privileged_dim_, to);
     const float reward = episode.reward[static_cast<std::size_t>(t)];
     *to = reward;
     steps_to_end_[at] = length - 1 - t;
@@ -72,6 +74,7 @@ Minibatch ReplayBuffer::make_minibatch(int n) const {
   }
   batch.action.setZero(spec_.action_dim, n);
   batch.advice.setZero(advice_dim_, n);
+  batch.randomized.setZero(privileged_dim_, n);
   batch.reward.setZero(n);
   batch.done.assign(static_cast<std::size_t>(n), 0);
   return batch;
@@ -91,6 +94,7 @@ void ReplayBuffer::sample(const EnvBatch& task, const Hindsight& hindsight, Rand
     from = take(from, ng, batch.desired_goal.col(i).data());
     from = take(from, na, batch.action.col(i).data());
     from = take(from, advice_dim_, batch.advice.col(i).data());
+    from = take(from, privileged_dim_, batch.randomized.col(i).data());
     batch.reward[i] = *from;
     batch.done[static_cast<std::size_t>(i)] = terminated_[at];
     if (i < relabelled) {
@@ -112,6 +116,7 @@ void ReplayBuffer::save(ArchiveWriter& out) const {
   const auto n = static_cast<std::size_t>(size_);
   out.value(capacity_);
   out.value(advice_dim_);
+  out.value(privileged_dim_);
   out.value(size_);
   out.value(next_);
   out.value(lowest_reward_);
@@ -125,6 +130,7 @@ void ReplayBuffer::save(ArchiveWriter& out) const {
 void ReplayBuffer::load(ArchiveReader& in) {
   in.expect("replay capacity", capacity_);
   in.expect("advice length", advice_dim_);
+  in.expect("number of values that critics alone see", privileged_dim_);
   in.value(size_);
   in.value(next_);
   in.check(size_ >= 0 && size_ <= capacity_ && next_ >= 0 && next_ < capacity_, "replay indices out of range");

@@ -16,13 +16,14 @@ namespace manyhands::learn {
 /// One finished episode of `length` steps; row t of `observation` and `achieved_goal` is the state before step t.
 struct EpisodeView {
   int length{};
-  bool terminated{};                     ///< ended by success; otherwise by the step limit
-  std::span<const float> observation;    ///< (length + 1, observation_dim)
-  std::span<const float> achieved_goal;  ///< (length + 1, goal_dim)
-  std::span<const float> desired_goal;   ///< (goal_dim)
-  std::span<const float> action;         ///< (length, action_dim)
-  std::span<const float> reward;         ///< (length)
-  std::span<const float> advice = {};    ///< (length, advice_dim), the expert's actions for the desired goal
+  bool terminated{};                       ///< ended by success; otherwise by the step limit
+  std::span<const float> observation;      ///< (length + 1, observation_dim)
+  std::span<const float> achieved_goal;    ///< (length + 1, goal_dim)
+  std::span<const float> desired_goal;     ///< (goal_dim)
+  std::span<const float> action;           ///< (length, action_dim)
+  std::span<const float> reward;           ///< (length)
+  std::span<const float> advice = {};      ///< (length, advice_dim), the expert's actions for the desired goal
+  std::span<const float> randomized = {};  ///< (privileged_dim), what the environment has drawn for the episode
 };
 
 /// A mini-batch, one transition per column. Sized by `ReplayBuffer::make_minibatch`.
@@ -32,6 +33,7 @@ struct Minibatch {
   Matrix<float> desired_goal;                       ///< (goal_dim, n), relabelled in the first columns
   Matrix<float> action;                             ///< (action_dim, n)
   Matrix<float> advice;                             ///< (advice_dim, n), worth something where the goal is the task's
+  Matrix<float> randomized;                         ///< (privileged_dim, n)
   Vector<float> reward;                             ///< (n)
   std::vector<std::uint8_t> done;                   ///< (n), 1: nothing follows, do not bootstrap
   int relabelled = 0;                               ///< columns with a new goal: the first ones
@@ -53,9 +55,10 @@ struct Hindsight {
 /// episode there; the flag that the environment gave belongs to the old goal. Truncation never makes it done.
 class ReplayBuffer {
  public:
-  /// `advice_dim`: action_dim if episodes come with an expert's advice, else 0.
+  /// `advice_dim`: action_dim if episodes come with an expert's advice, else 0. `privileged_dim`: how many numbers are
+  /// kept of what the environment has drawn for an episode.
   /// Throws std::invalid_argument unless capacity >= spec.max_episode_steps > 0.
-  ReplayBuffer(const EnvSpec& spec, int capacity, int advice_dim = 0);
+  ReplayBuffer(const EnvSpec& spec, int capacity, int advice_dim = 0, int privileged_dim = 0);
 
   [[nodiscard]] int capacity() const { return capacity_; }
   [[nodiscard]] int size() const { return size_; }  ///< transitions held
@@ -76,8 +79,9 @@ class ReplayBuffer {
  private:
   EnvSpec spec_;
   int capacity_ = 0, size_ = 0, next_ = 0;
-  int advice_dim_ = 0;
-  int row_ = 0;  // floats per transition: observation, achieved, next of both, desired, action, advice, reward
+  int advice_dim_ = 0, privileged_dim_ = 0;
+  int row_ =
+      0;  // floats per transition: observation, achieved, next of both, desired, action, advice, randomized, reward
   std::unique_ptr<float[]> data_;           // (capacity, row_)
   std::vector<std::int32_t> steps_to_end_;  // (capacity), 0 at the last step of an episode
   std::vector<std::uint8_t> terminated_;    // (capacity)

@@ -20,7 +20,7 @@ void write_episode(const EpisodeView& episode, bool succeeded, ArchiveWriter& ou
   out.value(episode.terminated);
   out.value(succeeded);
   for (const std::span<const float> rows : {episode.observation, episode.achieved_goal, episode.desired_goal,
-                                            episode.action, episode.reward, episode.advice}) {
+                                            episode.action, episode.reward, episode.advice, episode.randomized}) {
     out.array(rows);
   }
 }
@@ -41,6 +41,7 @@ Episode read_episode(const EnvSpec& spec, int advice_dim, ArchiveReader& in) {
   read(episode.action, episode.length, spec.action_dim);
   read(episode.reward, episode.length, 1);
   read(episode.advice, episode.length, advice_dim);
+  read(episode.randomized, 1, static_cast<int>(spec.randomized.size()));
   return episode;
 }
 
@@ -118,7 +119,8 @@ EpisodeView Episode::view() const {
           .desired_goal = desired_goal,
           .action = action,
           .reward = reward,
-          .advice = advice};
+          .advice = advice,
+          .randomized = randomized};
 }
 
 ShareResult read_result(const EnvSpec& spec, int advice_dim, std::span<const std::byte> message) {

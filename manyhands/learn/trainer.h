@@ -8,6 +8,7 @@
 
 #include "manyhands/envs/env_batch.h"
 #include "manyhands/learn/collector.h"
+#include "manyhands/learn/evaluation.h"
 #include "manyhands/learn/halves.h"
 #include "manyhands/learn/learner.h"
 #include "manyhands/learn/normaliser.h"
@@ -29,13 +30,6 @@ struct TrainMetrics {
   int evaluations{}, streak{};       ///< evaluations made; how many in a row, up to now, were good enough
   bool solved{};                     ///< the streak is long enough: `advance` does nothing more
   double collect_seconds{}, learn_seconds{}, evaluate_seconds{};
-};
-
-struct EvalResult {
-  int episodes{};
-  double success_rate{};  ///< is_success at the last step of the episode
-  double mean_return{};   ///< undiscounted
-  double mean_length{};   ///< environment steps
 };
 
 class Trainer {

@@ -45,7 +45,8 @@ struct TrainerConfig {
   /// Pairs (i, k): the network also sees o[i, i + 3) - o[k, k + 3) of an observation o, as fine as 2 cm: where a hand
   /// must be within millimetres of something, both of which it knows to a tenth of a metre.
   std::vector<int> differences = {};
-  float input_clip = 5.0f;  ///< largest normalised network input, in standard deviations
+  float input_clip = 5.0f;         ///< largest normalised network input, in standard deviations
+  bool privileged_critic = false;  ///< critics see what the environment has randomised, too; the policy does not
 
   // PPO
   int rollout_steps = 32;          ///< environment steps of every world between updates

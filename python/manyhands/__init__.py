@@ -50,6 +50,7 @@ from manyhands._core.render import Camera, Look, Mark, Picture, Renderer, Textur
 from manyhands.compat import install_as
 from manyhands.decomposition import decompose, decompose_model
 from manyhands.kinematics import IkResult, inverse_kinematics
+from manyhands.policies import policy
 from manyhands.textures import load_texture
 from manyhands.viewer import view
 
@@ -130,6 +131,7 @@ __all__ = [
     "load_texture",
     "load_urdf",
     "plots",
+    "policy",
     "recording",
     "save_mjcf",
     "save_mjcf_string",

@@ -75,7 +75,7 @@ def test_a_policy_trained_here_succeeds_in_panda_gym(
     (folder,) = tmp_path.iterdir()
     policy = PolicyFile(folder)
     here = evaluate(policy, f"Panda{task}-v3", HERE, 10**6).success_rate
-    there = success_there(task, policy.act)
+    there = success_there(task, policy)
     with capsys.disabled():
         print(f"\n  {task}: {here:.1%} of {HERE} episodes here, {there:.1%} of {THERE} in panda-gym", end="")
     assert there == pytest.approx(here, abs=APART)

@@ -11,7 +11,7 @@ from typing import Any
 import gymnasium
 
 from manyhands.arguments import MOST_THREADS, whole_number
-from manyhands.cli.named_env import NamedEnv, given_options
+from manyhands.cli.named_env import POLICY, NamedEnv, given_options
 from manyhands.cli.named_env import add_arguments as add_env_arguments
 from manyhands.demos.collect import collect
 from manyhands.demos.episodes import Episode, Source
@@ -45,7 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="default: datasets/ENV/expert-v0 for Minari, ENV-lerobot or ENV.npz for the others",
     )  # fmt: skip
     parser.add_argument("--force", action="store_true", help="replace what is there")
-    parser.add_argument("--policy", default="expert", metavar="expert|RUN_DIR|POLICY.onnx", help="default: expert")
+    parser.add_argument("--policy", default="expert", metavar=f"expert|{POLICY}", help="default: expert")
     parser.add_argument("--success-only", action="store_true", help="leave failures out, and run more episodes instead")
     parser.add_argument("--noise", type=float, default=0.0, metavar="S", help="standard deviation added to actions")
     parser.add_argument("--cameras", nargs="+", default=[], metavar="NAME", help="pictures by: front, top, wrist")
@@ -123,9 +123,7 @@ def _policy(given: str, named: NamedEnv) -> Callable[[], Callable[[Any], Any]]:
     if given == "expert":
         named.expert()
         return named.expert
-    from manyhands.training.evaluation import policy_for
-
-    policy = policy_for(Path(given), named.spec())
+    policy = named.policy(given)
     return lambda: policy
 
 

@@ -4,13 +4,21 @@ import argparse
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from manyhands._core.envs import EnvSpec, control_types, max_episode_steps
 from manyhands.env_names import variant_of
 from manyhands.envs.parts import Obstacle
 from manyhands.envs.single import ArmEnv
 from manyhands.experts import Expert
+from manyhands.policies import Policy, policy
+
+if TYPE_CHECKING:
+    from manyhands.training.evaluation import PolicyFile
+
+POLICY = "trained|RUN_DIR|POLICY.onnx"  # what may be given as one
+TRAINED = "trained"
 
 _EXAMPLE = "for example --option object_shape=cylinder"
 
@@ -50,6 +58,18 @@ class NamedEnv:
     def spec(self) -> EnvSpec:
         """Its sizes. Raises ValueError as `make` does."""
         return self.make().env_spec
+
+    def policy(self, given: str) -> "Policy | PolicyFile":
+        """What acts for observations of one world or of many: "trained" is the policy that ships, anything else a file
+        or a run's folder. Raises ValueError unless there is one that fits."""
+        spec = self.spec()
+        if given == TRAINED:
+            shipped = policy(self.id)
+            shipped.require_fit(spec)
+            return shipped
+        from manyhands.training.evaluation import policy_for
+
+        return policy_for(Path(given), spec)
 
     def expert(self) -> Expert:
         """A scripted policy for an episode. Raises ValueError if there is none."""

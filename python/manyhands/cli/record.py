@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from manyhands.cli.named_env import NamedEnv, given_options
+from manyhands.cli.named_env import POLICY, NamedEnv, given_options
 from manyhands.cli.named_env import add_arguments as add_env_arguments
 from manyhands.env_names import resolve_env_id
 from manyhands.envs.single import ArmEnv
@@ -21,6 +21,7 @@ examples:
   manyhands record PandaPickAndPlace                          three episodes of the scripted expert, as MP4
   manyhands record PandaPush --out push.gif --episodes 1
   manyhands record PandaReach --policy runs/PandaReach-v3-...  of what was learned
+  manyhands record PandaPush --policy trained                 of the policy that ships
   manyhands record PandaPush --robot arm6 --option render_yaw=90
 
 Ctrl-C ends the video after the episode that is being filmed.
@@ -31,7 +32,7 @@ _AFTER_SUCCESS = 8  # steps for which a reached goal is looked at
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What comes after `manyhands record`."""
     parser.add_argument("env", metavar="ENV", help="environment, with or without its version")
-    parser.add_argument("--policy", type=Path, metavar="RUN_DIR|POLICY.onnx", help="default: the scripted expert")
+    parser.add_argument("--policy", metavar=POLICY, help="default: the scripted expert")
     parser.add_argument("--out", type=Path, help="FILE.mp4 or FILE.gif; default: ENV.mp4")
     parser.add_argument("--episodes", type=int, default=3, metavar="N")
     parser.add_argument("--seed", type=int, default=0, help="of the first episode; the others count up")
@@ -97,11 +98,9 @@ def _picture(env: ArmEnv) -> NDArray[np.uint8]:
     return picture
 
 
-def _policy(path: Path | None, env: NamedEnv) -> Callable[[], Callable[[Any], Any]]:
-    if path is None:
+def _policy(given: str | None, env: NamedEnv) -> Callable[[], Callable[[Any], Any]]:
+    if given is None:
         env.expert()
         return env.expert
-    from manyhands.training.evaluation import policy_for
-
-    policy = policy_for(path, env.spec())
-    return lambda: policy.act
+    policy = env.policy(given)
+    return lambda: policy

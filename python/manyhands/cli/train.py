@@ -31,6 +31,7 @@ examples:
   manyhands train PandaPush                           learn to push, by the recipe that is shipped for it
   manyhands train PandaPush --recipe mine.yaml        by one of your own
   manyhands train PandaReachJoints --seed 3           drive the joints; another seed
+  manyhands train PandaPush --randomize               another robot and cube in every episode
   manyhands train PandaReach --set gamma=0.9 --set hidden_layers=[128,128]
   manyhands train --resume runs/PandaReach-v3-...     go on where Ctrl-C stopped a run
   manyhands train PandaPush --ray auto --workers 8    with worlds in eight processes of a Ray cluster
@@ -61,6 +62,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--workers", type=int, metavar="N", help="processes of the cluster (default: one for each core but one)"
     )
     parser.add_argument("--runs", type=Path, default=Path("runs"), metavar="DIR", help="where run folders go (runs)")
+    parser.add_argument(
+        "--randomize", action="store_true",
+        help="every episode another robot and object, by the ranges of docs/randomization.md; critics see which",
+    )  # fmt: skip
     parser.add_argument(
         "--set", action="append", metavar="NAME=VALUE", help="a setting of the trainer; may be given more than once"
     )
@@ -99,6 +104,7 @@ def _check_numbers(arguments: argparse.Namespace) -> None:
 def _prepare_new(arguments: argparse.Namespace) -> "tuple[TrainSettings, _Begin]":
     """Settings that make sense, and what begins the run."""
     from manyhands.training.announcement import announce
+    from manyhands.training.randomization import randomized
     from manyhands.training.run import TrainingRun
     from manyhands.training.run_folder import RunFolder
     from manyhands.training.settings import parse_overrides
@@ -112,6 +118,8 @@ def _prepare_new(arguments: argparse.Namespace) -> "tuple[TrainSettings, _Begin]
         "overrides": parse_overrides(arguments.set or []),
     }
     recipe, settings = new_settings(arguments.task, arguments.recipe, changes)
+    if arguments.randomize:
+        settings = randomized(settings, changes["overrides"], arguments.max_steps)
     settings.trainer_config()
 
     def begin(settings: "TrainSettings") -> "tuple[TrainingRun, str]":
@@ -127,8 +135,8 @@ def _prepare_resumed(arguments: argparse.Namespace) -> "tuple[TrainSettings, _Be
     from manyhands.training.run import TrainingRun
     from manyhands.training.run_folder import RunFolder
 
-    fixed = ("task", "seed", "recipe", "num_envs", "workers", "set")
-    if given := [name for name in fixed if getattr(arguments, name) is not None]:
+    fixed = ("task", "seed", "recipe", "num_envs", "workers", "set", "randomize")
+    if given := [name for name in fixed if getattr(arguments, name) not in (None, False)]:
         raise ValueError(f"a resumed run keeps its {', '.join(given)}: leave it out, or start a new run")
     folder = RunFolder(arguments.resume)
     settings = folder.read_settings(**_changes(arguments))
@@ -220,6 +228,7 @@ def _summarise(outcome: "Outcome", folder: "RunFolder", seed: int, ray: str | No
             f"  {folder.policy.name:<20} the policy, for onnxruntime",
             f"  {folder.evaluation.name:<20} success, return and length",
             f"  {folder.checkpoint.name:<20} to go on from",
+            *([f"  {folder.randomization.name:<20} success over each range"] if folder.randomization.exists() else []),
             "",
             "Next:",
             f"  {program} evaluate {path}",

@@ -8,7 +8,7 @@ import gymnasium
 import numpy as np
 
 from manyhands._core import World, asset_path
-from manyhands.cli.named_env import NamedEnv, given_options
+from manyhands.cli.named_env import POLICY, NamedEnv, given_options
 from manyhands.cli.named_env import add_arguments as add_env_arguments
 from manyhands.env_names import resolve_env_id
 from manyhands.viewer import view
@@ -23,6 +23,7 @@ examples:
   manyhands view scene.xml
   manyhands view PandaPickAndPlace            an environment: drive it, or watch the scripted expert
   manyhands view PandaReach --policy runs/PandaReach-v3-...    what was learned acts
+  manyhands view PandaPush --policy trained   the policy that ships acts
   manyhands view PandaPush --robot arm6 --control ee_pose --option object_shape=cylinder
   manyhands view PandaPush --host 0.0.0.0     for other machines; the address holds a token
 
@@ -38,7 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--port", type=int, default=8080, help="the first to try (8080)")
     parser.add_argument("--token", help="asked for in the page's address; default: none here, a random one elsewhere")
     parser.add_argument("--seed", type=int, help="of an environment's first episode")
-    parser.add_argument("--policy", type=Path, metavar="RUN_DIR|POLICY.onnx", help="acts in the environment")
+    parser.add_argument("--policy", metavar=POLICY, help="acts in the environment; trained: the one that ships")
     parser.add_argument("--open", action="store_true", help="open the page in this machine's browser")
     parser.add_argument("--play", action="store_true", help="begin at once")
     add_env_arguments(parser)
@@ -91,13 +92,11 @@ def _world(path: Path) -> World:
 
 
 def _show_environment(
-    target: str, options: dict[str, Any], policy: Path | None, seed: int | None, page: dict[str, Any]
+    target: str, options: dict[str, Any], policy: str | None, seed: int | None, page: dict[str, Any]
 ) -> "Viewer":
     named, actors = NamedEnv(resolve_env_id(target), options), {}
     if policy is not None:
-        from manyhands.training.evaluation import policy_for
-
-        actors[policy.resolve().name] = policy_for(policy, named.spec()).act
+        actors[Path(policy).resolve().name] = named.policy(policy)
     env = _environment(named)
     env.reset(seed=seed)
     viewer = view(env, title=named.title, **page)

@@ -8,6 +8,7 @@ def announce(recipe: Recipe | None, settings: TrainSettings) -> list[str]:
     """A few lines about the run."""
     if recipe is None:
         return [
+            *_randomization(settings),
             f"No recipe is known for {settings.env_id}: the trainer's defaults may not solve it, and the run ends",
             f"after {settings.max_env_steps:,} steps. Recipes are shipped for {', '.join(recipe_ids())}.",
             "Try one of theirs with its environment changed (--recipe FILE), or single settings (--set; --help).",
@@ -16,7 +17,8 @@ def announce(recipe: Recipe | None, settings: TrainSettings) -> list[str]:
     lines += [f"  {name}: {does}" for name, does in recipe.beyond.items()]
     if not recipe.beyond:
         lines.append("  nothing but the task's own reward")
-    changed = settings.num_envs != recipe.num_envs or settings.overrides != recipe.trainer
+    lines += _randomization(settings)
+    changed = settings.num_envs != recipe.num_envs or settings.overrides != recipe.trainer or settings.randomize
     if settings.workers is not None:
         lines.append(f"  with worlds on {settings.workers} workers, so what it will take is not known")
     elif changed:
@@ -29,6 +31,19 @@ def announce(recipe: Recipe | None, settings: TrainSettings) -> list[str]:
             f"Expect {known.success:.1%} success or more after at most {_duration(known.seconds)} and "
             f"{known.env_steps:,} steps: the worst of {known.seeds} seeds on {known.machine}"
         )
+    return lines
+
+
+def _randomization(settings: TrainSettings) -> list[str]:
+    if not settings.randomize:
+        return []
+    ranges = ", ".join(f"{name} {low:g} to {high:g}" for name, low, high, _ in settings.ranges)
+    config = settings.trainer_config()
+    seen = config.privileged_critic and config.algorithm != "DAgger"  # which has no critics
+    see = "critics see what was drawn, the policy does not" if seen else "neither critics nor policy see what was drawn"
+    lines = [f"  randomised in every episode: {ranges}", f"  {see}; success below is under these ranges"]
+    if seen and config.cloning_weight > 0 and config.cloning_filter:
+        lines.append("  the script knows nothing of it: its answers count where critics expect more of them")
     return lines
 
 

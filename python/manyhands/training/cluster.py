@@ -53,7 +53,7 @@ class _Worker:
 
     def __init__(self, settings: TrainSettings, first: int, count: int) -> None:
         config = settings.trainer_config()
-        self._envs = make_env_batch(settings.env_id, count, num_threads=1)
+        self._envs = make_env_batch(settings.env_id, count, num_threads=1, randomize=settings.ranges)
         self._expert = make_expert(settings.env_id) if config.wants_expert else None
         self._share = Share(self._envs, self._expert, config, first)
 

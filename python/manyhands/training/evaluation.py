@@ -10,6 +10,7 @@ from gymnasium.vector import AutoresetMode
 from manyhands._core.envs import EnvSpec, env_ids, make_env_batch
 from manyhands.envs.registration import make_vector_env
 from manyhands.envs.spaces import Observation
+from manyhands.policies import Policy
 from manyhands.training.run_folder import RunFolder
 
 
@@ -59,13 +60,12 @@ class PolicyFile:
         if self._sizes != expected:
             raise ValueError(f"the policy does not fit {spec.id}: its sizes are {self._sizes}, expected {expected}")
 
-    def act(self, observation: Observation) -> np.ndarray:
-        """The action (action_dim) for the observation of one environment."""
-        return self({name: np.asarray(observation[name], np.float32)[None] for name in self.inputs})[0]
-
     def __call__(self, observation: Observation) -> np.ndarray:
-        """Actions (n, action_dim) for observations with rows (n, ...)."""
-        actions = np.asarray(self._session.run(None, {name: observation[name] for name in self.inputs})[0])
+        """Actions (n, action_dim) for observations with rows (n, ...), or (action_dim) for those of one environment."""
+        rows = {name: np.asarray(observation[name], np.float32) for name in self.inputs}
+        if rows["observation"].ndim == 1:
+            return self({name: row[None] for name, row in rows.items()})[0]
+        actions = np.asarray(self._session.run(None, rows)[0])
         return actions if actions.ndim == 2 else actions[:, 0]
 
 
@@ -77,7 +77,7 @@ def policy_for(path: Path, spec: EnvSpec) -> PolicyFile:
 
 
 def evaluate(
-    policy: PolicyFile, env_id: str, episodes: int, first_seed: int, num_threads: int | None = None
+    policy: PolicyFile | Policy, env_id: str, episodes: int, first_seed: int, num_threads: int | None = None
 ) -> Evaluation:
     """Runs `episodes` episodes. Raises ValueError if the policy does not fit the environment."""
     if episodes < 1:
@@ -85,6 +85,9 @@ def evaluate(
     if env_id not in env_ids():
         raise ValueError(f"there is no environment {env_id!r}")
     policy.require_fit(make_env_batch(env_id, 1).spec)
+    if isinstance(policy, Policy):
+        result = policy.evaluate(env_id, episodes, first_seed, num_threads)
+        return Evaluation(env_id, episodes, first_seed, result.success_rate, result.mean_return, result.mean_length)
     env = make_vector_env(env_id, episodes, num_threads=num_threads, autoreset_mode=AutoresetMode.SAME_STEP)
     obs, _ = env.reset(seed=first_seed)
     running = np.ones(episodes, np.bool_)

@@ -1,12 +1,11 @@
 """Policies as ONNX files."""
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import onnx
 from numpy.typing import NDArray
-from onnx import TensorProto, numpy_helper
+from onnx import TensorProto
 
 from manyhands._core.learn import Policy
 from manyhands.files import replacing
@@ -16,17 +15,17 @@ from manyhands.training.policy_graph import PolicyGraph
 Array = NDArray[np.float32]
 
 
-def to_onnx(policy: Policy | ClonedPolicy, env_id: str) -> onnx.ModelProto:
-    """The policy as a graph.
+def to_onnx(policy: Policy | ClonedPolicy, env_id: str, half: bool = False) -> onnx.ModelProto:
+    """The policy as a graph; with `half` it holds its weights in 16 bits, and computes in 32 as ever.
 
     Inputs, float32: observation (batch, observation_dim), and where there are goals achieved_goal and desired_goal
     (batch, goal_dim), raw as the environment gives them. Output: action (batch, action_dim) in [-1, 1], or the index of
     a choice; of a policy that was cloned in chunks (batch, chunk, action_dim), the next ones.
     """
     graph = PolicyGraph(has_goals=policy.goal_dim > 0)
-    x = graph.goal_features(_pairs(policy), policy.mean, policy.scale, policy.clip)
+    x = graph.goal_features(differences(policy), policy.mean, policy.scale, policy.clip)
     for i, (weight, bias) in enumerate(policy.layers):
-        x = graph.linear(x, weight, bias, i)
+        x = graph.linear(x, weight, bias, i, half)
         if i < len(policy.layers) - 1:
             x = graph.apply("Relu" if policy.activation == "relu" else "Tanh", [x], f"hidden_{i}")
     if isinstance(policy, ClonedPolicy) and policy.chunk > 1:
@@ -42,7 +41,7 @@ def to_onnx(policy: Policy | ClonedPolicy, env_id: str) -> onnx.ModelProto:
     return graph.model(policy.observation_dim, policy.goal_dim, (policy.action_dim,), env_id)
 
 
-def _pairs(policy: Policy | ClonedPolicy) -> Array:
+def differences(policy: Policy | ClonedPolicy) -> Array:
     """The matrix (observation_dim, 3 pairs) that takes the policy's differences from observations."""
     columns = np.eye(policy.observation_dim, dtype=np.float32)
     pairs = zip(policy.differences[::2], policy.differences[1::2], strict=True)
@@ -58,57 +57,3 @@ def save_model(model: onnx.ModelProto, path: Path) -> None:
     """Writes a graph to a file, whole or not at all. Raises OSError if it cannot be written."""
     with replacing(path) as temporary:
         onnx.save(model, temporary)
-
-
-@dataclass(frozen=True)
-class PolicyArrays:
-    """What a file of `save_policy` holds, of a policy that reaches goals and ends with tanh."""
-
-    pairs: Array  # (observation_dim, n) takes differences from observations
-    mean: Array  # (inputs)
-    scale: Array  # (inputs)
-    clip: float
-    activation: str  # of hidden layers: "Relu" or "Tanh"
-    layers: list[tuple[Array, Array]]  # weight (outputs, inputs), bias (outputs)
-    observation_dim: int
-    goal_dim: int
-
-
-def read_policy(path: Path) -> PolicyArrays:
-    """The arrays of a policy that was trained here. Raises ValueError on another graph, OSError if there is no file."""
-    try:
-        graph = onnx.load(path).graph
-    except OSError:
-        raise
-    except Exception as error:  # protobuf's errors have no common base but this
-        raise ValueError(f"{path} cannot be read as ONNX: {error}") from error
-    try:
-        return _arrays(graph, path)
-    except (LookupError, TypeError) as error:
-        raise ValueError(f"{path} is no whole policy of a trainer of ours: {error!r}") from error
-
-
-def _arrays(graph: onnx.GraphProto, path: Path) -> PolicyArrays:
-    constants = {one.name: numpy_helper.to_array(one) for one in graph.initializer}
-    done = [node.op_type for node in graph.node]
-    count = done.count("Gemm")
-    differs = ["MatMul"] if "pairs" in constants else []
-    activation = "Relu" if "Relu" in done else "Tanh"
-    hidden = ["Gemm", activation] * (count - 1)
-    if done != ["Sub", *differs, "Concat", "Sub", "Mul", "Clip", *hidden, "Gemm", "Tanh"]:
-        raise ValueError(
-            f"{path} is no policy that a trainer of ours made, reaches goals and ends with tanh: its operations are "
-            f"{', '.join(done)}"
-        )
-    sizes = {one.name: one.type.tensor_type.shape.dim[-1].dim_value for one in graph.input}
-    observation_dim = sizes["observation"]
-    return PolicyArrays(
-        pairs=constants.get("pairs", np.zeros((observation_dim, 0), np.float32)),
-        mean=constants["mean"],
-        scale=constants["scale"],
-        clip=float(constants["high_normalised"]),
-        activation=activation,
-        layers=[(constants[f"weight_{i}"], constants[f"bias_{i}"]) for i in range(count)],
-        observation_dim=observation_dim,
-        goal_dim=sizes["desired_goal"],
-    )

@@ -19,10 +19,11 @@ class PolicyGraph:
         self._constants: list[onnx.TensorProto] = []
         self._nodes: list[onnx.NodeProto] = []
 
-    def constant(self, name: str, value: ArrayLike) -> str:
-        """A float32 array."""
-        self._constants.append(numpy_helper.from_array(np.asarray(value, np.float32), name))
-        return name
+    def constant(self, name: str, value: ArrayLike, half: bool = False) -> str:
+        """A float32 array; with `half` it is held in 16 bits."""
+        kind, held = (np.float16, f"{name}_half") if half else (np.float32, name)
+        self._constants.append(numpy_helper.from_array(np.asarray(value, kind), held))
+        return self.apply("Cast", [held], name, to=TensorProto.FLOAT) if half else name
 
     def apply(self, operation: str, inputs: list[str], output: str, **attributes: Any) -> str:
         """What an operation makes of values."""
@@ -53,9 +54,10 @@ class PolicyGraph:
             parts.append(self.apply("MatMul", ["observation", self.constant("pairs", pairs)], "differences"))
         return self.normalised(self.apply("Concat", parts, "features", axis=1), mean, scale, clip)
 
-    def linear(self, x: str, weight: ArrayLike, bias: ArrayLike, number: int) -> str:
+    def linear(self, x: str, weight: ArrayLike, bias: ArrayLike, number: int, half: bool = False) -> str:
         """weight (outputs, inputs) x + bias."""
-        parameters = [self.constant(f"weight_{number}", weight), self.constant(f"bias_{number}", bias)]
+        given = {f"weight_{number}": weight, f"bias_{number}": bias}
+        parameters = [self.constant(name, value, half) for name, value in given.items()]
         return self.apply("Gemm", [x, *parameters], f"linear_{number}", transB=1)
 
     def reshaped(self, x: str, shape: tuple[int, ...], output: str) -> str:

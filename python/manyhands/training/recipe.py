@@ -6,8 +6,8 @@ from typing import Any, TypeVar
 
 from manyhands._core.envs import env_ids
 from manyhands._core.learn import TrainerConfig
+from manyhands.simple_yaml import Entry, read_yaml
 from manyhands.training.settings import TrainSettings
-from manyhands.training.simple_yaml import Entry, read_yaml
 
 _FOLDER = Path(__file__).parent / "recipes"
 

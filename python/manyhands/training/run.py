@@ -5,7 +5,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 
@@ -13,10 +13,13 @@ from manyhands._core.envs import make_env_batch, make_expert
 from manyhands._core.learn import Trainer, TrainMetrics
 from manyhands.files import write_text
 from manyhands.interrupts import Interrupts
+from manyhands.policies import Policy
 from manyhands.training.curve import draw_curve
 from manyhands.training.evaluation import Evaluation
 from manyhands.training.policy_file import save_policy
 from manyhands.training.progress import TrainingProgress
+from manyhands.training.randomization import run_randomized
+from manyhands.training.randomization_picture import draw_randomization
 from manyhands.training.recorder import Recorder
 from manyhands.training.run_folder import RunFolder
 from manyhands.training.settings import FIRST_EVALUATION_SEED, TrainSettings, shares_of
@@ -51,8 +54,9 @@ class TrainingRun:
         config = settings.trainer_config()
         threads = settings.num_threads or 0
         worlds_here = settings.num_envs if settings.workers is None else 1
-        self._envs = make_env_batch(settings.env_id, worlds_here, num_threads=threads)
-        self._evaluation = make_env_batch(settings.env_id, config.evaluation_episodes, num_threads=threads)
+        given: Any = {"num_threads": threads, "randomize": settings.ranges}
+        self._envs = make_env_batch(settings.env_id, worlds_here, **given)
+        self._evaluation = make_env_batch(settings.env_id, config.evaluation_episodes, **given)
         expert = make_expert(settings.env_id) if config.wants_expert else None
         self._trainer = Trainer(self._envs, self._evaluation, config, expert)
         if settings.workers is not None:
@@ -86,6 +90,8 @@ class TrainingRun:
                     draw_curve(self.folder, recorder.rows, title)
             begin = time.perf_counter()
             evaluation = None if interrupts.requested else self._evaluate()
+            if evaluation is not None and self.settings.randomize:
+                self._draw_randomization()
             return Outcome(
                 solved=self.metrics.solved,
                 env_steps=self.metrics.env_steps,
@@ -130,6 +136,13 @@ class TrainingRun:
         if metrics.solved:
             return 0
         return math.ceil((self.settings.max_env_steps - metrics.env_steps) / self.settings.num_envs)
+
+    def _draw_randomization(self) -> None:
+        """Success over each range, as a picture."""
+        settings = self.settings
+        policy = Policy(self.folder.policy)
+        episodes = run_randomized(policy, settings.env_id, settings.randomize, num_threads=settings.num_threads)
+        draw_randomization(self.folder.randomization, episodes, f"{settings.env_id}, seed {settings.seed}")
 
     def _evaluate(self) -> Evaluation:
         episodes = self.settings.evaluation_episodes

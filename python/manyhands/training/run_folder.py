@@ -34,6 +34,7 @@ class RunFolder:
         self.policy = path / "policy.onnx"
         self.evaluation = path / "evaluation.json"
         self.curve = path / "learning_curve.png"
+        self.randomization = path / "randomization.png"
         self.log = path / "log.txt"  # of a run in a sweep: what it printed
 
     @classmethod

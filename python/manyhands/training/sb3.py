@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from manyhands._core.learn import Policy, read_policy
 from manyhands.extras import pip_install
-from manyhands.training.policy_file import PolicyArrays, read_policy, save_model
+from manyhands.training.policy_file import differences, save_model
 from manyhands.training.policy_graph import INPUTS, PolicyGraph
 from manyhands.training.run_folder import RunFolder
 
@@ -35,7 +36,7 @@ class GoalFeatures(BaseFeaturesExtractor):
     """
 
     def __init__(self, observation_space: Dict, pairs: Any, mean: Any, scale: Any, clip: float) -> None:
-        """pairs (observation_dim, n), mean and scale (inputs): as in `PolicyArrays`."""
+        """pairs (observation_dim, n) takes the differences; mean and scale (inputs): as in `Policy`."""
         super().__init__(observation_space, features_dim=len(mean))
         self.clip = clip
         for name, value in (("pairs", pairs), ("mean", mean), ("scale", scale)):
@@ -55,12 +56,14 @@ def to_sb3(policy: Path, env: Any, **arguments: Any) -> TD3:
     who trains on lets them learn before the actor moves. Raises ValueError if it is another network or does not fit.
     """
     arrays = read_policy(RunFolder(policy).policy if policy.is_dir() else policy)
+    if arrays.output != "tanh" or arrays.goal_dim == 0:
+        raise ValueError(f"{policy} is no policy that reaches goals and ends with tanh")
     _require_fit(arrays, env)
     hidden = [len(bias) for _, bias in arrays.layers[:-1]]
-    seen = {"pairs": arrays.pairs, "mean": arrays.mean, "scale": arrays.scale, "clip": arrays.clip}
+    seen = {"pairs": differences(arrays), "mean": arrays.mean, "scale": arrays.scale, "clip": arrays.clip}
     kwargs = {
         "net_arch": hidden,
-        "activation_fn": torch.nn.ReLU if arrays.activation == "Relu" else torch.nn.Tanh,
+        "activation_fn": torch.nn.ReLU if arrays.activation == "relu" else torch.nn.Tanh,
         "features_extractor_class": GoalFeatures,
         "features_extractor_kwargs": seen,
     }
@@ -73,7 +76,7 @@ def to_sb3(policy: Path, env: Any, **arguments: Any) -> TD3:
     return model
 
 
-def _require_fit(arrays: PolicyArrays, env: Any) -> None:
+def _require_fit(arrays: Policy, env: Any) -> None:
     sizes = (arrays.observation_dim, arrays.goal_dim, arrays.goal_dim)
     wanted = {name: (size,) for name, size in zip(INPUTS, sizes, strict=True)}
     space = env.observation_space

@@ -8,6 +8,7 @@ from typing import Any
 from manyhands._core.envs import expert_ids
 from manyhands._core.learn import TrainerConfig
 from manyhands.arguments import whole_number
+from manyhands.envs.spaces import as_range
 
 FIRST_EVALUATION_SEED = 10**9  # of the last evaluation: training draws its seeds from all 64-bit numbers by hash
 
@@ -64,6 +65,7 @@ class TrainSettings:
     evaluation_episodes: int = 1000  # after training
     workers: int | None = None  # of a Ray cluster, which share the worlds; None: they are all here
     overrides: dict[str, Any] = field(default_factory=dict)  # trainer settings that differ from their defaults
+    randomize: dict[str, Any] = field(default_factory=dict)  # what differs from episode to episode, and its ranges
 
     def __post_init__(self) -> None:
         for name in ("num_envs", "max_env_steps", "evaluation_episodes"):
@@ -77,6 +79,13 @@ class TrainSettings:
             raise ValueError(f"env_id is {self.env_id!r}, expected a name")
         if not isinstance(self.overrides, dict):
             raise ValueError(f"overrides is {self.overrides!r}, expected names and values")
+        if not isinstance(self.randomize, dict):
+            raise ValueError(f"randomize is {self.randomize!r}, expected names and ranges")
+
+    @property
+    def ranges(self) -> list[tuple[str, float, float, bool]]:
+        """`randomize` as batches take it. Raises ValueError on a range that is none."""
+        return [as_range(name, value) for name, value in self.randomize.items()]
 
     def trainer_config(self) -> TrainerConfig:
         """The trainer's config. Raises ValueError on an override that makes no sense."""
@@ -87,6 +96,8 @@ class TrainSettings:
         for name, value in self.overrides.items():
             override(config, name, value)
         config.validate()
+        if config.privileged_critic and not self.randomize:
+            raise ValueError(f"privileged_critic needs {self.env_id} to be randomised: add --randomize")
         if config.wants_expert and self.env_id not in expert_ids():
             raise ValueError(f"there is no expert for {self.env_id!r}: set expert_rate and cloning_weight to 0")
         if self.workers is not None and config.algorithm == "PPO":

@@ -89,7 +89,7 @@ def test_the_file_is_the_policy(chunk: int, tmp_path: Path) -> None:
     file = PolicyFile(tmp_path / "policy.onnx")
     file.require_fit(SPEC)
     np.testing.assert_allclose(file(seen), expected[:, 0], atol=1e-5)
-    np.testing.assert_allclose(file.act({name: rows[5] for name, rows in seen.items()}), expected[5, 0], atol=1e-5)
+    np.testing.assert_allclose(file({name: rows[5] for name, rows in seen.items()}), expected[5, 0], atol=1e-5)
 
 
 @pytest.fixture(scope="module")

@@ -8,10 +8,10 @@ import pytest
 from manyhands import cli
 from manyhands._core.envs import env_ids, expert_ids, make_env_batch, make_expert
 from manyhands._core.learn import Trainer, TrainerConfig
+from manyhands.simple_yaml import read_yaml
 from manyhands.training.announcement import announce
 from manyhands.training.recipe import find_recipe, load_recipe, recipe_ids
 from manyhands.training.settings import TrainSettings
-from manyhands.training.simple_yaml import read_yaml
 
 MINE = """\
 # how I do it

@@ -208,7 +208,7 @@ def test_buttons_drive_too(reach: Viewer, page: Any) -> None:
 def test_a_learned_policy_is_chosen_and_acts(reach: Viewer, page: Any, reach_policy: Path) -> None:
     opened(page, reach)
     reach.pause()
-    reach.actor("what was learned", PolicyFile(reach_policy).act)
+    reach.actor("what was learned", PolicyFile(reach_policy))
     reach.speed = 5
     source: Any = reach.source
     wait_for_choice(page, "Who acts", "what was learned")

@@ -1,4 +1,4 @@
-"""Reads the part of YAML in which recipes are written, and says on which line what stands.
+"""Reads the part of YAML in which recipes and cards are written, and says on which line what stands.
 
 A file is a list of `name: value`; a value is a number, true, false, a list of them in brackets, a text, or, with
 nothing after the colon, the indented lines that follow, each again `name: value`. What this reads means the same to any
