@@ -13,7 +13,7 @@ namespace manyhands::learn {
 namespace {
 
 constexpr std::array<char, 8> kMagic = {'m', 'h', 'l', 'e', 'a', 'r', 'n', '\n'};
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 
 struct Header {
   std::array<char, 8> magic = kMagic;

@@ -4,11 +4,13 @@
 #include <cstdint>
 #include <memory>
 
+#include "manyhands/envs/sight.h"
 #include "manyhands/learn/actor.h"
 #include "manyhands/learn/archive.h"
 #include "manyhands/learn/collector.h"
 #include "manyhands/learn/halves.h"
 #include "manyhands/learn/normaliser.h"
+#include "manyhands/learn/policy.h"
 
 namespace manyhands::learn {
 
@@ -20,12 +22,27 @@ struct LearnStats {
   int policy_steps = 0;
 };
 
+/// Acts by what has been learned, without exploration, in the worlds of a batch.
+class Performer {
+ public:
+  virtual ~Performer() = default;
+
+  /// Fills `action` (action_dim, worlds) where `running` (worlds) is not 0, in episodes that began `step` steps ago.
+  virtual void act(int step, std::span<const std::uint8_t> running, Matrix<float>& action) = 0;
+};
+
 class Learner {
  public:
   virtual ~Learner() = default;
 
-  [[nodiscard]] virtual const Actor& actor() const = 0;
+  /// What has been learned, as a policy over states; null if it sees pictures.
+  [[nodiscard]] virtual const Actor* actor() const = 0;
   [[nodiscard]] virtual std::int64_t gradient_steps() const = 0;
+
+  /// Acts in `envs`, which is borrowed, as are learner and normaliser. Neither may learn meanwhile.
+  [[nodiscard]] virtual std::unique_ptr<Performer> performer(const EnvBatch& envs,
+                                                             const InputNormaliser& normaliser) const;
+  [[nodiscard]] virtual Policy policy(const EnvSpec& spec, const InputNormaliser& normaliser) const;
 
   /// Fills `action` (action_dim, worlds) with what to try in the worlds' present states.
   virtual void choose_actions(const Collector& worlds, const InputNormaliser& normaliser, std::int64_t iteration,
@@ -42,10 +59,11 @@ class Learner {
   virtual void load(ArchiveReader& in) = 0;
 };
 
-/// The learner that `config.algorithm` names, for `num_worlds` worlds and a network input of `input_dim` numbers.
-/// Throws std::invalid_argument if it cannot learn this kind of environment.
-[[nodiscard]] std::unique_ptr<Learner> make_learner(const EnvSpec& spec, int num_worlds, int input_dim,
-                                                    const TrainerConfig& config);
+/// The learner that `config.algorithm` names, for the worlds of `envs`, which it may look at, and a network input of
+/// `input_dim` numbers. Throws std::invalid_argument if it cannot learn this kind of environment, or if there are eyes
+/// and it is blind, or the other way round.
+[[nodiscard]] std::unique_ptr<Learner> make_learner(const EnvBatch& envs, int input_dim, const TrainerConfig& config,
+                                                    const std::vector<Eye>& eyes);
 
 /// Writes the network's input for the present state of every world into the columns of `state`.
 void write_states(const EnvBatch& envs, const InputNormaliser& normaliser, Matrix<float>& state);

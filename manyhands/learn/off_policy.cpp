@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "manyhands/learn/explore.h"
+
 namespace manyhands::learn {
 
 OffPolicy::OffPolicy(const EnvSpec& spec, int num_worlds, int input_dim, const TrainerConfig& config)
@@ -14,32 +16,16 @@ OffPolicy::OffPolicy(const EnvSpec& spec, int num_worlds, int input_dim, const T
       acting_(agent_.actor().make_tape(num_worlds)),
       policy_action_(Matrix<float>::Zero(spec.action_dim, num_worlds)) {}
 
-/// The policy's action plus noise, of SAC an action drawn from it, or now and then, and during the warm-up always, a
-/// uniform one. Where the expert acts, its action plus noise: what it shows then leads back to its way, too (Laskey et
-/// al., DART, 2017).
+/// What the policy is, and of SAC an action drawn from it, with noise.
 void OffPolicy::choose_actions(const Collector& worlds, const InputNormaliser& normaliser, std::int64_t iteration,
                                Matrix<float>& action) {
-  const auto counter = static_cast<std::uint64_t>(iteration);
   write_states(worlds.envs(), normaliser, acting_.input());
   if (config_.algorithm == Algorithm::kSac) {
-    agent_.actor().draw(acting_, Random(config_.seed, Purpose::kActing, counter), policy_action_);
+    agent_.actor().draw(acting_, Random(config_.seed, Purpose::kActing, static_cast<std::uint64_t>(iteration)), policy_action_);
   } else {
     agent_.actor().act(acting_, policy_action_);
   }
-  const Eigen::Index count = action.cols();
-  const bool all_led = config_.expert_rate > 0 && warming_up();
-  const Eigen::Index led = all_led ? count : std::lround(config_.expert_rate * static_cast<double>(count));
-  Random random(config_.seed, Purpose::kExploration, counter);
-  for (Eigen::Index world = 0; world < count; ++world) {
-    const bool random_now = random.uniform() < static_cast<float>(config_.random_action_rate);
-    const bool uniform = world >= led && (warming_up() || random_now);
-    const float* wanted = world < led ? &worlds.advice()[static_cast<std::size_t>(world * action.rows())]
-                                      : policy_action_.col(world).data();
-    for (Eigen::Index k = 0; k < action.rows(); ++k) {
-      const float chosen = wanted[k] + config_.exploration_noise * random.normal();
-      action(k, world) = uniform ? random.uniform(-1.0f, 1.0f) : std::clamp(chosen, -1.0f, 1.0f);
-    }
-  }
+  explore(config_, iteration, warming_up(), policy_action_, worlds.advice(), action);
 }
 
 void OffPolicy::observe(const Collector& worlds, const InputNormaliser& /*normaliser*/) {

@@ -12,7 +12,7 @@ class OffPolicy final : public Learner {
  public:
   OffPolicy(const EnvSpec& spec, int num_worlds, int input_dim, const TrainerConfig& config);
 
-  [[nodiscard]] const Actor& actor() const override { return agent_.actor(); }
+  [[nodiscard]] const Actor* actor() const override { return &agent_.actor(); }
   [[nodiscard]] std::int64_t gradient_steps() const override { return agent_.gradient_steps(); }
 
   void choose_actions(const Collector& worlds, const InputNormaliser& normaliser, std::int64_t iteration,

@@ -23,6 +23,7 @@ enum class Purpose : std::uint32_t {
   kShuffle,
   kActing,
   kPrediction,
+  kEncoderSeed,
 };
 
 /// A seed from a seed: 64 bits that differ with each argument.

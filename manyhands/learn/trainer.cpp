@@ -22,8 +22,8 @@ TrainerConfig validated(TrainerConfig config) {
 Expert* wanted_expert(Expert* expert, const TrainerConfig& config, const EnvSpec& spec) {
   if (!config.wants_expert()) return nullptr;
   if (expert != nullptr && expert->action_dim() == spec.action_dim) return expert;
-  throw std::invalid_argument("Trainer: expert_rate and cloning_weight ask for an expert of " + spec.id +
-                              ", and none was given; set both to 0");
+  throw std::invalid_argument("Trainer: expert_rate, cloning_weight or DAgger ask for an expert of " + spec.id +
+                              ", and none was given; set both to 0, or another algorithm");
 }
 
 /// Adds the seconds of its scope to a counter.
@@ -41,13 +41,15 @@ class Stopwatch {
 
 }  // namespace
 
-Trainer::Trainer(EnvBatch& envs, EnvBatch* evaluation, const TrainerConfig& config, Expert* expert)
+Trainer::Trainer(EnvBatch& envs, EnvBatch* evaluation, const TrainerConfig& config, Expert* expert,
+                 const std::vector<Eye>& eyes)
     : config_(validated(config)),
       spec_(envs.spec()),
       evaluation_(evaluation),
+      eyes_(eyes),
       collector_(envs, wanted_expert(expert, config_, spec_), config.seed),
       normaliser_(spec_.observation_dim, spec_.goal_dim, config.input_clip, config.differences),
-      learner_(make_learner(spec_, envs.num_envs(), normaliser_.dim(), config_)),
+      learner_(make_learner(envs, normaliser_.dim(), config_, eyes_)),
       halves_(std::make_unique<Halves>(config.num_threads)),
       actions_(Matrix<float>::Zero(spec_.action_dim, envs.num_envs())) {
   if (evaluation == &envs) throw std::invalid_argument("Trainer: the evaluation batch must not be the training batch");
@@ -126,7 +128,7 @@ EvalResult Trainer::evaluate(EnvBatch& envs, int episodes, std::uint64_t first_s
   if (episodes <= 0) throw std::invalid_argument("Trainer::evaluate: episodes must be positive");
   const auto worlds = static_cast<std::size_t>(envs.num_envs());
   const auto wanted = static_cast<std::size_t>(episodes);
-  MlpTape<float> tape = learner_->actor().make_tape(envs.num_envs());
+  const std::unique_ptr<Performer> performer = learner_->performer(envs, normaliser_);
   Matrix<float> action = Matrix<float>::Zero(spec_.action_dim, envs.num_envs());
   std::vector<std::uint64_t> seeds(worlds);
   std::vector<std::uint8_t> running(worlds);
@@ -137,8 +139,7 @@ EvalResult Trainer::evaluate(EnvBatch& envs, int episodes, std::uint64_t first_s
     for (std::size_t w = 0; w < worlds; ++w) running[w] = w < left;
     envs.reset({}, seeds);
     for (int t = 1; left > 0; ++t) {
-      write_states(envs, normaliser_, tape.input());
-      learner_->actor().act(tape, action);
+      performer->act(t - 1, running, action);
       envs.step(floats(action));
       for (std::size_t w = 0; w < worlds; ++w) {
         if (running[w] == 0) continue;
@@ -154,17 +155,18 @@ EvalResult Trainer::evaluate(EnvBatch& envs, int episodes, std::uint64_t first_s
   return {episodes, successes / episodes, total_reward / episodes, steps / episodes};
 }
 
-Policy Trainer::policy() const { return export_policy(spec_, normaliser_, learner_->actor()); }
+Policy Trainer::policy() const { return learner_->policy(spec_, normaliser_); }
 
 void Trainer::predict(std::span<const float> observation, std::span<const float> achieved_goal,
                       std::span<const float> desired_goal, bool draw, std::span<float> action) {
+  if (learner_->actor() == nullptr) throw std::logic_error("Trainer::predict: this policy sees pictures; export it");
   const auto no = static_cast<std::size_t>(spec_.observation_dim), ng = static_cast<std::size_t>(spec_.goal_dim);
   const std::size_t n = action.size() / static_cast<std::size_t>(spec_.action_dim);
   if (observation.size() != n * no || achieved_goal.size() != n * ng || desired_goal.size() != n * ng) {
     throw std::invalid_argument("Trainer::predict: the arrays do not hold " + std::to_string(n) + " states of " +
                                 spec_.id);
   }
-  const Actor& actor = learner_->actor();
+  const Actor& actor = *learner_->actor();
   MlpTape<float> tape = actor.make_tape(static_cast<int>(n));
   for (std::size_t i = 0; i < n; ++i) {
     normaliser_.write(observation.data() + i * no, achieved_goal.data() + i * ng, desired_goal.data() + i * ng,

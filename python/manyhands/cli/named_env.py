@@ -3,14 +3,17 @@
 import argparse
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
 
 from manyhands._core.envs import EnvSpec, control_types, max_episode_steps
 from manyhands.env_names import variant_of
 from manyhands.envs.parts import Obstacle
 from manyhands.envs.single import ArmEnv
 from manyhands.experts import Expert
+
+if TYPE_CHECKING:
+    from manyhands.training.evaluation import PolicyFile
 
 _EXAMPLE = "for example --option object_shape=cylinder"
 
@@ -23,11 +26,18 @@ class NamedEnv:
     """With its version."""
     options: dict[str, Any] = field(default_factory=dict)
     """Keyword arguments of `ArmEnv`."""
+    cameras: dict[str, Any] = field(default_factory=dict)
+    """Those of a policy."""
 
     @property
     def variant(self) -> dict[str, Any]:
         """Task, types and options, as arguments of `ArmEnv`."""
-        return variant_of(self.id) | self.options
+        cameras = {"cameras": self.cameras} if self.cameras else {}
+        return variant_of(self.id) | cameras | self.options
+
+    def shown_to(self, policy: "PolicyFile") -> "NamedEnv":
+        """The same with the cameras through which a policy sees."""
+        return replace(self, cameras=policy.cameras)
 
     @property
     def title(self) -> str:

@@ -49,8 +49,12 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.episodes < 1:
         raise ValueError(f"--episodes is {arguments.episodes}; expected 1 or more")
     width, height = arguments.size
+    if arguments.policy is None:
+        env.expert()
+        act = env.expert
+    else:
+        env, act = _learned(arguments.policy, env)
     filmed = env.make(render_mode="rgb_array", render_width=width, render_height=height)
-    act = _policy(arguments.policy, env)
     wanted = arguments.episodes
     seeds = range(arguments.seed, arguments.seed + wanted)
     console = Console(stderr=True)
@@ -97,11 +101,9 @@ def _picture(env: ArmEnv) -> NDArray[np.uint8]:
     return picture
 
 
-def _policy(path: Path | None, env: NamedEnv) -> Callable[[], Callable[[Any], Any]]:
-    if path is None:
-        env.expert()
-        return env.expert
+def _learned(path: Path, env: NamedEnv) -> tuple[NamedEnv, Callable[[], Callable[[Any], Any]]]:
+    """The environment as a policy sees it, and what it does."""
     from manyhands.training.evaluation import policy_for
 
     policy = policy_for(path, env.spec())
-    return lambda: policy.act
+    return env.shown_to(policy), lambda: policy.act

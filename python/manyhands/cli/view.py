@@ -97,7 +97,9 @@ def _show_environment(
     if policy is not None:
         from manyhands.training.evaluation import policy_for
 
-        actors[policy.resolve().name] = policy_for(policy, named.spec()).act
+        learned = policy_for(policy, named.spec())
+        named = named.shown_to(learned)
+        actors[policy.resolve().name] = learned.act
     env = _environment(named)
     env.reset(seed=seed)
     viewer = view(env, title=named.title, **page)

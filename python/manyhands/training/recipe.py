@@ -35,11 +35,13 @@ class Recipe:
     max_env_steps: int
     trainer: dict[str, Any]  # settings that differ from the trainer's defaults
     beyond: dict[str, str]  # what it uses beyond the task's own reward: a name, and what it does
+    cameras: dict[str, Any]  # through which the policy sees, none if it knows the state
     measured: Measured | None
 
     def settings(self, **changes: Any) -> TrainSettings:
         """The settings of a run, with `changes`; those in `overrides` are added to the recipe's own."""
-        given: dict[str, Any] = {"num_envs": self.num_envs, "max_env_steps": self.max_env_steps} | changes
+        own = {"num_envs": self.num_envs, "max_env_steps": self.max_env_steps, "cameras": self.cameras}
+        given: dict[str, Any] = own | changes
         given["overrides"] = self.trainer | given.get("overrides", {})
         return TrainSettings(self.env_id, **given)
 
@@ -49,10 +51,25 @@ def recipe_ids() -> list[str]:
     return sorted(path.stem for path in _FOLDER.glob("*.yaml"))
 
 
-def find_recipe(env_id: str) -> Recipe | None:
-    """The recipe that is shipped for an environment, None if there is none."""
-    path = _FOLDER / f"{env_id}.yaml"
+def find_recipe(env_id: str, kind: str = "") -> Recipe | None:
+    """The recipe that is shipped for an environment, None if there is none; `kind` is "pixels" for one that sees."""
+    path = _FOLDER / kind / f"{env_id}.yaml"
     return load_recipe(path) if path.is_file() else None
+
+
+def named_recipe(name: Path, env_id: str) -> Recipe:
+    """The recipe in a file, or of a kind that is shipped, such as "pixels". Raises ValueError if there is none of the
+    kind for the environment, or its recipe is for another; OSError if the file cannot be read."""
+    if (_FOLDER / name).is_dir() and not name.exists():
+        recipe = find_recipe(env_id, str(name))
+        if recipe is None:
+            known = ", ".join(sorted(path.stem for path in (_FOLDER / name).glob("*.yaml")))
+            raise ValueError(f"no recipe {name} is shipped for {env_id}; there are {known}")
+    else:
+        recipe = load_recipe(name)
+    if recipe.env_id != env_id:
+        raise ValueError(f"{recipe.path} is a recipe for {recipe.env_id}, not for {env_id}")
+    return recipe
 
 
 def load_recipe(path: Path) -> Recipe:
@@ -72,6 +89,7 @@ def load_recipe(path: Path) -> Recipe:
         max_env_steps=top.take("max_env_steps", int, None if base is None else base.max_env_steps),
         trainer=own_trainer if base is None else base.trainer | own_trainer,
         beyond=own_beyond if base is None else base.beyond | own_beyond,
+        cameras=_cameras(top) or ({} if base is None else base.cameras),
         measured=_measured(top.block("measured")),
     )
     top.finish()
@@ -89,6 +107,15 @@ def _base(top: "_Block") -> Recipe | None:
     if name == top.entry.entries["environment"].value:
         raise top.error("like", "a recipe cannot be like itself")
     return load_recipe(_FOLDER / f"{name}.yaml")
+
+
+def _cameras(top: "_Block") -> dict[str, Any]:
+    """Names of cameras, with what varies in their pictures."""
+    looks = {name: entry.value for name, entry in top.block("looks").entry.entries.items()}
+    names = top.take("cameras", list, [])
+    if looks and not names:
+        raise top.error("looks", "there are no cameras whose looks could vary")
+    return {name: {"vary": dict(looks)} for name in names}
 
 
 def _measured(block: "_Block") -> Measured | None:

@@ -9,6 +9,7 @@ from rich.console import Console
 
 from manyhands._core.envs import make_env_batch, make_expert
 from manyhands._core.learn import Trainer, TrainMetrics
+from manyhands.envs.cameras import eyes
 from manyhands.files import write_text
 from manyhands.interrupts import Interrupts
 from manyhands.training.curve import draw_curve
@@ -47,7 +48,9 @@ class TrainingRun:
         self._envs = make_env_batch(settings.env_id, settings.num_envs, num_threads=threads)
         self._evaluation = make_env_batch(settings.env_id, config.evaluation_episodes, num_threads=threads)
         expert = make_expert(settings.env_id) if config.wants_expert else None
-        self._trainer = Trainer(self._envs, self._evaluation, config, expert)
+        self._trainer = Trainer(
+            self._envs, self._evaluation, config, expert, eyes(self._envs, settings.cameras)
+        )
         if resume:
             if not folder.checkpoint.is_file():
                 raise ValueError(f"{folder.path} has no checkpoint to resume from; start again with a new run")
@@ -66,7 +69,9 @@ class TrainingRun:
             with Interrupts() as interrupts:
                 self._advance(console, recorder, interrupts)
                 self._trainer.save(self._folder.checkpoint)
-                save_policy(self._trainer.policy(), self._settings.env_id, self._folder.policy)
+                save_policy(
+                    self._trainer.policy(), self._settings.env_id, self._folder.policy, self._settings.cameras
+                )
                 if recorder.rows:
                     title = f"{self._settings.env_id}, seed {self._settings.seed}"
                     draw_curve(self._folder, recorder.rows, title)

@@ -58,6 +58,7 @@ class TrainSettings:
     max_env_steps: int = 1_000_000  # over all worlds, if the task is not solved before
     evaluation_episodes: int = 1000  # after training
     overrides: dict[str, Any] = field(default_factory=dict)  # trainer settings that differ from their defaults
+    cameras: dict[str, Any] = field(default_factory=dict)  # through which the policy sees, as environments take them
 
     def __post_init__(self) -> None:
         for name in ("num_envs", "max_env_steps", "evaluation_episodes"):
@@ -69,6 +70,8 @@ class TrainSettings:
             raise ValueError(f"env_id is {self.env_id!r}, expected a name")
         if not isinstance(self.overrides, dict):
             raise ValueError(f"overrides is {self.overrides!r}, expected names and values")
+        if not isinstance(self.cameras, dict):
+            raise ValueError(f"cameras is {self.cameras!r}, expected names and options")
 
     def trainer_config(self) -> TrainerConfig:
         """The trainer's config. Raises ValueError on an override that makes no sense."""
@@ -79,6 +82,9 @@ class TrainSettings:
         for name, value in self.overrides.items():
             override(config, name, value)
         config.validate()
+        if bool(self.cameras) != (config.algorithm == "DAgger"):
+            there = f"there are cameras ({', '.join(self.cameras)})" if self.cameras else "there are no cameras"
+            raise ValueError(f"algorithm is {config.algorithm}, and {there}; DAgger learns from pictures, and it alone")
         if config.wants_expert and self.env_id not in expert_ids():
             raise ValueError(f"there is no expert for {self.env_id!r}: set expert_rate and cloning_weight to 0")
         return config
