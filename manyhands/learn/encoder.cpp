@@ -204,7 +204,9 @@ void Encoder<S>::backward_layer(EncoderTape<S>& tape, int layer, Eigen::Index sa
   S* sum = gradient.data() + weight_begin(layer);
   multiply<S>(channels, inputs, places, {tape.delta.data(), 1, channels}, {tape.patches.data(), inputs, 1}, sum,
               channels, AddTo<S>{sum}, tape.panel);
-  gradient.segment(bias_begin(layer), channels) += tape.delta.reshaped(channels, places).rowwise().sum();
+  for (int place = 0; place < places; ++place) {
+    gradient.segment(bias_begin(layer), channels) += tape.delta.block(place * channels, 0, channels, 1);
+  }
   if (layer == 0) return;
   multiply<S>(inputs, places, channels, {parameters_.data() + weight_begin(layer), channels, 1},
               {tape.delta.data(), 1, channels}, tape.patches.data(), inputs, AsIs{}, tape.panel);

@@ -4,8 +4,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
-from manyhands._core.envs import env_ids
+from manyhands._core.envs import env_ids, make_env_batch
 from manyhands._core.learn import TrainerConfig
+from manyhands.envs.cameras import eyes
 from manyhands.training.settings import TrainSettings
 from manyhands.training.simple_yaml import Entry, read_yaml
 
@@ -89,7 +90,7 @@ def load_recipe(path: Path) -> Recipe:
         max_env_steps=top.take("max_env_steps", int, None if base is None else base.max_env_steps),
         trainer=own_trainer if base is None else base.trainer | own_trainer,
         beyond=own_beyond if base is None else base.beyond | own_beyond,
-        cameras=_cameras(top) or ({} if base is None else base.cameras),
+        cameras=_cameras(top, env_id) or ({} if base is None else base.cameras),
         measured=_measured(top.block("measured")),
     )
     top.finish()
@@ -109,13 +110,20 @@ def _base(top: "_Block") -> Recipe | None:
     return load_recipe(_FOLDER / f"{name}.yaml")
 
 
-def _cameras(top: "_Block") -> dict[str, Any]:
+def _cameras(top: "_Block", env_id: str) -> dict[str, Any]:
     """Names of cameras, with what varies in their pictures."""
     looks = {name: entry.value for name, entry in top.block("looks").entry.entries.items()}
     names = top.take("cameras", list, [])
     if looks and not names:
         raise top.error("looks", "there are no cameras whose looks could vary")
-    return {name: {"vary": dict(looks)} for name in names}
+    cameras: dict[str, Any] = {str(name): {"vary": dict(looks)} for name in names}
+    if not cameras:
+        return {}
+    try:
+        eyes(make_env_batch(env_id, 1), cameras)
+    except (KeyError, ValueError) as reason:
+        raise top.error("looks" if "vari" in reason.args[0] else "cameras", reason.args[0]) from reason
+    return cameras
 
 
 def _measured(block: "_Block") -> Measured | None:
