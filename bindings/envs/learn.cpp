@@ -80,7 +80,7 @@ E from_text(const char* setting, const std::string& text) {
 template <class Visit>
 void visit_settings(Visit&& visit) {
   using C = TrainerConfig;
-  visit("algorithm", &C::algorithm, "TD3 (DDPG with its defaults), SAC (with quantiles TQC), PPO, or from pictures DAgger.");
+  visit("algorithm", &C::algorithm, "TD3 (DDPG with its defaults), SAC (with quantiles TQC), PPO, or DAgger, from pictures too.");
   visit("seed", &C::seed, "Of networks, exploration, sampling and episodes.");
   visit("num_threads", &C::num_threads, "1 or 2 are used for gradient steps; the results are the same bits.");
   visit("hidden_layers", &C::hidden_layers, "Units of each hidden layer, of actor and critics alike.");
@@ -118,11 +118,11 @@ void visit_settings(Visit&& visit) {
   visit("max_gradient_norm", &C::max_gradient_norm,
         "PPO: of policy and value together; longer gradients are shortened.");
   visit("scale_rewards", &C::scale_rewards, "PPO: by the standard deviation of the discounted return so far.");
-  visit("channels", &C::channels, "DAgger: of the layers that see: 4 x 4 pixels, then 3 x 3 of the layer below.");
-  visit("frame_stack", &C::frame_stack, "DAgger: pictures of each camera that are seen, the last ones.");
-  visit("shift", &C::shift, "DAgger: in learning, pictures are moved by up to so many pixels.");
+  visit("channels", &C::channels, "DAgger from pictures: of the layers that see: 4 x 4 pixels, then 3 x 3 of the layer below.");
+  visit("frame_stack", &C::frame_stack, "DAgger from pictures: pictures of each camera that are seen, the last ones.");
+  visit("shift", &C::shift, "DAgger from pictures: in learning, pictures are moved by up to so many pixels.");
   visit("state_weight", &C::state_weight,
-        "DAgger: in the loss, of the squared error of the state, which the network is asked to tell.");
+        "DAgger from pictures: in the loss, of the squared error of the state, which the network is asked to tell.");
   visit("updates_per_iteration", &C::updates_per_iteration, "Gradient steps after each step of the batch.");
   visit("replay_capacity", &C::replay_capacity, "Transitions.");
   visit("warmup_transitions", &C::warmup_transitions,
@@ -280,8 +280,8 @@ void bind_trainer(nb::module_& m) {
            "evaluation"_a.none(), "config"_a, "expert"_a.none() = nb::none(), "eyes"_a = std::vector<Eye>{},
            nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>(), nb::keep_alive<1, 5>(),
            "Trains on `envs`; `evaluation`, another batch of the same environment, serves the periodic evaluations "
-           "that end the training (None: no evaluations). `expert` is needed by a config that wants one, `eyes` by "
-           "DAgger. Raises ValueError if the config makes no sense.")
+           "that end the training (None: no evaluations). `expert` is needed by a config that wants one. "
+           "Through `eyes` the policy sees, with DAgger. Raises ValueError if the config makes no sense.")
       .def("advance", &Trainer::advance, "iterations"_a, Release(),
            "Runs up to `iterations` more: each one step of the batch and `updates_per_iteration` gradient steps. Stops "
            "early when solved. Raises RuntimeError if the networks diverge.")

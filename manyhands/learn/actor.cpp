@@ -32,7 +32,7 @@ Eigen::Index drawn(const Matrix<float>& logits, Eigen::Index column, float unifo
 }  // namespace
 
 PolicyKind policy_kind(Algorithm algorithm, int choices) {
-  if (algorithm == Algorithm::kTd3) return PolicyKind::kDeterministic;
+  if (algorithm == Algorithm::kTd3 || algorithm == Algorithm::kDagger) return PolicyKind::kDeterministic;
   if (algorithm == Algorithm::kSac) return PolicyKind::kSquashedGaussian;
   return choices > 0 ? PolicyKind::kCategorical : PolicyKind::kGaussian;
 }

@@ -38,22 +38,8 @@ float Agent::temperature() const { return soft() ? std::exp(log_temperature_[0])
 
 UpdateStats Agent::update(Halves& halves, const ValueBounds& bounds) {
   const bool policy = (gradient_steps_ + 1) % config_.policy_delay == 0;
-  critics_.begin_step();
-  if (policy) actor_optimiser_.begin_step();
-
-  const std::array tapes = {&halves_[0].critics, &halves_[1].critics};
-  halves.run([&](int i) {
-    Half& half = halves_[static_cast<std::size_t>(i)];
-    compute_targets(half, i, bounds);
-    critics_.set_gradients(half.batch.state, half.batch.action, 1.0f / static_cast<float>(config_.batch_size),
-                           half.critics);
-  });
-  halves.run([&](int part) { critics_.apply(part, tapes, policy); });
-  if (policy) {
-    halves.run([&](int i) { compute_actor_gradient(halves_[static_cast<std::size_t>(i)], i); });
-    halves.run([&](int part) { apply_actor(part); });
-    if (soft() && config_.learned_temperature) follow_entropy();
-  }
+  if (has_critics()) update_critics(halves, bounds, policy);
+  if (policy) update_policy(halves);
   ++gradient_steps_;
 
   const double n = config_.batch_size;
@@ -64,6 +50,25 @@ UpdateStats Agent::update(Halves& halves, const ValueBounds& bounds) {
   stats.policy_q = static_cast<float>((halves_[0].policy_q_sum + halves_[1].policy_q_sum) / n);
   stats.entropy = static_cast<float>(-(halves_[0].log_probability_sum + halves_[1].log_probability_sum) / n);
   return stats;
+}
+
+void Agent::update_critics(Halves& halves, const ValueBounds& bounds, bool targets_follow) {
+  critics_.begin_step();
+  const std::array tapes = {&halves_[0].critics, &halves_[1].critics};
+  halves.run([&](int i) {
+    Half& half = halves_[static_cast<std::size_t>(i)];
+    compute_targets(half, i, bounds);
+    critics_.set_gradients(half.batch.state, half.batch.action, 1.0f / static_cast<float>(config_.batch_size),
+                           half.critics);
+  });
+  halves.run([&](int part) { critics_.apply(part, tapes, targets_follow); });
+}
+
+void Agent::update_policy(Halves& halves) {
+  actor_optimiser_.begin_step();
+  halves.run([&](int i) { compute_actor_gradient(halves_[static_cast<std::size_t>(i)], i); });
+  halves.run([&](int part) { apply_actor(part); });
+  if (soft() && config_.learned_temperature) follow_entropy();
 }
 
 /// y = r + gamma (Q'(s', a') - temperature log pi(a'|s')), within the bounds of a return, to which a soft value with
@@ -98,29 +103,37 @@ void Agent::choose_next_action(Half& half, int index) const {
   }
 }
 
-/// Minimises -Q(s, pi(s)) + action_penalty |pi(s)|^2, averaged; if soft, temperature log pi(a|s) - Q(s, a) for drawn a.
+/// Minimises -Q(s, pi(s)) + action_penalty |pi(s)|^2 + cloning_weight |pi(s) - expert's|^2, averaged, without critics
+/// the last two; if soft, temperature log pi(a|s) - Q(s, a) for drawn a.
 void Agent::compute_actor_gradient(Half& half, int index) const {
   const float weight = 1.0f / static_cast<float>(config_.batch_size);
   half.actor.input() = half.batch.state;
   actor_.net().forward(half.actor);
   if (soft()) {
-    Random random(config_.seed, Purpose::kPolicyNoise, static_cast<std::uint64_t>(2 * gradient_steps_ + index));
-    for (Eigen::Index i = 0; i < half.draw.noise.size(); ++i) half.draw.noise(i) = random.normal();
-    draw_squashed(half.actor.output(), half.draw);
-    half.log_probability_sum = static_cast<double>(half.draw.log_probability.sum());
-  }
-  const Matrix<float>& action = soft() ? half.draw.action : half.actor.output();
-  critics_.set_action_gradient(half.batch.state, action, weight, half.critics);
-  half.policy_q_sum = static_cast<double>(half.critics.value.sum());
-  half.critics.action_gradient += (2 * weight * config_.action_penalty) * action;
-  if (soft()) {
+    draw_action(half, index);
+    climb_value(half, half.draw.action, weight);
     backward_squashed(half.actor.output(), half.draw, half.critics.action_gradient, weight * temperature(),
                       half.actor.output_gradient());
   } else {
+    if (has_critics()) climb_value(half, half.actor.output(), weight);
     half.actor.output_gradient() = half.critics.action_gradient;
     if (config_.cloning_weight > 0) clone_expert(half);
   }
   actor_.net().backward(half.actor, {}, half.actor_gradient);
+}
+
+void Agent::draw_action(Half& half, int index) const {
+  Random random(config_.seed, Purpose::kPolicyNoise, static_cast<std::uint64_t>(2 * gradient_steps_ + index));
+  for (Eigen::Index i = 0; i < half.draw.noise.size(); ++i) half.draw.noise(i) = random.normal();
+  draw_squashed(half.actor.output(), half.draw);
+  half.log_probability_sum = static_cast<double>(half.draw.log_probability.sum());
+}
+
+/// Sets the gradient of the policy's loss by its actions.
+void Agent::climb_value(Half& half, const Matrix<float>& action, float weight) const {
+  critics_.set_action_gradient(half.batch.state, action, weight, half.critics);
+  half.policy_q_sum = static_cast<double>(half.critics.value.sum());
+  half.critics.action_gradient += (2 * weight * config_.action_penalty) * action;
 }
 
 /// Adds cloning_weight |pi(s) - expert's action|^2 to the policy's loss where there is advice; filtered, where

@@ -75,9 +75,14 @@ class Agent {
   };
 
   [[nodiscard]] bool soft() const { return config_.algorithm == Algorithm::kSac; }
+  [[nodiscard]] bool has_critics() const { return config_.algorithm != Algorithm::kDagger; }
+  void update_critics(Halves& halves, const ValueBounds& bounds, bool targets_follow);
+  void update_policy(Halves& halves);
   void compute_targets(Half& half, int index, const ValueBounds& bounds) const;
   void choose_next_action(Half& half, int index) const;
   void compute_actor_gradient(Half& half, int index) const;
+  void draw_action(Half& half, int index) const;
+  void climb_value(Half& half, const Matrix<float>& action, float weight) const;
   void clone_expert(Half& half) const;
   void apply_actor(int part);
   void follow_entropy();

@@ -40,10 +40,8 @@ Policy Learner::policy(const EnvSpec& spec, const InputNormaliser& normaliser) c
 std::unique_ptr<Learner> make_learner(const EnvBatch& envs, int input_dim, const TrainerConfig& config,
                                       const std::vector<Eye>& eyes) {
   const EnvSpec& spec = envs.spec();
-  if ((config.algorithm == Algorithm::kDagger) == eyes.empty()) {
-    throw std::invalid_argument(eyes.empty() ? "algorithm is DAgger, which learns from pictures, and there are no cameras"
-                                             : "there are cameras, from whose pictures only DAgger learns; set "
-                                               "algorithm to it");
+  if (!eyes.empty() && config.algorithm != Algorithm::kDagger) {
+    throw std::invalid_argument("there are cameras, from whose pictures only DAgger learns; set algorithm to it");
   }
   if (config.algorithm == Algorithm::kPpo) return std::make_unique<Ppo>(spec, envs.num_envs(), input_dim, config);
   if (spec.choices > 0) {

@@ -61,7 +61,7 @@ class Learner {
 
 /// The learner that `config.algorithm` names, for the worlds of `envs`, which it may look at, and a network input of
 /// `input_dim` numbers. Throws std::invalid_argument if it cannot learn this kind of environment, or if there are eyes
-/// and it is blind, or the other way round.
+/// and it is blind.
 [[nodiscard]] std::unique_ptr<Learner> make_learner(const EnvBatch& envs, int input_dim, const TrainerConfig& config,
                                                     const std::vector<Eye>& eyes);
 

@@ -159,7 +159,7 @@ void PictureCloning::compute_gradient(const InputNormaliser& normaliser, int hal
 void PictureCloning::compute_loss(Half& own, Eigen::Index sample, const float* advice) const {
   const auto output = own.batch.tape.head.output().col(sample);
   auto slope = own.batch.tape.head.output_gradient().col(sample);
-  const float weight = 2.0f / static_cast<float>(config_.batch_size * spec_.action_dim);
+  const float weight = 2 * config_.cloning_weight / static_cast<float>(config_.batch_size * spec_.action_dim);
   for (int k = 0; k < spec_.action_dim; ++k) {
     const float action = std::tanh(output[k]), error = action - advice[k];
     own.action_error += static_cast<double>(error * error);

@@ -22,8 +22,8 @@ TrainerConfig validated(TrainerConfig config) {
 Expert* wanted_expert(Expert* expert, const TrainerConfig& config, const EnvSpec& spec) {
   if (!config.wants_expert()) return nullptr;
   if (expert != nullptr && expert->action_dim() == spec.action_dim) return expert;
-  throw std::invalid_argument("Trainer: expert_rate, cloning_weight or DAgger ask for an expert of " + spec.id +
-                              ", and none was given; set both to 0, or another algorithm");
+  throw std::invalid_argument("Trainer: expert_rate and cloning_weight ask for an expert of " + spec.id +
+                              ", and none was given; set both to 0");
 }
 
 /// Adds the seconds of its scope to a counter.

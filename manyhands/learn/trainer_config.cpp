@@ -78,7 +78,10 @@ void TrainerConfig::validate() const {
   require_range("random_action_rate", random_action_rate, 0.0, 1.0);
   require(algorithm != Algorithm::kPpo || !wants_expert(), "algorithm", "PPO",
           "TD3, SAC or DAgger where expert_rate or cloning_weight ask for an expert");
-  require(algorithm == Algorithm::kTd3 || (cloning_weight == 0 && policy_delay == 1), "algorithm", "not TD3",
+  require(algorithm != Algorithm::kDagger || (cloning_weight > 0 && !cloning_filter), "cloning_weight", cloning_weight,
+          "positive, and cloning_filter false, with DAgger, which learns from the expert alone");
+  require(algorithm == Algorithm::kTd3 || algorithm == Algorithm::kDagger || (cloning_weight == 0 && policy_delay == 1),
+          "algorithm", "not TD3",
           "TD3 where cloning_weight is not 0 or policy_delay not 1");
   require_at_least("evaluation_interval", evaluation_interval, 1);
   require_at_least("evaluation_episodes", evaluation_episodes, 1);

@@ -12,7 +12,7 @@ enum class Algorithm {
   kTd3,  ///< deterministic policy gradient: DDPG, and with its three additions TD3
   kSac,  ///< soft actor-critic, and with quantiles TQC
   kPpo,  ///< proximal policy optimisation: on-policy
-  kDagger,  ///< imitation of the expert, from pictures
+  kDagger,  ///< imitation of the expert in the states that the policy comes to; the reward is not learned from
 };
 
 struct TrainerConfig {
@@ -56,7 +56,7 @@ struct TrainerConfig {
   float max_gradient_norm = 0.5f;  ///< of policy and value together; longer ones are shortened
   bool scale_rewards = true;       ///< by the standard deviation of the discounted return so far
 
-  // DAgger
+  // DAgger from pictures
   std::vector<int> channels = {16, 32, 32};  ///< of the layers that see: 4 x 4 pixels, then 3 x 3 of the layer below
   int frame_stack = 2;                       ///< pictures of each camera that are seen, the last ones
   int shift = 3;                             ///< in learning, pictures are moved by up to so many pixels
@@ -82,7 +82,7 @@ struct TrainerConfig {
   void validate() const;
 
   /// Whether something here asks for the task's expert.
-  [[nodiscard]] bool wants_expert() const { return expert_rate > 0 || cloning_weight > 0 || algorithm == Algorithm::kDagger; }
+  [[nodiscard]] bool wants_expert() const { return expert_rate > 0 || cloning_weight > 0; }
 };
 
 }  // namespace manyhands::learn

@@ -29,6 +29,8 @@ std::vector<Eye> two_eyes(int size = 24) {
 TrainerConfig small_pictures() {
   TrainerConfig config;
   config.algorithm = Algorithm::kDagger;
+  config.cloning_weight = 1;
+  config.cloning_filter = false;
   config.seed = 5;
   config.num_threads = 1;
   config.hidden_layers = {32};
@@ -191,7 +193,6 @@ TEST(PictureCloning, SaysWhatItCannotSee) {
     }
     return std::string("none");
   };
-  EXPECT_NE(complaint(small_pictures(), {}).find("there are no cameras"), std::string::npos);
   EXPECT_NE(complaint(TrainerConfig{}, two_eyes()).find("only DAgger"), std::string::npos);
   EXPECT_NE(complaint(small_pictures(), two_eyes(8)).find("too small"), std::string::npos);
   std::vector<Eye> unequal = two_eyes();

@@ -82,9 +82,8 @@ class TrainSettings:
         for name, value in self.overrides.items():
             override(config, name, value)
         config.validate()
-        if bool(self.cameras) != (config.algorithm == "DAgger"):
-            there = f"there are cameras ({', '.join(self.cameras)})" if self.cameras else "there are no cameras"
-            raise ValueError(f"algorithm is {config.algorithm}, and {there}; DAgger learns from pictures, and it alone")
+        if self.cameras and config.algorithm != "DAgger":
+            raise ValueError(f"algorithm is {config.algorithm}, and there are cameras: only DAgger learns from pictures")
         if config.wants_expert and self.env_id not in expert_ids():
             raise ValueError(f"there is no expert for {self.env_id!r}: set expert_rate and cloning_weight to 0")
         return config

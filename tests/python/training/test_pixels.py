@@ -29,6 +29,8 @@ beyond:
 
 trainer:
   algorithm: DAgger
+  cloning_weight: 1
+  cloning_filter: false
   hidden_layers: [16]
   channels: [4, 6]
   batch_size: 16
@@ -134,9 +136,9 @@ def test_it_is_evaluated_and_filmed_by_its_own_cameras(
         ("light: 0.3", "light: 3", 6, "off by 3"),
         ("light: 0.3", "lamp: 0.3", 6, "varies {'lamp'"),
         ('cameras: ["front", "wrist"]\n', "", 5, "no cameras whose looks could vary"),
-        ("algorithm: DAgger", "algorithm: TD3", 14, "DAgger learns from pictures"),
-        ("[4, 6]", "[4, 0]", 16, "one of channels is 0"),
-        ("batch_size: 16", "frame_stack: 99", 17, "frame_stack is 99"),
+        ("algorithm: DAgger", "algorithm: TD3", 14, "only DAgger learns from pictures"),
+        ("[4, 6]", "[4, 0]", 18, "one of channels is 0"),
+        ("batch_size: 16", "frame_stack: 99", 19, "frame_stack is 99"),
     ],
 )
 def test_errors_name_the_line(old: str, new: str, line: int, message: str, tmp_path: Path) -> None:
@@ -153,8 +155,7 @@ def test_errors_name_the_line(old: str, new: str, line: int, message: str, tmp_p
     ("arguments", "message"),
     [
         (["PandaStack", "--recipe", "pixels"], "no recipe pixels is shipped for PandaStack-v3; there are PandaPush-v3"),
-        (["PandaReach", "--recipe", "pixels", "--set", "algorithm=SAC"], "DAgger learns from pictures"),
-        (["PandaReach", "--set", "algorithm=DAgger"], "there are no cameras"),
+        (["PandaReach", "--recipe", "pixels", "--set", "algorithm=SAC"], "only DAgger learns from pictures"),
         (["PandaReach", "--recipe", "pixels", "--set", "channels=[8,8,8,8,8]"], "too small"),
     ],
 )
