@@ -47,8 +47,8 @@ template <class E>
 using Names = std::vector<std::pair<E, const char*>>;
 
 const Names<Algorithm>& names(Algorithm) {
-  static const Names<Algorithm> all = {{Algorithm::kTd3, "TD3"}, {Algorithm::kSac, "SAC"}, {Algorithm::kPpo, "PPO"},
-                                              {Algorithm::kDagger, "DAgger"}};
+  static const Names<Algorithm> all = {
+      {Algorithm::kTd3, "TD3"}, {Algorithm::kSac, "SAC"}, {Algorithm::kPpo, "PPO"}, {Algorithm::kDagger, "DAgger"}};
   return all;
 }
 const Names<HiddenActivation>& names(HiddenActivation) {
@@ -80,7 +80,8 @@ E from_text(const char* setting, const std::string& text) {
 template <class Visit>
 void visit_settings(Visit&& visit) {
   using C = TrainerConfig;
-  visit("algorithm", &C::algorithm, "TD3 (DDPG with its defaults), SAC (with quantiles TQC), PPO, or DAgger, from pictures too.");
+  visit("algorithm", &C::algorithm,
+        "TD3 (DDPG with its defaults), SAC (with quantiles TQC), PPO, or DAgger, from pictures too.");
   visit("seed", &C::seed, "Of networks, exploration, sampling and episodes.");
   visit("num_threads", &C::num_threads, "1 or 2 are used for gradient steps; the results are the same bits.");
   visit("hidden_layers", &C::hidden_layers, "Units of each hidden layer, of actor and critics alike.");
@@ -118,7 +119,8 @@ void visit_settings(Visit&& visit) {
   visit("max_gradient_norm", &C::max_gradient_norm,
         "PPO: of policy and value together; longer gradients are shortened.");
   visit("scale_rewards", &C::scale_rewards, "PPO: by the standard deviation of the discounted return so far.");
-  visit("channels", &C::channels, "DAgger from pictures: of the layers that see: 4 x 4 pixels, then 3 x 3 of the layer below.");
+  visit("channels", &C::channels,
+        "DAgger from pictures: of the layers that see: 4 x 4 pixels, then 3 x 3 of the layer below.");
   visit("frame_stack", &C::frame_stack, "DAgger from pictures: pictures of each camera that are seen, the last ones.");
   visit("shift", &C::shift, "DAgger from pictures: in learning, pictures are moved by up to so many pixels.");
   visit("state_weight", &C::state_weight,
@@ -263,12 +265,13 @@ void bind_policy(nb::module_& m) {
             return std::tuple(policy.pictures.stack, policy.pictures.height, policy.pictures.width);
           },
           "(frame stack, height, width) of what each eye sees.")
-      .def_prop_ro("eyes", &eyes,
-                   nb::sig("def eyes(self) -> list[list[tuple[numpy.typing.NDArray[numpy.float32], "
-                           "numpy.typing.NDArray[numpy.float32], int]]]"),
-                   "Of each camera, for each convolution, which relu follows: (weight (channels, pictures, kernel, "
-                   "kernel, channels below), bias (channels), stride). They act on the pictures' bytes / 255 - 0.5; "
-                   "features are ordered place by place. x is then the first observation_dim numbers of an observation.");
+      .def_prop_ro(
+          "eyes", &eyes,
+          nb::sig("def eyes(self) -> list[list[tuple[numpy.typing.NDArray[numpy.float32], "
+                  "numpy.typing.NDArray[numpy.float32], int]]]"),
+          "Of each camera, for each convolution, which relu follows: (weight (channels, pictures, kernel, "
+          "kernel, channels below), bias (channels), stride). They act on the pictures' bytes / 255 - 0.5; "
+          "features are ordered place by place. x is then the first observation_dim numbers of an observation.");
 }
 
 void bind_trainer(nb::module_& m) {

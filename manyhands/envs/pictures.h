@@ -41,8 +41,8 @@ class EnvPictures {
   [[nodiscard]] SeenWorld view(int world) const;
   /// What varies is drawn from the bits of the episode's goal: the same in every picture of an episode, and wherever
   /// that episode is played again. `camera_number` tells cameras apart that see the same episode.
-  [[nodiscard]] Shot shot(const SeenWorld& view, const Camera& camera, const Look& look, const PictureVariation& variation = {},
-                          std::uint32_t camera_number = 0) const;
+  [[nodiscard]] Shot shot(const SeenWorld& view, const Camera& camera, const Look& look,
+                          const PictureVariation& variation = {}, std::uint32_t camera_number = 0) const;
 
  private:
   explicit EnvPictures(const EnvBatch& envs, EnvScene scene, int num_threads);

@@ -175,8 +175,8 @@ void Encoder<S>::forward(EncoderTape<S>& tape) const {
       gather(layer, input(tape, layer, sample), tape.patches.data());
       S* y = tape.activation[static_cast<std::size_t>(layer)].col(sample).data();
       multiply<S>(channels, places, inputs, {parameters_.data() + weight_begin(layer), 1, channels},
-                  {tape.patches.data(), 1, inputs}, y, channels, AddBias<S, true>{parameters_.data() + bias_begin(layer)},
-                  tape.panel);
+                  {tape.patches.data(), 1, inputs}, y, channels,
+                  AddBias<S, true>{parameters_.data() + bias_begin(layer)}, tape.panel);
     }
   }
 }

@@ -61,8 +61,8 @@ class Encoder {
   [[nodiscard]] const std::vector<Convolution>& layers() const { return layers_; }
   [[nodiscard]] int num_features() const { return sizes_.back().numbers(); }
 
-  /// Flat, layer by layer: weights (channels x inputs, column-major), then biases. The inputs of a kernel are ordered by
-  /// picture of the stack, row, column, channel.
+  /// Flat, layer by layer: weights (channels x inputs, column-major), then biases. The inputs of a kernel are ordered
+  /// by picture of the stack, row, column, channel.
   [[nodiscard]] const Vector<S>& parameters() const { return parameters_; }
   [[nodiscard]] Vector<S>& parameters() { return parameters_; }
   [[nodiscard]] Eigen::Map<const Matrix<S>> weight(int layer) const;

@@ -16,8 +16,8 @@ void explore(const TrainerConfig& config, std::int64_t iteration, bool warming_u
   for (Eigen::Index world = 0; world < count; ++world) {
     const bool random_now = random.uniform() < static_cast<float>(config.random_action_rate);
     const bool uniform = world >= led && (warming_up || random_now);
-    const float* wanted = world < led ? &advice[static_cast<std::size_t>(world * action.rows())]
-                                      : policy_action.col(world).data();
+    const float* wanted =
+        world < led ? &advice[static_cast<std::size_t>(world * action.rows())] : policy_action.col(world).data();
     for (Eigen::Index k = 0; k < action.rows(); ++k) {
       const float chosen = wanted[k] + config.exploration_noise * random.normal();
       action(k, world) = uniform ? random.uniform(-1.0f, 1.0f) : std::clamp(chosen, -1.0f, 1.0f);

@@ -21,7 +21,8 @@ void OffPolicy::choose_actions(const Collector& worlds, const InputNormaliser& n
                                Matrix<float>& action) {
   write_states(worlds.envs(), normaliser, acting_.input());
   if (config_.algorithm == Algorithm::kSac) {
-    agent_.actor().draw(acting_, Random(config_.seed, Purpose::kActing, static_cast<std::uint64_t>(iteration)), policy_action_);
+    agent_.actor().draw(acting_, Random(config_.seed, Purpose::kActing, static_cast<std::uint64_t>(iteration)),
+                        policy_action_);
   } else {
     agent_.actor().act(acting_, policy_action_);
   }

@@ -136,7 +136,9 @@ void PictureCloning::learn(const Collector& /*worlds*/, const InputNormaliser& n
 void PictureCloning::compute_gradient(const InputNormaliser& normaliser, int half) {
   Half& own = halves_[static_cast<std::size_t>(half)];
   Random random(config_.seed, Purpose::kSampling, static_cast<std::uint64_t>(2 * gradient_steps() + half));
-  const auto off = [&] { return static_cast<int>(random.below(2 * static_cast<unsigned>(config_.shift) + 1)) - config_.shift; };
+  const auto off = [&] {
+    return static_cast<int>(random.below(2 * static_cast<unsigned>(config_.shift) + 1)) - config_.shift;
+  };
   std::vector<const float*> advice;
   for (Eigen::Index sample = 0; sample < own.batch.z.cols(); ++sample) {
     const int row = static_cast<int>(random.below(static_cast<unsigned>(memory_.size())));

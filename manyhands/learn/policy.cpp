@@ -75,8 +75,8 @@ Policy export_policy(const EnvSpec& spec, const InputNormaliser& normaliser, con
   for (const Encoder<float>& encoder : net.encoders()) policy.eyes.push_back(export_eye(encoder));
   for (int layer = 0; layer < net.head().num_layers(); ++layer) {
     const bool is_last = layer + 1 == net.head().num_layers();
-    policy.layers.push_back(export_layer(
-        net.head(), layer, is_last ? spec.action_dim : static_cast<int>(net.head().weight(layer).rows())));
+    policy.layers.push_back(
+        export_layer(net.head(), layer, is_last ? spec.action_dim : static_cast<int>(net.head().weight(layer).rows())));
   }
   return policy;
 }

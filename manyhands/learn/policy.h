@@ -21,9 +21,9 @@ enum class PolicyOutput {
 /// z = clip((x - mean) * scale, -clip, clip) and x = [observation, desired_goal, desired_goal - achieved_goal,
 /// observation[i, i + 3) - observation[k, k + 3) for each pair of `differences`].
 ///
-/// With `eyes` it sees pictures: W_1 acts on [features of each eye, z], and x is what the robot knows of itself alone, the
-/// first observation_dim numbers of an observation; goal_dim is 0. Features are what convolutions, each followed by relu,
-/// make of the pictures' bytes / 255 - 0.5, place by place.
+/// With `eyes` it sees pictures: W_1 acts on [features of each eye, z], and x is what the robot knows of itself alone,
+/// the first observation_dim numbers of an observation; goal_dim is 0. Features are what convolutions, each followed by
+/// relu, make of the pictures' bytes / 255 - 0.5, place by place.
 struct Policy {
   struct Layer {
     int inputs{}, outputs{};

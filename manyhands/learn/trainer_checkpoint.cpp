@@ -38,11 +38,10 @@ TrainMetrics load_counters(ArchiveReader& in) {
 /// What must agree for the arrays to mean the same.
 void Trainer::save_shape(ArchiveWriter& out) const {
   out.text(spec_.id);
-  for (const int dim :
-       {spec_.observation_dim, spec_.goal_dim, spec_.action_dim, spec_.max_episode_steps, spec_.choices,
-        collector_.envs().num_envs(), static_cast<int>(config_.algorithm), static_cast<int>(config_.activation),
-        config_.num_critics, config_.num_quantiles, config_.rollout_steps, config_.frame_stack,
-        static_cast<int>(eyes_.size())}) {
+  for (const int dim : {spec_.observation_dim, spec_.goal_dim, spec_.action_dim, spec_.max_episode_steps, spec_.choices,
+                        collector_.envs().num_envs(), static_cast<int>(config_.algorithm),
+                        static_cast<int>(config_.activation), config_.num_critics, config_.num_quantiles,
+                        config_.rollout_steps, config_.frame_stack, static_cast<int>(eyes_.size())}) {
     out.value(dim);
   }
   out.value(static_cast<int>(config_.hidden_layers.size()));

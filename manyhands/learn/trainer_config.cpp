@@ -81,8 +81,7 @@ void TrainerConfig::validate() const {
   require(algorithm != Algorithm::kDagger || (cloning_weight > 0 && !cloning_filter), "cloning_weight", cloning_weight,
           "positive, and cloning_filter false, with DAgger, which learns from the expert alone");
   require(algorithm == Algorithm::kTd3 || algorithm == Algorithm::kDagger || (cloning_weight == 0 && policy_delay == 1),
-          "algorithm", "not TD3",
-          "TD3 where cloning_weight is not 0 or policy_delay not 1");
+          "algorithm", "not TD3", "TD3 where cloning_weight is not 0 or policy_delay not 1");
   require_at_least("evaluation_interval", evaluation_interval, 1);
   require_at_least("evaluation_episodes", evaluation_episodes, 1);
   require_range("stop_success_rate", stop_success_rate, 0.0, 1.0);

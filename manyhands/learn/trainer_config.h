@@ -9,9 +9,9 @@
 namespace manyhands::learn {
 
 enum class Algorithm {
-  kTd3,  ///< deterministic policy gradient: DDPG, and with its three additions TD3
-  kSac,  ///< soft actor-critic, and with quantiles TQC
-  kPpo,  ///< proximal policy optimisation: on-policy
+  kTd3,     ///< deterministic policy gradient: DDPG, and with its three additions TD3
+  kSac,     ///< soft actor-critic, and with quantiles TQC
+  kPpo,     ///< proximal policy optimisation: on-policy
   kDagger,  ///< imitation of the expert in the states that the policy comes to; the reward is not learned from
 };
 

@@ -1,11 +1,10 @@
 // Encoders against a convolution written down plainly, finite differences and themselves in float.
-#include "manyhands/learn/encoder.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "manyhands/learn/encoder.h"
 #include "manyhands/learn/picture_net.h"
 #include "manyhands/learn/random.h"
 
@@ -81,7 +80,8 @@ TEST(Encoder, IsAConvolution) {
   for (int sample = 0; sample < 2; ++sample) {
     const Shift shift = shifts[static_cast<std::size_t>(sample)];
     const auto pixel = [&](int plane, int y, int x, int c) {
-      const int row = std::clamp(y - shift.y, 0, kShape.height - 1), column = std::clamp(x - shift.x, 0, kShape.width - 1);
+      const int row = std::clamp(y - shift.y, 0, kShape.height - 1),
+                column = std::clamp(x - shift.x, 0, kShape.width - 1);
       const int at = 3 * ((2 * sample + plane) * kShape.pixels() + row * kShape.width + column) + c;
       return pictures[static_cast<std::size_t>(at)] / 255.0 - 0.5;
     };
@@ -131,7 +131,8 @@ TEST(Encoder, RefusesPicturesThatAreTooSmall) {
 }
 
 TEST(PictureNet, GradientsEqualFiniteDifferences) {
-  PictureNet<double> net({.eyes = 2, .pictures = kShape, .layers = kLayers, .own = 3, .hidden_layers = {7}, .outputs = 4});
+  PictureNet<double> net(
+      {.eyes = 2, .pictures = kShape, .layers = kLayers, .own = 3, .hidden_layers = {7}, .outputs = 4});
   net.initialise(6);
   for (int part = 0; part < net.num_parts(); ++part) {
     net.parameters(part) += 0.02 * random_matrix(net.parameters(part).size(), 1, static_cast<std::uint64_t>(part));

@@ -18,9 +18,7 @@ from manyhands.training.policy_graph import PolicyGraph
 Array = NDArray[np.float32]
 
 
-def to_onnx(
-    policy: Policy | ClonedPolicy, env_id: str, cameras: Mapping[str, Any] | None = None
-) -> onnx.ModelProto:
+def to_onnx(policy: Policy | ClonedPolicy, env_id: str, cameras: Mapping[str, Any] | None = None) -> onnx.ModelProto:
     """The policy as a graph.
 
     Inputs, float32: observation (batch, observation_dim), and where there are goals achieved_goal and desired_goal

@@ -48,9 +48,7 @@ class TrainingRun:
         self._envs = make_env_batch(settings.env_id, settings.num_envs, num_threads=threads)
         self._evaluation = make_env_batch(settings.env_id, config.evaluation_episodes, num_threads=threads)
         expert = make_expert(settings.env_id) if config.wants_expert else None
-        self._trainer = Trainer(
-            self._envs, self._evaluation, config, expert, eyes(self._envs, settings.cameras)
-        )
+        self._trainer = Trainer(self._envs, self._evaluation, config, expert, eyes(self._envs, settings.cameras))
         if resume:
             if not folder.checkpoint.is_file():
                 raise ValueError(f"{folder.path} has no checkpoint to resume from; start again with a new run")
@@ -69,9 +67,7 @@ class TrainingRun:
             with Interrupts() as interrupts:
                 self._advance(console, recorder, interrupts)
                 self._trainer.save(self._folder.checkpoint)
-                save_policy(
-                    self._trainer.policy(), self._settings.env_id, self._folder.policy, self._settings.cameras
-                )
+                save_policy(self._trainer.policy(), self._settings.env_id, self._folder.policy, self._settings.cameras)
                 if recorder.rows:
                     title = f"{self._settings.env_id}, seed {self._settings.seed}"
                     draw_curve(self._folder, recorder.rows, title)

@@ -83,7 +83,9 @@ class TrainSettings:
             override(config, name, value)
         config.validate()
         if self.cameras and config.algorithm != "DAgger":
-            raise ValueError(f"algorithm is {config.algorithm}, and there are cameras: only DAgger learns from pictures")
+            raise ValueError(
+                f"algorithm is {config.algorithm}, and there are cameras: only DAgger learns from pictures"
+            )
         if config.wants_expert and self.env_id not in expert_ids():
             raise ValueError(f"there is no expert for {self.env_id!r}: set expert_rate and cloning_weight to 0")
         return config
