@@ -155,7 +155,7 @@ def test_errors_name_the_line(old: str, new: str, line: int, message: str, tmp_p
     ("arguments", "message"),
     [
         (["PandaStack", "--recipe", "pixels"], "no recipe pixels is shipped for PandaStack-v3; there are PandaPush-v3"),
-        (["PandaReach", "--recipe", "pixels", "--set", "algorithm=SAC"], "only DAgger learns from pictures"),
+        (["PandaReach", "--recipe", "pixels", "--set", "algorithm=TD3"], "only DAgger learns from pictures"),
         (["PandaReach", "--recipe", "pixels", "--set", "channels=[8,8,8,8,8]"], "too small"),
     ],
 )
