@@ -92,6 +92,8 @@ void visit_settings(Visit&& visit) {
   visit("target_rate", &C::target_rate, "Polyak rate of the target networks, in (0, 1].");
   visit("actor_learning_rate", &C::actor_learning_rate, "Adam's step size for the policy.");
   visit("critic_learning_rate", &C::critic_learning_rate, "Adam's step size for the critics.");
+  visit("learning_rate_half_life", &C::learning_rate_half_life,
+        "Gradient steps after which learning rates are half as large; 0: they stay.");
   visit("policy_delay", &C::policy_delay, "Critic steps per policy (and target) step; TD3: 2.");
   visit("average_policy", &C::average_policy, "Act by the policy's target network, a running mean of its weights.");
   visit("target_noise", &C::target_noise, "Standard deviation of the smoothing noise on target actions; TD3: 0.2.");

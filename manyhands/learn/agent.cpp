@@ -53,7 +53,7 @@ UpdateStats Agent::update(Halves& halves, const ValueBounds& bounds) {
 }
 
 void Agent::update_critics(Halves& halves, const ValueBounds& bounds, bool targets_follow) {
-  critics_.begin_step();
+  critics_.begin_step(config_.rate_scale(gradient_steps_));
   const std::array tapes = {&halves_[0].critics, &halves_[1].critics};
   halves.run([&](int i) {
     Half& half = halves_[static_cast<std::size_t>(i)];
@@ -65,7 +65,7 @@ void Agent::update_critics(Halves& halves, const ValueBounds& bounds, bool targe
 }
 
 void Agent::update_policy(Halves& halves) {
-  actor_optimiser_.begin_step();
+  actor_optimiser_.begin_step(config_.rate_scale(gradient_steps_));
   halves.run([&](int i) { compute_actor_gradient(halves_[static_cast<std::size_t>(i)], i); });
   halves.run([&](int part) { apply_actor(part); });
   if (soft() && config_.learned_temperature) follow_entropy();

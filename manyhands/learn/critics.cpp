@@ -134,8 +134,8 @@ const Matrix<float>& Critics::first_values(const Matrix<float>& state, const Mat
   return net.output();
 }
 
-void Critics::begin_step() {
-  for (Critic& critic : critics_) critic.optimiser.begin_step();
+void Critics::begin_step(float rate_scale) {
+  for (Critic& critic : critics_) critic.optimiser.begin_step(rate_scale);
 }
 
 void Critics::apply(int part, const std::array<CriticTape*, 2>& tapes, bool move_targets) {

@@ -48,7 +48,7 @@ class Critics {
   [[nodiscard]] const Matrix<float>& first_values(const Matrix<float>& state, const Matrix<float>& action,
                                                   CriticTape& tape) const;
 
-  void begin_step();
+  void begin_step(float rate_scale);
   /// Moves part 0 or 1 of all parameters against the sum of the two tapes' gradients, and the targets after them.
   void apply(int part, const std::array<CriticTape*, 2>& tapes, bool move_targets);
 

@@ -2,11 +2,14 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <thread>
 
 namespace manyhands::learn {
 
 /// Runs body(0) and body(1), each exactly once: the second on a helper thread if there is one and it is free in time.
+/// A helper that other programs keep from finishing is left alone for a while, so that two threads are not slower than
+/// one.
 ///
 /// What a half does must not depend on the other, so neither threads nor their timing ever show in the results.
 class Halves {
@@ -20,7 +23,7 @@ class Halves {
   /// Returns when both halves are done. `body` must not throw.
   template <class Body>
   void run(Body&& body) {
-    if (!helper_.joinable()) {
+    if (!helper_.joinable() || resting()) {
       body(0);
       body(1);
       return;
@@ -28,24 +31,30 @@ class Halves {
     context_ = &body;
     call_ = [](void* context) { (*static_cast<std::remove_reference_t<Body>*>(context))(1); };
     post();
+    const Clock::time_point begin = Clock::now();
     body(0);
     if (claim(posted_.load(std::memory_order_relaxed))) {  // a busy machine has not let the helper run yet
       body(1);
     } else {
-      wait();
+      wait(begin);
     }
   }
 
  private:
+  using Clock = std::chrono::steady_clock;
+
   void post();
   bool claim(unsigned round);
-  void wait();
+  bool resting();
+  void wait(Clock::time_point begin);
+  void judge(bool late);
   void serve();
 
   void* context_ = nullptr;
   void (*call_)(void*) = nullptr;
   std::atomic<unsigned> posted_ = 0, claimed_ = 0, finished_ = 0;  // number of the last such round
   std::atomic<bool> stop_ = false;
+  int rounds_to_rest_ = 0, next_rest_ = 8;  // without the helper: now, and when it is late again
   std::thread helper_;
 };
 

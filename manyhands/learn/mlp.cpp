@@ -125,10 +125,11 @@ Adam<S>::Adam(int num_parameters, S learning_rate, S beta1, S beta2, S epsilon)
 }
 
 template <class S>
-void Adam<S>::begin_step() {
+void Adam<S>::begin_step(S rate_scale) {
   ++step_count_;
   const auto t = static_cast<double>(step_count_);
-  step_size_ = static_cast<S>(static_cast<double>(learning_rate_) / (1.0 - std::pow(static_cast<double>(beta1_), t)));
+  const auto rate = static_cast<double>(learning_rate_ * rate_scale);
+  step_size_ = static_cast<S>(rate / (1.0 - std::pow(static_cast<double>(beta1_), t)));
   inverse_root_correction_ = static_cast<S>(1.0 / std::sqrt(1.0 - std::pow(static_cast<double>(beta2_), t)));
 }
 

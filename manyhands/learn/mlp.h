@@ -94,8 +94,9 @@ class Adam {
   Adam() = default;
   Adam(int num_parameters, S learning_rate, S beta1 = S(0.9), S beta2 = S(0.999), S epsilon = S(1e-8));
 
-  /// Advances the step count; call once before the `apply` calls that together cover all parameters.
-  void begin_step();
+  /// Advances the step count; call once before the `apply` calls that together cover all parameters. The learning rate
+  /// of this step is `rate_scale` times that of the constructor.
+  void begin_step(S rate_scale = S(1));
   /// Moves parameters [begin, end) against the gradient. Disjoint ranges may run on different threads.
   void apply(Vector<S>& parameters, const Vector<S>& gradient, int begin, int end);
 

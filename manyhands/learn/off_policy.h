@@ -7,7 +7,7 @@
 
 namespace manyhands::learn {
 
-/// DDPG, TD3, SAC and TQC, with an expert's advice if the config wants it.
+/// DDPG, TD3, SAC and TQC, with an expert's advice if the config wants it, and DAgger.
 class OffPolicy final : public Learner {
  public:
   OffPolicy(const EnvSpec& spec, int num_worlds, int input_dim, const TrainerConfig& config);

@@ -41,6 +41,7 @@ void TrainerConfig::validate() const {
   require(actor_learning_rate > 0 && actor_learning_rate <= 1, "actor_learning_rate", actor_learning_rate, "in (0, 1]");
   require(critic_learning_rate > 0 && critic_learning_rate <= 1, "critic_learning_rate", critic_learning_rate,
           "in (0, 1]");
+  require_at_least("learning_rate_half_life", learning_rate_half_life, 0);
   require_at_least("policy_delay", policy_delay, 1);
   require_range("target_noise", target_noise, 0.0f, 10.0f);
   require_range("target_noise_clip", target_noise_clip, 0.0f, 10.0f);
@@ -86,6 +87,11 @@ void TrainerConfig::validate() const {
   require_at_least("evaluation_episodes", evaluation_episodes, 1);
   require_range("stop_success_rate", stop_success_rate, 0.0, 1.0);
   require_at_least("stop_streak", stop_streak, 0);
+}
+
+float TrainerConfig::rate_scale(std::int64_t gradient_steps) const {
+  if (learning_rate_half_life == 0) return 1;
+  return static_cast<float>(std::exp2(-static_cast<double>(gradient_steps) / learning_rate_half_life));
 }
 
 }  // namespace manyhands::learn

@@ -29,6 +29,7 @@ struct TrainerConfig {
   float target_rate = 0.05f;  ///< Polyak rate of the target networks, in (0, 1]
   float actor_learning_rate = 1e-3f;
   float critic_learning_rate = 1e-3f;
+  int learning_rate_half_life = 0;  ///< gradient steps after which learning rates are half as large; 0: they stay
   int policy_delay = 1;             ///< critic steps per policy (and target) step; TD3: 2
   bool average_policy = false;      ///< act by the policy's target network, a running mean of its weights
   float target_noise = 0.0f;        ///< standard deviation of the smoothing noise on target actions; TD3: 0.2
@@ -80,6 +81,9 @@ struct TrainerConfig {
 
   /// Throws std::invalid_argument naming the first field that makes no sense, its value and what would.
   void validate() const;
+
+  /// What the learning rates are multiplied with after so many gradient steps.
+  [[nodiscard]] float rate_scale(std::int64_t gradient_steps) const;
 
   /// Whether something here asks for the task's expert.
   [[nodiscard]] bool wants_expert() const { return expert_rate > 0 || cloning_weight > 0; }

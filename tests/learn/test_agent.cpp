@@ -107,6 +107,53 @@ TEST_P(BestAction, IsFoundInEachState) {
 
 INSTANTIATE_TEST_SUITE_P(Algorithms, BestAction, testing::Values(config(), soft(1), soft(9)));
 
+TEST(Agent, DaggerLearnsFromAdviceAloneAndNotFromReward) {
+  // The expert answers (s0 / 2, -s1 / 2) in some of the states; elsewhere its answer is nonsense. The reward asks for
+  // the opposite.
+  TrainerConfig dagger = config();
+  dagger.algorithm = Algorithm::kDagger;
+  dagger.cloning_weight = 1;
+  dagger.cloning_filter = false;
+  dagger.learning_rate_half_life = 500;
+  dagger.validate();
+  Agent agent(2, 2, dagger);
+  Halves halves(1);
+  for (int step = 0; step < 2000; ++step) {
+    for (int i = 0; i < 2; ++i) {
+      Random random(i == 0 ? 1 : 2, Purpose::kSampling, static_cast<std::uint64_t>(step));
+      AgentBatch& batch = agent.half(i);
+      fill_uniform(batch.state, random);
+      fill_uniform(batch.action, random);
+      for (Eigen::Index c = 0; c < batch.advised.size(); ++c) {
+        batch.advised[c] = c % 3 == 0 ? 0.0f : 1.0f;
+        batch.advice.col(c) << 0.5f * batch.state(0, c), -0.5f * batch.state(1, c);
+        if (c % 3 == 0) batch.advice.col(c).setConstant(1.0f);
+        batch.reward[c] = -(batch.action.col(c) + batch.advice.col(c)).squaredNorm();
+      }
+    }
+    EXPECT_EQ(agent.update(halves, kWide).critic_loss, 0.0f);
+  }
+  MlpTape<float> tape = agent.actor().make_tape(256);
+  Random random(3, Purpose::kSampling, 0);
+  fill_uniform(tape.input(), random);
+  Matrix<float> error = Matrix<float>::Zero(2, 256);
+  agent.actor().act(tape, error);
+  error.row(0) -= 0.5f * tape.input().row(0);
+  error.row(1) += 0.5f * tape.input().row(1);
+  EXPECT_LT(error.colwise().squaredNorm().mean(), 1e-4f);
+}
+
+TEST(TrainerConfig, LearningRatesFallByHalf) {
+  TrainerConfig falling = config();
+  EXPECT_EQ(falling.rate_scale(1'000'000), 1.0f);
+  falling.learning_rate_half_life = 100;
+  EXPECT_EQ(falling.rate_scale(0), 1.0f);
+  EXPECT_EQ(falling.rate_scale(100), 0.5f);
+  EXPECT_EQ(falling.rate_scale(300), 0.125f);
+  falling.learning_rate_half_life = -1;
+  EXPECT_THROW(falling.validate(), std::invalid_argument);
+}
+
 TEST(Agent, TheTemperatureBringsTheEntropyToItsTarget) {
   // Nothing pays, so nothing but the temperature holds the policy: its entropy comes to what is asked.
   for (const float target : {-1.5f, -0.5f, 0.5f}) {

@@ -53,5 +53,24 @@ TEST(Halves, UsesTheHelper) {
   EXPECT_NE(ids[1], ids[0]);
 }
 
+TEST(Halves, LeavesAHelperAloneThatIsLateAgainAndAgain) {
+  Halves halves(2);
+  const std::thread::id caller = std::this_thread::get_id();
+  int helped = 0;  // plain: rounds follow one another
+  for (int round = 0; round < 400; ++round) {
+    std::atomic<bool> taken = false;
+    halves.run([&](int half) {
+      if (half == 0) {
+        for (int i = 0; !taken && i < 2; ++i) std::this_thread::sleep_for(std::chrono::microseconds(100));
+      } else if (std::this_thread::get_id() != caller) {
+        taken = true;
+        ++helped;
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      }
+    });
+  }
+  EXPECT_LE(helped, 8);
+}
+
 }  // namespace
 }  // namespace manyhands::learn

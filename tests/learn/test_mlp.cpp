@@ -1,6 +1,7 @@
 // Networks against finite differences, Adam against its closed form.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
@@ -99,12 +100,13 @@ TEST(Adam, TakesStepsOfTheLearningRateUnderAConstantGradient) {
   gradient << 0.3, -7.0, 1e-3;
   const Vector<double> start = x;
   Adam<double> adam(3, 0.01);
-  for (int step = 1; step <= 50; ++step) {
-    adam.begin_step();
+  for (int step = 1; step <= 100; ++step) {
+    adam.begin_step(step <= 50 ? 1.0 : 0.5);
     adam.apply(x, gradient, 0, 2);
     adam.apply(x, gradient, 2, 3);
+    const double whole_steps = std::min(step, 50) + 0.5 * std::max(step - 50, 0);
     for (Eigen::Index i = 0; i < 3; ++i) {
-      const double expected = start[i] - step * 0.01 * gradient[i] / (std::abs(gradient[i]) + 1e-8);
+      const double expected = start[i] - whole_steps * 0.01 * gradient[i] / (std::abs(gradient[i]) + 1e-8);
       EXPECT_NEAR(x[i], expected, 1e-12) << "step " << step;
     }
   }
