@@ -77,8 +77,14 @@ class PolicyFile:
     def __call__(self, observation: Observation) -> np.ndarray:
         """Actions (n, action_dim) for observations with rows (n, ...).
 
-        A policy that sees remembers the last pictures of each world until its goal is another, in a new episode.
+        A policy that sees remembers the last pictures of each world until its goal is another, in a new episode. Raises
+        ValueError if its cameras are not in the observation.
         """
+        if missing := [name for name in self.cameras if name not in observation]:
+            raise ValueError(
+                f"the policy sees through cameras, and {', '.join(missing)} is not in the observation; make the "
+                f"environment with cameras={self.cameras}"
+            )
         given: dict[str, Any] = {} if not self.cameras else self._stacks(observation)
         for name in self.inputs:
             if name not in given:

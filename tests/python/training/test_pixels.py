@@ -1,5 +1,6 @@
 """Policies that see are trained, kept, evaluated and filmed by the commands that train others."""
 
+import argparse
 import json
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from manyhands import cli
 from manyhands._core.envs import make_env_batch
+from manyhands.cli import view
 from manyhands.envs.registration import make_vector_env
 from manyhands.training.evaluation import FrameStacks, PolicyFile, evaluate
 from manyhands.training.recipe import find_recipe, load_recipe
@@ -90,6 +92,12 @@ def test_it_acts_upon_what_it_sees(trained: Path) -> None:
     np.testing.assert_array_equal(PolicyFile(trained)(blurred), action)
 
 
+def test_an_environment_without_its_cameras_is_told(trained: Path) -> None:
+    seen, _ = make_vector_env("PandaPush-v3", 2).reset(seed=1)
+    with pytest.raises(ValueError, match=r"front, wrist is not in the observation; make the environment with cameras="):
+        PolicyFile(trained)(seen)
+
+
 def test_stacks_begin_anew_with_an_episode() -> None:
     stacks = FrameStacks({"front": 3})
 
@@ -121,6 +129,10 @@ def test_it_is_evaluated_and_filmed_by_its_own_cameras(
 ) -> None:
     assert cli.main(["evaluate", str(trained), "--episodes", "3"]) == 0
     assert "PandaPush-v3: success" in capsys.readouterr().out
+    parser = argparse.ArgumentParser()
+    view.add_arguments(parser)
+    page = view.shown(parser.parse_args(["PandaPush", "--policy", str(trained), "--port", "0"]))
+    page.close()
     film = tmp_path / "film.gif"
     size = ["--size", "64", "48", "--episodes", "1", "--out", str(film)]
     assert cli.main(["record", "PandaPush", "--policy", str(trained), *size]) == 0
