@@ -29,7 +29,8 @@ struct Job {
       const PictureVariation& variation = {}) {
     Look look;
     look.shadows = shadows;
-    for (int i = 0; i < n; ++i) shots.push_back(pictures.shot(i, camera_of(width, height), look, variation));
+    for (int i = 0; i < n; ++i)
+      shots.push_back(pictures.shot(pictures.view(i), camera_of(width, height), look, variation));
     const std::size_t pixels = size(n) * size(width) * size(height);
     if (with_colour) colour.resize(3 * pixels);
     depth.resize(pixels);

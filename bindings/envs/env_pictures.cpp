@@ -7,7 +7,7 @@
 
 #include "bindings/bindings.h"
 #include "bindings/render/render.h"
-#include "manyhands/envs/pictures.h"
+#include "manyhands/envs/sight.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -48,6 +48,13 @@ void bind_env_pictures(nb::module_& parent) {
           "of each geom's red, green and blue. texture: the chance that floor, table, an obstacle or an object shows "
           "an image in place of its colour. textures: those to choose from; else checkers, stripes and noise. Raises "
           "ValueError unless all lie in [0, 1), the chance in [0, 1].");
+  nb::class_<Eye>(m, "Eye", "A camera through which a policy sees, and how its pictures differ between episodes.")
+      .def(
+          "__init__",
+          [](Eye* self, const Camera& camera, const Look& look, const PictureVariation& variation) {
+            new (self) Eye{camera, look, variation};
+          },
+          "camera"_a, "look"_a = Look{}, "variation"_a = PictureVariation{});
   nb::class_<EnvPictures>(m, "EnvPictures", "Cameras of a batch of environments; goals are drawn over the worlds.")
       .def(nb::init<const EnvBatch&, int>(), "envs"_a, "num_threads"_a = 0, nb::keep_alive<1, 2>(),
            "Shows `envs`. Raises RuntimeError where there is nothing to see.")
@@ -70,8 +77,8 @@ void bind_env_pictures(nb::module_& parent) {
             std::vector<Shot> shots;
             for (std::size_t i = 0; i < n; ++i) {
               const int world = worlds ? (*worlds)[i] : static_cast<int>(i);
-              shots.push_back(
-                  self.shot(world, bindings::chosen(camera, i), bindings::chosen(look, i), variation, camera_number));
+              shots.push_back(self.shot(self.view(world), bindings::chosen(camera, i), bindings::chosen(look, i),
+                                        variation, camera_number));
             }
             return bindings::take_pictures(self.renderer(), std::move(shots), {colour, depth, segmentation, normals},
                                            false);

@@ -97,6 +97,8 @@ void bind_spec(nb::module_& m) {
   nb::class_<EnvSpec>(m, "EnvSpec", "What an environment id means: sizes and limits.")
       .def_ro("id", &EnvSpec::id)
       .def_ro("observation_dim", &EnvSpec::observation_dim)
+      .def_ro("robot_dim", &EnvSpec::robot_dim,
+              "So many of an observation's first numbers are what the robot knows of itself.")
       .def_ro("goal_dim", &EnvSpec::goal_dim)
       .def_ro("action_dim", &EnvSpec::action_dim)
       .def_ro("max_episode_steps", &EnvSpec::max_episode_steps)

@@ -3,12 +3,14 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -79,7 +81,8 @@ E from_text(const char* setting, const std::string& text) {
 template <class Visit>
 void visit_settings(Visit&& visit) {
   using C = TrainerConfig;
-  visit("algorithm", &C::algorithm, "TD3 (DDPG with its defaults), SAC (with quantiles TQC) or PPO.");
+  visit("algorithm", &C::algorithm,
+        "TD3 (DDPG with its defaults), SAC (with quantiles TQC), PPO, or DAgger, from pictures too.");
   visit("seed", &C::seed, "Of networks, exploration, sampling and episodes.");
   visit("num_threads", &C::num_threads, "1 or 2 are used for gradient steps; the results are the same bits.");
   visit("hidden_layers", &C::hidden_layers, "Units of each hidden layer, of actor and critics alike.");
@@ -121,6 +124,12 @@ void visit_settings(Visit&& visit) {
   visit("max_gradient_norm", &C::max_gradient_norm,
         "PPO: of policy and value together; longer gradients are shortened.");
   visit("scale_rewards", &C::scale_rewards, "PPO: by the standard deviation of the discounted return so far.");
+  visit("channels", &C::channels,
+        "DAgger from pictures: of the layers that see: 4 x 4 pixels, then 3 x 3 of the layer below.");
+  visit("frame_stack", &C::frame_stack, "DAgger from pictures: pictures of each camera that are seen, the last ones.");
+  visit("shift", &C::shift, "DAgger from pictures: in learning, pictures are moved by up to so many pixels.");
+  visit("state_weight", &C::state_weight,
+        "DAgger from pictures: in the loss, of the squared error of the state, which the network is asked to tell.");
   visit("updates_per_iteration", &C::updates_per_iteration, "Gradient steps after each step of the batch.");
   visit("replay_capacity", &C::replay_capacity, "Transitions.");
   visit("warmup_transitions", &C::warmup_transitions,
@@ -212,6 +221,23 @@ nb::list layers(const Policy& policy) {
   return list;
 }
 
+nb::list eyes(const Policy& policy) {
+  nb::list eyes;
+  for (const std::vector<Policy::Kernels>& layers : policy.eyes) {
+    nb::list list;
+    std::size_t planes = static_cast<std::size_t>(policy.pictures.stack), below = 3;
+    for (const Policy::Kernels& layer : layers) {
+      const auto channels = static_cast<std::size_t>(layer.channels), kernel = static_cast<std::size_t>(layer.kernel);
+      list.append(nb::make_tuple(copied(layer.weight.data(), {channels, planes, kernel, kernel, below}),
+                                 copied(layer.bias.data(), {channels}), layer.stride));
+      planes = 1;
+      below = channels;
+    }
+    eyes.append(list);
+  }
+  return eyes;
+}
+
 void bind_policy(nb::module_& m) {
   nb::class_<Policy>(
       m, "Policy",
@@ -238,7 +264,21 @@ void bind_policy(nb::module_& m) {
       .def_prop_ro("layers", &layers,
                    nb::sig("def layers(self) -> list[tuple[numpy.typing.NDArray[numpy.float32], "
                            "numpy.typing.NDArray[numpy.float32]]]"),
-                   "(weight (outputs, inputs), bias (outputs)) of each layer.");
+                   "(weight (outputs, inputs), bias (outputs)) of each layer. With eyes the first acts on the features "
+                   "of all eyes and z.")
+      .def_prop_ro(
+          "pictures",
+          [](const Policy& policy) {
+            return std::tuple(policy.pictures.stack, policy.pictures.height, policy.pictures.width);
+          },
+          "(frame stack, height, width) of what each eye sees.")
+      .def_prop_ro(
+          "eyes", &eyes,
+          nb::sig("def eyes(self) -> list[list[tuple[numpy.typing.NDArray[numpy.float32], "
+                  "numpy.typing.NDArray[numpy.float32], int]]]"),
+          "Of each camera, for each convolution, which relu follows: (weight (channels, pictures, kernel, "
+          "kernel, channels below), bias (channels), stride). They act on the pictures' bytes / 255 - 0.5; "
+          "features are ordered place by place. x is then the first observation_dim numbers of an observation.");
 }
 
 nb::bytes bytes_of(const learn::Message& message) { return nb::bytes(message.data(), message.size()); }
@@ -277,11 +317,12 @@ void bind_trainer(nb::module_& m) {
   // NOLINTNEXTLINE(bugprone-throw-keyword-missing,bugprone-unused-raii): makes Python's type
   nb::exception<learn::DivergenceError>(m, "DivergenceError", PyExc_RuntimeError);
   nb::class_<Trainer>(m, "Trainer", "Trains a policy on a batch of environments, by the algorithm of its config.")
-      .def(nb::init<EnvBatch&, EnvBatch*, const TrainerConfig&, Expert*>(), "envs"_a, "evaluation"_a.none(), "config"_a,
-           "expert"_a.none() = nb::none(), nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>(), nb::keep_alive<1, 5>(),
+      .def(nb::init<EnvBatch&, EnvBatch*, const TrainerConfig&, Expert*, const std::vector<Eye>&>(), "envs"_a,
+           "evaluation"_a.none(), "config"_a, "expert"_a.none() = nb::none(), "eyes"_a = std::vector<Eye>{},
+           nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>(), nb::keep_alive<1, 5>(),
            "Trains on `envs`; `evaluation`, another batch of the same environment, serves the periodic evaluations "
-           "that end the training (None: no evaluations). `expert` is needed by a config that wants one. Raises "
-           "ValueError if the config makes no sense.")
+           "that end the training (None: no evaluations). `expert` is needed by a config that wants one. "
+           "Through `eyes` the policy sees, with DAgger. Raises ValueError if the config makes no sense.")
       .def("advance", &Trainer::advance, "iterations"_a, Release(),
            "Runs up to `iterations` more: each one step of the batch and `updates_per_iteration` gradient steps. Stops "
            "early when solved. Raises DivergenceError if the networks diverge.")

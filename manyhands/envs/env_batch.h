@@ -15,6 +15,7 @@ namespace manyhands {
 struct EnvSpec {
   std::string id;         ///< for example "PandaReach-v3"
   int observation_dim{};  ///< length of one observation row
+  int robot_dim{};        ///< so many of its first numbers are what the robot knows of itself; 0: not known
   int goal_dim{};         ///< length of an achieved or desired goal row
   int action_dim{};       ///< length of an action row; every component lies in [-1, 1]
   int choices{};          ///< if not 0, an action row is one number instead: the index of one of so many choices

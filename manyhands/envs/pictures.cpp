@@ -41,20 +41,27 @@ EnvPictures::EnvPictures(const EnvBatch& envs, EnvScene scene, int num_threads)
   }
 }
 
-Shot EnvPictures::shot(int world, const Camera& camera, const Look& look, const PictureVariation& variation,
+SeenWorld EnvPictures::view(int world) const {
+  SeenWorld view;
+  view.q.resize(static_cast<std::size_t>(model().nq()));
+  view.sizes.resize(objects_.size());
+  envs_.see(world, view.q, view.sizes);
+  const auto columns = static_cast<std::size_t>(envs_.spec().goal_dim);
+  const auto goal = envs_.desired_goal().subspan(static_cast<std::size_t>(world) * columns, columns);
+  view.goal.assign(goal.begin(), goal.end());
+  return view;
+}
+
+Shot EnvPictures::shot(const SeenWorld& view, const Camera& camera, const Look& look, const PictureVariation& variation,
                        std::uint32_t camera_number) const {
-  Shot shot{.camera = camera, .look = look, .q = std::vector<double>(static_cast<std::size_t>(model().nq()))};
-  std::vector<Vec3<double>> sizes(objects_.size());
-  envs_.see(world, shot.q, sizes);
+  Shot shot{.camera = camera, .look = look, .q = view.q};
   shot.guise.patterns = patterns_;
   shot.guise.sizes.resize(patterns_.size(), Vec3<double>::zero());
-  for (std::size_t k = 0; k < objects_.size(); ++k) shot.guise.sizes[objects_[k].index()] = sizes[k];
-  const auto columns = static_cast<std::size_t>(envs_.spec().goal_dim);
-  const std::span<const float> goal = envs_.desired_goal().subspan(static_cast<std::size_t>(world) * columns, columns);
-  shot.marks = goal_marks(goal, sizes);
+  for (std::size_t k = 0; k < objects_.size(); ++k) shot.guise.sizes[objects_[k].index()] = view.sizes[k];
+  shot.marks = goal_marks(view.goal, view.sizes);
   if (variation != PictureVariation{}) {
     Hash hash;
-    for (const float number : goal) hash.add(number);
+    for (const float number : view.goal) hash.add(number);
     vary(shot, variation, RandomStream(hash.value(), camera_number, 0));
   }
   return shot;

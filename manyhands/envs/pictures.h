@@ -21,6 +21,13 @@ struct PictureVariation {
   [[nodiscard]] bool operator==(const PictureVariation&) const = default;
 };
 
+/// What is seen of a world at one time.
+struct SeenWorld {
+  std::vector<double> q{};            ///< (nq) of the scene's model
+  std::vector<Vec3<double>> sizes{};  ///< (objects), see Shape [m]
+  std::vector<float> goal{};          ///< (goal_dim)
+};
+
 /// Shows the worlds of a batch, their goals drawn over them as see-through copies of what is to come there.
 class EnvPictures {
  public:
@@ -30,11 +37,12 @@ class EnvPictures {
   [[nodiscard]] const EnvBatch& envs() const { return envs_; }
   [[nodiscard]] Renderer& renderer() { return renderer_; }
   [[nodiscard]] const Model& model() const { return renderer_.scene().model(); }
-  /// The world as it is now. What varies is drawn from the bits of the episode's goal: the same in every picture of an
-  /// episode, and wherever that episode is played again. `camera_number` tells cameras apart that see the same episode.
-  /// Throws std::out_of_range on worlds that are not there.
-  [[nodiscard]] Shot shot(int world, const Camera& camera, const Look& look, const PictureVariation& variation = {},
-                          std::uint32_t camera_number = 0) const;
+  /// A world as it is now. Throws std::out_of_range on worlds that are not there.
+  [[nodiscard]] SeenWorld view(int world) const;
+  /// What varies is drawn from the bits of the episode's goal: the same in every picture of an episode, and wherever
+  /// that episode is played again. `camera_number` tells cameras apart that see the same episode.
+  [[nodiscard]] Shot shot(const SeenWorld& view, const Camera& camera, const Look& look,
+                          const PictureVariation& variation = {}, std::uint32_t camera_number = 0) const;
 
  private:
   explicit EnvPictures(const EnvBatch& envs, EnvScene scene, int num_threads);

@@ -35,7 +35,8 @@ MANYHANDS_INLINE std::size_t write_hand(const HandState<T>& hand, bool has_gripp
 
 template <class Task>
 EnvSpec complete(EnvSpec spec, const Arm& arm, const EnvOptions& options) {
-  spec.observation_dim = (Task::kHasGripper ? 7 : 6) + static_cast<int>(Task::kObservationSize);
+  spec.robot_dim = Task::kHasGripper ? 7 : 6;
+  spec.observation_dim = spec.robot_dim + static_cast<int>(Task::kObservationSize);
   spec.goal_dim = static_cast<int>(Task::kGoalSize);
   spec.action_dim = action_size(arm);
   spec.max_episode_steps = Task::kMaxEpisodeSteps;

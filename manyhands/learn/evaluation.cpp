@@ -5,18 +5,15 @@
 #include <stdexcept>
 #include <vector>
 
-#include "manyhands/learn/learner.h"
 #include "manyhands/learn/parameters.h"
 
 namespace manyhands::learn {
 
-EvalResult evaluate_policy(EnvBatch& envs, const InputNormaliser& normaliser, const Actor& actor, int episodes,
-                           std::uint64_t first_seed) {
+EvalResult evaluate_policy(EnvBatch& envs, Performer& performer, int episodes, std::uint64_t first_seed) {
   if (episodes <= 0) throw std::invalid_argument("evaluate: episodes must be positive");
   const EnvSpec& spec = envs.spec();
   const auto worlds = static_cast<std::size_t>(envs.num_envs());
   const auto wanted = static_cast<std::size_t>(episodes);
-  MlpTape<float> tape = actor.make_tape(envs.num_envs());
   Matrix<float> action = Matrix<float>::Zero(spec.action_dim, envs.num_envs());
   std::vector<std::uint64_t> seeds(worlds);
   std::vector<std::uint8_t> running(worlds);
@@ -27,8 +24,7 @@ EvalResult evaluate_policy(EnvBatch& envs, const InputNormaliser& normaliser, co
     for (std::size_t w = 0; w < worlds; ++w) running[w] = w < left;
     envs.reset({}, seeds);
     for (int t = 1; left > 0; ++t) {
-      write_states(envs, normaliser, tape.input());
-      actor.act(tape, action);
+      performer.act(t - 1, running, action);
       envs.step(floats(action));
       for (std::size_t w = 0; w < worlds; ++w) {
         if (running[w] == 0) continue;

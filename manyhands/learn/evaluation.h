@@ -4,8 +4,7 @@
 #include <cstdint>
 
 #include "manyhands/envs/env_batch.h"
-#include "manyhands/learn/actor.h"
-#include "manyhands/learn/normaliser.h"
+#include "manyhands/learn/performer.h"
 
 namespace manyhands::learn {
 
@@ -17,10 +16,10 @@ struct EvalResult {
   double mean_length{};   ///< environment steps
 };
 
-/// Runs the actor without noise for `episodes` episodes, as many at a time as there are worlds. Episode k is the same
+/// Runs `episodes` episodes, as many at a time as there are worlds. Episode k is the same
 /// whatever the size of `envs`: it starts from seed first_seed + k. Throws std::invalid_argument if there is none to
 /// run.
-[[nodiscard]] EvalResult evaluate_policy(EnvBatch& envs, const InputNormaliser& normaliser, const Actor& actor,
-                                         int episodes, std::uint64_t first_seed);
+[[nodiscard]] EvalResult evaluate_policy(EnvBatch& envs, Performer& performer, int episodes,
+                                         std::uint64_t first_seed);
 
 }  // namespace manyhands::learn

@@ -4,11 +4,14 @@
 #include <cstdint>
 #include <memory>
 
+#include "manyhands/envs/sight.h"
 #include "manyhands/learn/actor.h"
 #include "manyhands/learn/archive.h"
 #include "manyhands/learn/collector.h"
 #include "manyhands/learn/halves.h"
 #include "manyhands/learn/normaliser.h"
+#include "manyhands/learn/performer.h"
+#include "manyhands/learn/policy.h"
 
 namespace manyhands::learn {
 
@@ -24,8 +27,14 @@ class Learner {
  public:
   virtual ~Learner() = default;
 
-  [[nodiscard]] virtual const Actor& actor() const = 0;
+  /// What has been learned, as a policy over states; null if it sees pictures.
+  [[nodiscard]] virtual const Actor* actor() const = 0;
   [[nodiscard]] virtual std::int64_t gradient_steps() const = 0;
+
+  /// Acts in `envs`, which is borrowed, as are learner and normaliser. Neither may learn meanwhile.
+  [[nodiscard]] virtual std::unique_ptr<Performer> performer(const EnvBatch& envs,
+                                                             const InputNormaliser& normaliser) const;
+  [[nodiscard]] virtual Policy policy(const EnvSpec& spec, const InputNormaliser& normaliser) const;
 
   /// Fills `action` (action_dim, worlds) with what to try in the worlds' present states.
   virtual void choose_actions(const Collector& worlds, const InputNormaliser& normaliser, std::int64_t iteration,
@@ -34,8 +43,9 @@ class Learner {
   /// Takes in the step that the worlds have made, before those that have finished start again.
   virtual void observe(const Collector& worlds, const InputNormaliser& normaliser) = 0;
 
-  /// Takes in an episode of worlds elsewhere, whose policy was some steps older. Only off-policy learners can.
-  virtual void add(const EpisodeView& episode) = 0;
+  /// Takes in an episode of worlds elsewhere, whose policy was some steps older. Throws std::logic_error if it cannot
+  /// learn from that.
+  virtual void add(const EpisodeView& episode);
 
   /// Whether so little has been taken in that the policy does not act yet.
   [[nodiscard]] virtual bool warming_up() const { return false; }
@@ -48,12 +58,10 @@ class Learner {
   virtual void load(ArchiveReader& in) = 0;
 };
 
-/// The learner that `config.algorithm` names, for `num_worlds` worlds and a network input of `input_dim` numbers.
-/// Throws std::invalid_argument if it cannot learn this kind of environment.
-[[nodiscard]] std::unique_ptr<Learner> make_learner(const EnvSpec& spec, int num_worlds, int input_dim,
-                                                    const TrainerConfig& config);
-
-/// Writes the network's input for the present state of every world into the columns of `state`.
-void write_states(const EnvBatch& envs, const InputNormaliser& normaliser, Matrix<float>& state);
+/// The learner that `config.algorithm` names, for the worlds of `envs`, which it may look at, and a network input of
+/// `input_dim` numbers. Throws std::invalid_argument if it cannot learn this kind of environment, or if there are eyes
+/// and it is blind.
+[[nodiscard]] std::unique_ptr<Learner> make_learner(const EnvBatch& envs, int input_dim, const TrainerConfig& config,
+                                                    const std::vector<Eye>& eyes);
 
 }  // namespace manyhands::learn

@@ -15,7 +15,7 @@ OffPolicy::OffPolicy(const EnvSpec& spec, int num_worlds, int input_dim, const T
 
 void OffPolicy::choose_actions(const Collector& worlds, const InputNormaliser& normaliser, std::int64_t iteration,
                                Matrix<float>& action) {
-  exploration_.choose(actor(), worlds, normaliser, iteration, warming_up(), action);
+  exploration_.choose(agent_.actor(), worlds, normaliser, iteration, warming_up(), action);
 }
 
 void OffPolicy::add(const EpisodeView& episode) {

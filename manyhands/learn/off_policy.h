@@ -14,7 +14,7 @@ class OffPolicy final : public Learner {
  public:
   OffPolicy(const EnvSpec& spec, int num_worlds, int input_dim, const TrainerConfig& config);
 
-  [[nodiscard]] const Actor& actor() const override { return agent_.actor(); }
+  [[nodiscard]] const Actor* actor() const override { return &agent_.actor(); }
   [[nodiscard]] std::int64_t gradient_steps() const override { return agent_.gradient_steps(); }
   [[nodiscard]] bool warming_up() const override { return replay_.size() < config_.warmup_transitions; }
 
@@ -35,7 +35,7 @@ class OffPolicy final : public Learner {
   ReplayBuffer replay_;
   Minibatch minibatch_;
   Agent agent_;
-  Exploration exploration_;
+  StateExploration exploration_;
 };
 
 }  // namespace manyhands::learn

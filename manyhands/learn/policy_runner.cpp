@@ -30,6 +30,9 @@ Mlp<float> network_of(const Policy& policy) {
 }
 
 const Policy& validated(const Policy& policy) {
+  if (!policy.eyes.empty()) {
+    throw std::invalid_argument("the policy sees pictures, and acts from its ONNX file alone");
+  }
   policy.validate();
   return policy;
 }
@@ -75,7 +78,8 @@ EvalResult PolicyRunner::evaluate(EnvBatch& envs, int episodes, std::uint64_t fi
                                 std::to_string(spec.observation_dim) + ", " + std::to_string(spec.goal_dim) + " and " +
                                 std::to_string(spec.action_dim));
   }
-  return evaluate_policy(envs, normaliser_, actor_, episodes, first_seed);
+  StatePerformer performer(envs, normaliser_, actor_);
+  return evaluate_policy(envs, performer, episodes, first_seed);
 }
 
 }  // namespace manyhands::learn

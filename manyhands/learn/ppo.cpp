@@ -98,10 +98,6 @@ void Ppo::observe(const Collector& worlds, const InputNormaliser& normaliser) {
   ++rollout_.filled;
 }
 
-void Ppo::add(const EpisodeView& /*episode*/) {
-  throw std::logic_error("PPO learns from what its present policy does in worlds of its own alone");
-}
-
 void Ppo::learn(const Collector& worlds, const InputNormaliser& normaliser, Halves& halves, LearnStats& stats) {
   if (!rollout_.full()) return;
   write_states(worlds.envs(), normaliser);

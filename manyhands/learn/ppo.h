@@ -18,13 +18,12 @@ class Ppo final : public Learner {
  public:
   Ppo(const EnvSpec& spec, int num_worlds, int input_dim, const TrainerConfig& config);
 
-  [[nodiscard]] const Actor& actor() const override { return actor_; }
+  [[nodiscard]] const Actor* actor() const override { return &actor_; }
   [[nodiscard]] std::int64_t gradient_steps() const override { return actor_optimiser_.step_count(); }
 
   void choose_actions(const Collector& worlds, const InputNormaliser& normaliser, std::int64_t iteration,
                       Matrix<float>& action) override;
   void observe(const Collector& worlds, const InputNormaliser& normaliser) override;
-  void add(const EpisodeView& episode) override;
   void learn(const Collector& worlds, const InputNormaliser& normaliser, Halves& halves, LearnStats& stats) override;
 
   void save(ArchiveWriter& out, bool with_replay) const override;

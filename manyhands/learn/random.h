@@ -24,6 +24,7 @@ enum class Purpose : std::uint32_t {
   kActing,
   kPrediction,
   kShareSeed,
+  kEncoderSeed,
 };
 
 /// A seed from a seed: 64 bits that differ with each argument.

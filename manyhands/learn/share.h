@@ -31,7 +31,7 @@ class Share {
   InputNormaliser normaliser_;
   Actor actor_;
   Collector collector_;
-  Exploration exploration_;
+  StateExploration exploration_;
   Matrix<float> action_;  // (action_dim, worlds)
   Message place_;         // where the worlds are
 };

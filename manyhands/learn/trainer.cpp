@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <numeric>
 #include <stdexcept>
 
 #include "manyhands/learn/parameters.h"
@@ -41,13 +40,15 @@ class Stopwatch {
 
 }  // namespace
 
-Trainer::Trainer(EnvBatch& envs, EnvBatch* evaluation, const TrainerConfig& config, Expert* expert)
+Trainer::Trainer(EnvBatch& envs, EnvBatch* evaluation, const TrainerConfig& config, Expert* expert,
+                 const std::vector<Eye>& eyes)
     : config_(validated(config)),
       spec_(envs.spec()),
       evaluation_(evaluation),
+      eyes_(eyes),
       collector_(envs, wanted_expert(expert, config_, spec_), config.seed),
       normaliser_(spec_.observation_dim, spec_.goal_dim, config.input_clip, config.differences),
-      learner_(make_learner(spec_, envs.num_envs(), normaliser_.dim(), config_)),
+      learner_(make_learner(envs, normaliser_.dim(), config_, eyes_)),
       halves_(std::make_unique<Halves>(config.num_threads)),
       actions_(Matrix<float>::Zero(spec_.action_dim, envs.num_envs())) {
   if (evaluation == &envs) throw std::invalid_argument("Trainer: the evaluation batch must not be the training batch");
@@ -130,20 +131,22 @@ void Trainer::check_progress() {
 
 EvalResult Trainer::evaluate(EnvBatch& envs, int episodes, std::uint64_t first_seed) const {
   require_same_task(envs);
-  return evaluate_policy(envs, normaliser_, learner_->actor(), episodes, first_seed);
+  const std::unique_ptr<Performer> performer = learner_->performer(envs, normaliser_);
+  return evaluate_policy(envs, *performer, episodes, first_seed);
 }
 
-Policy Trainer::policy() const { return export_policy(spec_, normaliser_, learner_->actor()); }
+Policy Trainer::policy() const { return learner_->policy(spec_, normaliser_); }
 
 void Trainer::predict(std::span<const float> observation, std::span<const float> achieved_goal,
                       std::span<const float> desired_goal, bool draw, std::span<float> action) {
+  if (learner_->actor() == nullptr) throw std::logic_error("Trainer::predict: this policy sees pictures; export it");
   const auto no = static_cast<std::size_t>(spec_.observation_dim), ng = static_cast<std::size_t>(spec_.goal_dim);
   const std::size_t n = action.size() / static_cast<std::size_t>(spec_.action_dim);
   if (observation.size() != n * no || achieved_goal.size() != n * ng || desired_goal.size() != n * ng) {
     throw std::invalid_argument("Trainer::predict: the arrays do not hold " + std::to_string(n) + " states of " +
                                 spec_.id);
   }
-  const Actor& actor = learner_->actor();
+  const Actor& actor = *learner_->actor();
   MlpTape<float> tape = actor.make_tape(static_cast<int>(n));
   for (std::size_t i = 0; i < n; ++i) {
     normaliser_.write(observation.data() + i * no, achieved_goal.data() + i * ng, desired_goal.data() + i * ng,

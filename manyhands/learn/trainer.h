@@ -19,7 +19,8 @@
 namespace manyhands::learn {
 
 /// Where training stands. Counters run from the beginning (across checkpoints); losses and q are means over the call
-/// to `advance` that returned them, 0 where it took no gradient step; times are of this process.
+/// to `advance` that returned them, 0 where it took no gradient step; times are of this process. Where there is no
+/// critic (DAgger) its loss is the squared error of actions.
 struct TrainMetrics {
   std::int64_t iterations{}, env_steps{}, gradient_steps{}, episodes{};
   double success_rate{};  ///< of the last (up to) 100 training episodes, which explore
@@ -37,8 +38,10 @@ class Trainer {
   /// Borrows both batches, which must outlive the trainer and be stepped by nobody else. `evaluation` serves the
   /// periodic evaluations (its worlds are the episodes run at a time); without it nothing is evaluated or stopped.
   /// `expert`, borrowed likewise, is asked in every state if the config wants one; it may be null if not.
+  /// `eyes` are the cameras of a policy that sees pictures, in training and evaluation.
   /// Throws std::invalid_argument if the config makes no sense or the batches are of different kinds.
-  Trainer(EnvBatch& envs, EnvBatch* evaluation, const TrainerConfig& config, Expert* expert = nullptr);
+  Trainer(EnvBatch& envs, EnvBatch* evaluation, const TrainerConfig& config, Expert* expert = nullptr,
+          const std::vector<Eye>& eyes = {});
 
   [[nodiscard]] const TrainerConfig& config() const { return config_; }
   [[nodiscard]] int action_dim() const { return spec_.action_dim; }
@@ -74,7 +77,8 @@ class Trainer {
   [[nodiscard]] Policy policy() const;
 
   /// The policy's actions (n, action_dim) in n states: observation (n, observation_dim), goals (n, goal_dim). With
-  /// `draw` they are drawn as in training, and differ from call to call; else they are the best.
+  /// `draw` they are drawn as in training, and differ from call to call; else they are the best. Throws
+  /// std::logic_error if the policy sees pictures.
   void predict(std::span<const float> observation, std::span<const float> achieved_goal,
                std::span<const float> desired_goal, bool draw, std::span<float> action);
 
@@ -114,6 +118,7 @@ class Trainer {
   TrainerConfig config_;
   EnvSpec spec_;
   EnvBatch* evaluation_ = nullptr;
+  std::vector<Eye> eyes_;
   Collector collector_;
   InputNormaliser normaliser_;
   std::unique_ptr<Learner> learner_;

@@ -38,10 +38,10 @@ TrainMetrics load_counters(ArchiveReader& in) {
 /// What must agree for the arrays to mean the same.
 void Trainer::save_shape(ArchiveWriter& out) const {
   out.text(spec_.id);
-  for (const int dim :
-       {spec_.observation_dim, spec_.goal_dim, spec_.action_dim, spec_.max_episode_steps, spec_.choices,
-        collector_.envs().num_envs(), static_cast<int>(config_.algorithm), static_cast<int>(config_.activation),
-        config_.num_critics, config_.num_quantiles, config_.rollout_steps}) {
+  for (const int dim : {spec_.observation_dim, spec_.goal_dim, spec_.action_dim, spec_.max_episode_steps, spec_.choices,
+                        collector_.envs().num_envs(), static_cast<int>(config_.algorithm),
+                        static_cast<int>(config_.activation), config_.num_critics, config_.num_quantiles,
+                        config_.rollout_steps, config_.frame_stack, static_cast<int>(eyes_.size())}) {
     out.value(dim);
   }
   out.value(static_cast<int>(config_.hidden_layers.size()));
@@ -63,6 +63,8 @@ void Trainer::expect_shape(ArchiveReader& in) const {
   in.expect("number of critics", config_.num_critics);
   in.expect("number of quantiles", config_.num_quantiles);
   in.expect("rollout's steps", config_.rollout_steps);
+  in.expect("frame stack", config_.frame_stack);
+  in.expect("number of cameras", static_cast<int>(eyes_.size()));
   in.expect("number of hidden layers", static_cast<int>(config_.hidden_layers.size()));
   for (const int units : config_.hidden_layers) in.expect("hidden layer size", units);
   in.expect("length of differences", static_cast<int>(config_.differences.size()));
@@ -98,7 +100,7 @@ bool Trainer::load(const std::filesystem::path& path) {
   in.array(std::span(recent_returns));
   InputNormaliser normaliser = normaliser_;
   normaliser.load(in);
-  auto learner = make_learner(spec_, collector_.envs().num_envs(), normaliser.dim(), config);
+  auto learner = make_learner(collector_.envs(), normaliser.dim(), config, eyes_);
   learner->load(in);
   const Collector::Running running = collector_.read(in);
   Rounds rounds = read_rounds(in);

@@ -64,6 +64,11 @@ void TrainerConfig::validate() const {
   require_range("entropy_weight", entropy_weight, 0.0f, 1e3f);
   require_range("value_weight", value_weight, 0.0f, 1e3f);
   require(max_gradient_norm > 0, "max_gradient_norm", max_gradient_norm, "positive");
+  require(!channels.empty() && channels.size() <= 8, "the number of channels", channels.size(), "in [1, 8]");
+  for (const int count : channels) require(count >= 1 && count <= 1024, "one of channels", count, "in [1, 1024]");
+  require(frame_stack >= 1 && frame_stack <= 16, "frame_stack", frame_stack, "in [1, 16]");
+  require(shift >= 0 && shift <= 64, "shift", shift, "in [0, 64]");
+  require_range("state_weight", state_weight, 0.0f, 1e6f);
   require_at_least("updates_per_iteration", updates_per_iteration, 0);
   require_at_least("replay_capacity", replay_capacity, 1);
   require(warmup_transitions >= 1 && warmup_transitions <= replay_capacity, "warmup_transitions", warmup_transitions,
@@ -73,7 +78,7 @@ void TrainerConfig::validate() const {
   require_range("exploration_noise", exploration_noise, 0.0f, 10.0f);
   require_range("random_action_rate", random_action_rate, 0.0, 1.0);
   require(algorithm != Algorithm::kPpo || !wants_expert(), "algorithm", "PPO",
-          "TD3 or SAC where expert_rate or cloning_weight ask for an expert");
+          "TD3, SAC or DAgger where expert_rate or cloning_weight ask for an expert");
   require(algorithm != Algorithm::kDagger || (cloning_weight > 0 && !cloning_filter), "cloning_weight", cloning_weight,
           "positive, and cloning_filter false, with DAgger, which learns from the expert alone");
   require(algorithm == Algorithm::kTd3 || algorithm == Algorithm::kDagger || (cloning_weight == 0 && policy_delay == 1),

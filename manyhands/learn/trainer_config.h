@@ -58,6 +58,12 @@ struct TrainerConfig {
   float max_gradient_norm = 0.5f;  ///< of policy and value together; longer ones are shortened
   bool scale_rewards = true;       ///< by the standard deviation of the discounted return so far
 
+  // DAgger from pictures
+  std::vector<int> channels = {16, 32, 32};  ///< of the layers that see: 4 x 4 pixels, then 3 x 3 of the layer below
+  int frame_stack = 2;                       ///< pictures of each camera that are seen, the last ones
+  int shift = 3;                             ///< in learning, pictures are moved by up to so many pixels
+  float state_weight = 1.0f;  ///< in the loss, of the squared error of the state, which the network is asked to tell
+
   // Experience
   int updates_per_iteration = 8;    ///< gradient steps after each step of the batch
   int replay_capacity = 1'000'000;  ///< transitions

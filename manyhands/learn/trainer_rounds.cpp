@@ -13,6 +13,9 @@ void Trainer::spread(std::vector<int> shares) {
         "PPO learns from what its present policy does in worlds of its own alone, so they cannot run elsewhere; choose "
         "TD3 or SAC");
   }
+  if (learner_->actor() == nullptr) {
+    throw std::invalid_argument("what learns from pictures takes them of worlds of its own, so they cannot run elsewhere");
+  }
   if (shares.empty() || std::ranges::min(shares) < 1) {
     throw std::invalid_argument("Trainer::spread: there must be shares, each of one world or more");
   }
@@ -22,7 +25,7 @@ void Trainer::spread(std::vector<int> shares) {
 }
 
 void Trainer::make_order(std::int64_t iteration) {
-  rounds_.order = write_order(learner_->actor(), normaliser_, iteration, config_.round_steps, learner_->warming_up());
+  rounds_.order = write_order(*learner_->actor(), normaliser_, iteration, config_.round_steps, learner_->warming_up());
 }
 
 void Trainer::receive(std::span<const Message> results) {

@@ -197,7 +197,7 @@ int led_worlds(int first, int count) {
   const Actor actor(PolicyKind::kDeterministic, normaliser.dim(), 3, config);
   Collector collector(elsewhere, &expert, 0);
   Matrix<float> action = Matrix<float>::Zero(3, count);
-  Exploration(actor, config, first, count).choose(actor, collector, normaliser, 0, false, action);
+  StateExploration(actor, config, first, count).choose(actor, collector, normaliser, 0, false, action);
   int led = 0;
   for (int w = 0; w < count; ++w) {
     led += action(0, w) == collector.advice()[static_cast<std::size_t>(3 * w)];

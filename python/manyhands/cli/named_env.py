@@ -3,7 +3,7 @@
 import argparse
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -31,11 +31,18 @@ class NamedEnv:
     """With its version."""
     options: dict[str, Any] = field(default_factory=dict)
     """Keyword arguments of `ArmEnv`."""
+    cameras: dict[str, Any] = field(default_factory=dict)
+    """Those of a policy."""
 
     @property
     def variant(self) -> dict[str, Any]:
         """Task, types and options, as arguments of `ArmEnv`."""
-        return variant_of(self.id) | self.options
+        cameras = {"cameras": self.cameras} if self.cameras else {}
+        return variant_of(self.id) | cameras | self.options
+
+    def shown_to(self, policy: "Policy | PolicyFile") -> "NamedEnv":
+        """The same with the cameras through which a policy sees."""
+        return replace(self, cameras=policy.cameras)
 
     @property
     def title(self) -> str:

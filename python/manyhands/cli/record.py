@@ -50,8 +50,8 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.episodes < 1:
         raise ValueError(f"--episodes is {arguments.episodes}; expected 1 or more")
     width, height = arguments.size
+    env, act = _policy(arguments.policy, env)
     filmed = env.make(render_mode="rgb_array", render_width=width, render_height=height)
-    act = _policy(arguments.policy, env)
     wanted = arguments.episodes
     seeds = range(arguments.seed, arguments.seed + wanted)
     console = Console(stderr=True)
@@ -98,9 +98,10 @@ def _picture(env: ArmEnv) -> NDArray[np.uint8]:
     return picture
 
 
-def _policy(given: str | None, env: NamedEnv) -> Callable[[], Callable[[Any], Any]]:
+def _policy(given: str | None, env: NamedEnv) -> tuple[NamedEnv, Callable[[], Callable[[Any], Any]]]:
+    """The environment as a policy sees it, and what acts in an episode."""
     if given is None:
         env.expert()
-        return env.expert
+        return env, env.expert
     policy = env.policy(given)
-    return lambda: policy
+    return env.shown_to(policy), lambda: policy

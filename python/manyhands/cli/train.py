@@ -30,6 +30,7 @@ examples:
   manyhands train PandaReach                          learn to reach, in seconds
   manyhands train PandaPush                           learn to push, by the recipe that is shipped for it
   manyhands train PandaPush --recipe mine.yaml        by one of your own
+  manyhands train PandaPush --recipe pixels           from pictures of two cameras
   manyhands train PandaReachJoints --seed 3           drive the joints; another seed
   manyhands train PandaPush --randomize               another robot and cube in every episode
   manyhands train PandaReach --set gamma=0.9 --set hidden_layers=[128,128]
@@ -46,7 +47,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("task", nargs="?", help="environment, with or without its version: PandaReach, PandaReach-v3")
     parser.add_argument("--resume", type=Path, metavar="RUN_DIR", help="go on with this run instead of a new one")
     parser.add_argument("--seed", type=int, help="of networks, exploration and episodes (default 0)")
-    parser.add_argument("--recipe", type=Path, metavar="FILE", help="settings (default: those shipped for the task)")
+    parser.add_argument(
+        "--recipe", type=Path, metavar="FILE|pixels",
+        help="settings (default: those shipped for the task); pixels: those shipped for learning it from pictures",
+    )  # fmt: skip
     parser.add_argument("--num-envs", type=int, metavar="N", help="worlds stepped at a time (default: the recipe's)")
     parser.add_argument("--threads", type=int, metavar="N", help="default: MANYHANDS_THREADS, or one for each core")
     parser.add_argument(
@@ -192,14 +196,12 @@ def new_settings(
 
     Raises ValueError on an unknown task and a recipe for another one, OSError if the recipe cannot be read.
     """
-    from manyhands.training.recipe import find_recipe, load_recipe
+    from manyhands.training.recipe import find_recipe, named_recipe
     from manyhands.training.settings import TrainSettings
 
     given = {name: value for name, value in changes.items() if value is not None}
     env_id = resolve_env_id(task)
-    recipe = find_recipe(env_id) if recipe_file is None else load_recipe(recipe_file)
-    if recipe is not None and recipe.env_id != env_id:
-        raise ValueError(f"{recipe.path} is a recipe for {recipe.env_id}, not for {env_id}")
+    recipe = find_recipe(env_id) if recipe_file is None else named_recipe(recipe_file, env_id)
     return recipe, TrainSettings(env_id, **given) if recipe is None else recipe.settings(**given)
 
 

@@ -96,7 +96,9 @@ def _show_environment(
 ) -> "Viewer":
     named, actors = NamedEnv(resolve_env_id(target), options), {}
     if policy is not None:
-        actors[Path(policy).resolve().name] = named.policy(policy)
+        learned = named.policy(policy)
+        named = named.shown_to(learned)
+        actors[Path(policy).resolve().name] = learned
     env = _environment(named)
     env.reset(seed=seed)
     viewer = view(env, title=named.title, **page)

@@ -8,7 +8,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from manyhands._core.envs import EnvBatch, EnvBodies, EnvPictures, PictureVariation
+from manyhands._core.envs import EnvBatch, EnvBodies, EnvPictures, Eye, PictureVariation
 from manyhands._core.render import Camera, Look
 from manyhands.arguments import whole_number
 from manyhands.envs.spaces import CameraOptions, EnvOptions
@@ -128,6 +128,17 @@ class EnvCameras:
         if self._pictures is None:
             self._pictures = EnvPictures(self._batch, self._threads)
         return self._pictures
+
+
+def eyes(batch: EnvBatch, cameras: Mapping[str, CameraOptions | Camera]) -> list[Eye]:
+    """The same cameras as a trainer takes them. Raises ValueError if one cannot be, KeyError on one in a frame that is
+    not."""
+    observed = {name: _observed(name, given, {}) for name, given in cameras.items()}
+    _require_frames(batch, {name: camera.frame for name, (camera, _) in observed.items()})
+    return [
+        Eye(camera, options.get("look", Look()), _variation(name, options))
+        for name, (camera, options) in observed.items()
+    ]
 
 
 def _observed(name: str, given: CameraOptions | Camera, env: EnvOptions) -> tuple[Camera, CameraOptions]:

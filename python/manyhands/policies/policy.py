@@ -46,6 +46,11 @@ class Policy:
         self._runner = PolicyRunner(self.arrays)
 
     @property
+    def cameras(self) -> dict[str, Any]:
+        """Through which it sees: it has none, and knows the state."""
+        return {}
+
+    @property
     def env_id(self) -> str:
         """The environment that it was learned in."""
         return self.arrays.env_id

@@ -1,7 +1,9 @@
 """Evaluates policy files on fresh episodes."""
 
+import json
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import onnxruntime
@@ -42,11 +44,18 @@ class PolicyFile:
             self._session = onnxruntime.InferenceSession(path, options, providers=["CPUExecutionProvider"])
         except Exception as error:  # onnxruntime's errors have no common base but this
             raise ValueError(f"{path} cannot be read as ONNX: {error}") from error
-        self.inputs = [one.name for one in self._session.get_inputs()]
-        if sorted(self.inputs) != ["achieved_goal", "desired_goal", "observation"]:
+        properties = self._session.get_modelmeta().custom_metadata_map
+        self.env_id: str | None = properties.get("env_id")
+        self.cameras: dict[str, Any] = json.loads(properties.get("cameras", "{}"))
+        """Through which it sees, as environments take them."""
+        shapes = {one.name: one.shape for one in self._session.get_inputs()}
+        self.inputs = list(shapes)
+        own = sorted(shapes.keys() - self.cameras.keys())
+        if own != (["observation"] if self.cameras else ["achieved_goal", "desired_goal", "observation"]):
             raise ValueError(f"{path} is no goal policy: its inputs are {self.inputs}")
-        self._sizes = {one.name: one.shape[-1] for one in [*self._session.get_inputs(), *self._session.get_outputs()]}
-        self.env_id: str | None = self._session.get_modelmeta().custom_metadata_map.get("env_id")
+        self._stacks = FrameStacks({name: shapes[name][1] for name in self.cameras})
+        rows = [*self._session.get_inputs(), *self._session.get_outputs()]
+        self._sizes = {one.name: one.shape[-1] for one in rows if one.name not in self.cameras}
 
     def require_fit(self, spec: EnvSpec) -> None:
         """Raises ValueError unless rows and actions are as long as the environment's."""
@@ -57,16 +66,55 @@ class PolicyFile:
             "desired_goal": goal,
             "action": spec.action_dim,
         }
+        if self.cameras:
+            expected = {"observation": spec.robot_dim, "action": spec.action_dim}
         if self._sizes != expected:
             raise ValueError(f"the policy does not fit {spec.id}: its sizes are {self._sizes}, expected {expected}")
 
     def __call__(self, observation: Observation) -> np.ndarray:
-        """Actions (n, action_dim) for observations with rows (n, ...), or (action_dim) for those of one environment."""
-        rows = {name: np.asarray(observation[name], np.float32) for name in self.inputs}
-        if rows["observation"].ndim == 1:
-            return self({name: row[None] for name, row in rows.items()})[0]
-        actions = np.asarray(self._session.run(None, rows)[0])
+        """Actions (n, action_dim) for observations with rows (n, ...), or (action_dim) for those of one environment.
+
+        A policy that sees remembers the last pictures of each world until its goal is another, in a new episode. Raises
+        ValueError if its cameras are not in the observation.
+        """
+        if np.asarray(observation["observation"]).ndim == 1:
+            return self({name: np.asarray(each)[None] for name, each in observation.items()})[0]
+        if missing := [name for name in self.cameras if name not in observation]:
+            raise ValueError(
+                f"the policy sees through cameras, and {', '.join(missing)} is not in the observation; make the "
+                f"environment with cameras={self.cameras}"
+            )
+        given: dict[str, Any] = {} if not self.cameras else self._stacks(observation)
+        for name in self.inputs:
+            if name not in given:
+                given[name] = np.asarray(observation[name], np.float32)[:, : self._sizes[name]]
+        actions = np.asarray(self._session.run(None, given)[0])
         return actions if actions.ndim == 2 else actions[:, 0]
+
+
+class FrameStacks:
+    """The last pictures of each camera, the newest first, in worlds that a policy acts in."""
+
+    def __init__(self, lengths: dict[str, int]) -> None:
+        """lengths: how many of each camera."""
+        self._lengths = lengths
+        self._stacks: dict[str, np.ndarray] = {}
+        self._goal = np.zeros((0, 0), np.float32)
+
+    def __call__(self, observation: Observation) -> dict[str, np.ndarray]:
+        """Stacks (n, length, height, width, 3) that end with what is observed now; those of a world whose goal has
+        changed, as with a new episode, show that alone."""
+        goal = np.array(observation["desired_goal"])
+        is_other = goal.shape != self._goal.shape
+        begun = np.ones(len(goal), np.bool_) if is_other else (goal != self._goal).any(axis=1)
+        self._goal = goal
+        for name, length in self._lengths.items():
+            now = np.asarray(observation[name])[:, None]
+            before = now.repeat(length, axis=1) if is_other else self._stacks[name]
+            stack = np.concatenate([now, before[:, : length - 1]], axis=1)
+            stack[begun] = now[begun]
+            self._stacks[name] = stack
+        return dict(self._stacks)
 
 
 def policy_for(path: Path, spec: EnvSpec) -> PolicyFile:
@@ -88,7 +136,9 @@ def evaluate(
     if isinstance(policy, Policy):
         result = policy.evaluate(env_id, episodes, first_seed, num_threads)
         return Evaluation(env_id, episodes, first_seed, result.success_rate, result.mean_return, result.mean_length)
-    env = make_vector_env(env_id, episodes, num_threads=num_threads, autoreset_mode=AutoresetMode.SAME_STEP)
+    env = make_vector_env(
+        env_id, episodes, num_threads=num_threads, autoreset_mode=AutoresetMode.SAME_STEP, cameras=policy.cameras
+    )
     obs, _ = env.reset(seed=first_seed)
     running = np.ones(episodes, np.bool_)
     success, total, length = np.zeros(episodes), np.zeros(episodes), np.zeros(episodes)

@@ -1,5 +1,7 @@
 """ONNX graphs of policies, node by node."""
 
+import json
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,10 +14,12 @@ INPUTS = ("observation", "achieved_goal", "desired_goal")
 
 
 class PolicyGraph:
-    """Values are known by their names; a graph begins with INPUTS, or without goals with the first of them."""
+    """Values are known by their names; a graph begins with INPUTS, or without goals with the first of them, and with
+    what cameras show."""
 
     def __init__(self, has_goals: bool = True) -> None:
         self._inputs = INPUTS if has_goals else INPUTS[:1]
+        self._pictures: list[onnx.ValueInfoProto] = []
         self._constants: list[onnx.TensorProto] = []
         self._nodes: list[onnx.NodeProto] = []
 
@@ -54,6 +58,28 @@ class PolicyGraph:
             parts.append(self.apply("MatMul", ["observation", self.constant("pairs", pairs)], "differences"))
         return self.normalised(self.apply("Concat", parts, "features", axis=1), mean, scale, clip)
 
+    def eye(self, name: str, pictures: tuple[int, int, int], layers: Sequence[tuple[Any, Any, int]]) -> str:
+        """Features (batch, n) of a camera's input (batch, stack, height, width, 3), uint8, the newest picture first.
+
+        pictures: stack, height and width; layers: as in `Policy.eyes`.
+        """
+        stack, height, width = pictures
+        shape = ["batch", stack, height, width, 3]
+        self._pictures.append(helper.make_tensor_value_info(name, TensorProto.UINT8, shape))
+        x = self.apply("Cast", [name], f"{name}_numbers", to=TensorProto.FLOAT)
+        x = self.apply("Mul", [x, self.constant(f"{name}_scale", 1 / 255)], f"{name}_scaled")
+        x = self.apply("Sub", [x, self.constant(f"{name}_mean", 0.5)], f"{name}_centred")
+        x = self.apply("Transpose", [x], f"{name}_planes", perm=[0, 1, 4, 2, 3])
+        x = self.reshaped(x, (-1, 3 * stack, height, width), f"{name}_stack")
+        for i, (weight, bias, stride) in enumerate(layers):
+            channels, planes, kernel, _, below = weight.shape
+            turned = weight.transpose(0, 1, 4, 2, 3).reshape(channels, planes * below, kernel, kernel)
+            parameters = [self.constant(f"{name}_weight_{i}", turned), self.constant(f"{name}_bias_{i}", bias)]
+            x = self.apply("Conv", [x, *parameters], f"{name}_convolved_{i}", strides=[stride, stride])
+            x = self.apply("Relu", [x], f"{name}_seen_{i}")
+        x = self.apply("Transpose", [x], f"{name}_places", perm=[0, 2, 3, 1])
+        return self.apply("Flatten", [x], f"{name}_features", axis=1)
+
     def linear(self, x: str, weight: ArrayLike, bias: ArrayLike, number: int, half: bool = False) -> str:
         """weight (outputs, inputs) x + bias."""
         given = {f"weight_{number}": weight, f"bias_{number}": bias}
@@ -65,14 +91,22 @@ class PolicyGraph:
         self._constants.append(numpy_helper.from_array(np.array(shape, np.int64), f"shape_of_{output}"))
         return self.apply("Reshape", [x, f"shape_of_{output}"], output)
 
-    def model(self, observation_dim: int, goal_dim: int, action_shape: tuple[int, ...], env_id: str) -> onnx.ModelProto:
-        """The checked graph; the value "action" is its output, (batch, *action_shape)."""
+    def model(
+        self,
+        observation_dim: int,
+        goal_dim: int,
+        action_shape: tuple[int, ...],
+        env_id: str,
+        cameras: Mapping[str, Any] | None = None,
+    ) -> onnx.ModelProto:
+        """The checked graph; the value "action" is its output, (batch, *action_shape). `cameras`: those through which
+        it sees, as environments take them."""
 
         def rows(name: str, *sizes: int) -> onnx.ValueInfoProto:
             return helper.make_tensor_value_info(name, TensorProto.FLOAT, ["batch", *sizes])
 
         sizes = (observation_dim, goal_dim, goal_dim)
-        inputs = [rows(name, size) for name, size in zip(self._inputs, sizes, strict=False)]
+        inputs = [rows(name, size) for name, size in zip(self._inputs, sizes, strict=False)] + self._pictures
         graph = helper.make_graph(self._nodes, "policy", inputs, [rows("action", *action_shape)], self._constants)
         model = helper.make_model(
             graph,
@@ -80,6 +114,9 @@ class PolicyGraph:
             ir_version=_IR_VERSION,
             opset_imports=[helper.make_opsetid("", _OPSET)],
         )
-        helper.set_model_props(model, {"env_id": env_id})
+        properties = {"env_id": env_id}
+        if cameras:
+            properties["cameras"] = json.dumps(cameras)
+        helper.set_model_props(model, properties)
         onnx.checker.check_model(model, full_check=True)
         return model

@@ -4,8 +4,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
-from manyhands._core.envs import env_ids
+from manyhands._core.envs import env_ids, make_env_batch
 from manyhands._core.learn import TrainerConfig
+from manyhands.envs.cameras import eyes
 from manyhands.simple_yaml import Entry, read_yaml
 from manyhands.training.settings import TrainSettings
 
@@ -35,11 +36,13 @@ class Recipe:
     max_env_steps: int
     trainer: dict[str, Any]  # settings that differ from the trainer's defaults
     beyond: dict[str, str]  # what it uses beyond the task's own reward: a name, and what it does
+    cameras: dict[str, Any]  # through which the policy sees, none if it knows the state
     measured: Measured | None
 
     def settings(self, **changes: Any) -> TrainSettings:
         """The settings of a run, with `changes`; those in `overrides` are added to the recipe's own."""
-        given: dict[str, Any] = {"num_envs": self.num_envs, "max_env_steps": self.max_env_steps} | changes
+        own = {"num_envs": self.num_envs, "max_env_steps": self.max_env_steps, "cameras": self.cameras}
+        given: dict[str, Any] = own | changes
         given["overrides"] = self.trainer | given.get("overrides", {})
         return TrainSettings(self.env_id, **given)
 
@@ -49,10 +52,25 @@ def recipe_ids() -> list[str]:
     return sorted(path.stem for path in _FOLDER.glob("*.yaml"))
 
 
-def find_recipe(env_id: str) -> Recipe | None:
-    """The recipe that is shipped for an environment, None if there is none."""
-    path = _FOLDER / f"{env_id}.yaml"
+def find_recipe(env_id: str, kind: str = "") -> Recipe | None:
+    """The recipe that is shipped for an environment, None if there is none; `kind` is "pixels" for one that sees."""
+    path = _FOLDER / kind / f"{env_id}.yaml"
     return load_recipe(path) if path.is_file() else None
+
+
+def named_recipe(name: Path, env_id: str) -> Recipe:
+    """The recipe in a file, or of a kind that is shipped, such as "pixels". Raises ValueError if there is none of the
+    kind for the environment, or its recipe is for another; OSError if the file cannot be read."""
+    if (_FOLDER / name).is_dir() and not name.exists():
+        recipe = find_recipe(env_id, str(name))
+        if recipe is None:
+            known = ", ".join(sorted(path.stem for path in (_FOLDER / name).glob("*.yaml")))
+            raise ValueError(f"no recipe {name} is shipped for {env_id}; there are {known}")
+    else:
+        recipe = load_recipe(name)
+    if recipe.env_id != env_id:
+        raise ValueError(f"{recipe.path} is a recipe for {recipe.env_id}, not for {env_id}")
+    return recipe
 
 
 def load_recipe(path: Path) -> Recipe:
@@ -72,6 +90,7 @@ def load_recipe(path: Path) -> Recipe:
         max_env_steps=top.take("max_env_steps", int, None if base is None else base.max_env_steps),
         trainer=own_trainer if base is None else base.trainer | own_trainer,
         beyond=own_beyond if base is None else base.beyond | own_beyond,
+        cameras=_cameras(top, env_id) or ({} if base is None else base.cameras),
         measured=_measured(top.block("measured")),
     )
     top.finish()
@@ -89,6 +108,22 @@ def _base(top: "_Block") -> Recipe | None:
     if name == top.entry.entries["environment"].value:
         raise top.error("like", "a recipe cannot be like itself")
     return load_recipe(_FOLDER / f"{name}.yaml")
+
+
+def _cameras(top: "_Block", env_id: str) -> dict[str, Any]:
+    """Names of cameras, with what varies in their pictures."""
+    looks = {name: entry.value for name, entry in top.block("looks").entry.entries.items()}
+    names = top.take("cameras", list, [])
+    if looks and not names:
+        raise top.error("looks", "there are no cameras whose looks could vary")
+    cameras: dict[str, Any] = {str(name): {"vary": dict(looks)} for name in names}
+    if not cameras:
+        return {}
+    try:
+        eyes(make_env_batch(env_id, 1), cameras)
+    except (KeyError, ValueError) as reason:
+        raise top.error("looks" if "vari" in reason.args[0] else "cameras", reason.args[0]) from reason
+    return cameras
 
 
 def _measured(block: "_Block") -> Measured | None:

@@ -11,6 +11,7 @@ from rich.console import Console
 
 from manyhands._core.envs import make_env_batch, make_expert
 from manyhands._core.learn import Trainer, TrainMetrics
+from manyhands.envs.cameras import eyes
 from manyhands.files import write_text
 from manyhands.interrupts import Interrupts
 from manyhands.policies import Policy
@@ -58,7 +59,7 @@ class TrainingRun:
         self._envs = make_env_batch(settings.env_id, worlds_here, **given)
         self._evaluation = make_env_batch(settings.env_id, config.evaluation_episodes, **given)
         expert = make_expert(settings.env_id) if config.wants_expert else None
-        self._trainer = Trainer(self._envs, self._evaluation, config, expert)
+        self._trainer = Trainer(self._envs, self._evaluation, config, expert, eyes(self._envs, settings.cameras))
         if settings.workers is not None:
             self._trainer.spread(shares_of(settings.num_envs, settings.workers))
         self._workers: Workers | None = None
@@ -84,7 +85,7 @@ class TrainingRun:
                     self._trainer.save(self.folder.checkpoint)
                     raise
                 self._trainer.save(self.folder.checkpoint)
-                save_policy(self._trainer.policy(), self.settings.env_id, self.folder.policy)
+                save_policy(self._trainer.policy(), self.settings.env_id, self.folder.policy, self.settings.cameras)
                 if recorder.rows:
                     title = f"{self.settings.env_id}, seed {self.settings.seed}"
                     draw_curve(self.folder, recorder.rows, title)

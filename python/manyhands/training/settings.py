@@ -66,6 +66,7 @@ class TrainSettings:
     workers: int | None = None  # of a Ray cluster, which share the worlds; None: they are all here
     overrides: dict[str, Any] = field(default_factory=dict)  # trainer settings that differ from their defaults
     randomize: dict[str, Any] = field(default_factory=dict)  # what differs from episode to episode, and its ranges
+    cameras: dict[str, Any] = field(default_factory=dict)  # through which the policy sees, as environments take them
 
     def __post_init__(self) -> None:
         for name in ("num_envs", "max_env_steps", "evaluation_episodes"):
@@ -81,6 +82,8 @@ class TrainSettings:
             raise ValueError(f"overrides is {self.overrides!r}, expected names and values")
         if not isinstance(self.randomize, dict):
             raise ValueError(f"randomize is {self.randomize!r}, expected names and ranges")
+        if not isinstance(self.cameras, dict):
+            raise ValueError(f"cameras is {self.cameras!r}, expected names and options")
 
     @property
     def ranges(self) -> list[tuple[str, float, float, bool]]:
@@ -98,6 +101,14 @@ class TrainSettings:
         config.validate()
         if config.privileged_critic and not self.randomize:
             raise ValueError(f"privileged_critic needs {self.env_id} to be randomised: add --randomize")
+        if self.cameras and config.algorithm != "DAgger":
+            raise ValueError(
+                f"algorithm is {config.algorithm}, and there are cameras: only DAgger learns from pictures"
+            )
+        if self.cameras and self.workers is not None:
+            raise ValueError("workers take no pictures: train without --ray, or without cameras")
+        if self.cameras and self.randomize:
+            raise ValueError("what is randomised is not looked at through cameras: train without one or the other")
         if config.wants_expert and self.env_id not in expert_ids():
             raise ValueError(f"there is no expert for {self.env_id!r}: set expert_rate and cloning_weight to 0")
         if self.workers is not None and config.algorithm == "PPO":

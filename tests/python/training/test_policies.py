@@ -154,7 +154,7 @@ def test_files_are_read_as_they_were_written(algorithm: str, half: bool, tmp_pat
     config.differences = [3, 0, 1, 2]
     policy = Trainer(make_env_batch("PandaReach-v3", 16), None, config).policy()
     path = tmp_path / "policy.onnx"
-    save_model(to_onnx(policy, "PandaReach-v3", half), path)
+    save_model(to_onnx(policy, "PandaReach-v3", half=half), path)
     read = read_policy(path)
     for name in ("env_id", "observation_dim", "goal_dim", "action_dim", "clip", "differences", "activation", "output"):
         assert getattr(read, name) == getattr(policy, name), name

@@ -14,10 +14,9 @@ import pytest
 
 from manyhands import cli
 from manyhands._core.envs import make_env_batch
-from manyhands._core.learn import CheckpointError
+from manyhands._core.learn import CheckpointError, read_policy
 from manyhands.demos.formats import read
 from manyhands.training.evaluation import PolicyFile, evaluate
-from manyhands.training.policy_file import read_policy
 from manyhands.training.run import TrainingRun
 from manyhands.training.run_folder import RunFolder
 
