@@ -19,7 +19,6 @@ struct EvalResult {
 /// Runs `episodes` episodes, as many at a time as there are worlds. Episode k is the same
 /// whatever the size of `envs`: it starts from seed first_seed + k. Throws std::invalid_argument if there is none to
 /// run.
-[[nodiscard]] EvalResult evaluate_policy(EnvBatch& envs, Performer& performer, int episodes,
-                                         std::uint64_t first_seed);
+[[nodiscard]] EvalResult evaluate_policy(EnvBatch& envs, Performer& performer, int episodes, std::uint64_t first_seed);
 
 }  // namespace manyhands::learn

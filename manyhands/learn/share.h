@@ -40,7 +40,8 @@ class Share {
 struct Episode {
   int length{};
   bool terminated{}, succeeded{};
-  std::vector<float> observation, achieved_goal, desired_goal, action, reward, advice, randomized;  ///< rows as in EpisodeView
+  std::vector<float> observation, achieved_goal, desired_goal, action, reward, advice,
+      randomized;  ///< rows as in EpisodeView
 
   [[nodiscard]] EpisodeView view() const;
 };

@@ -14,7 +14,8 @@ void Trainer::spread(std::vector<int> shares) {
         "TD3 or SAC");
   }
   if (learner_->actor() == nullptr) {
-    throw std::invalid_argument("what learns from pictures takes them of worlds of its own, so they cannot run elsewhere");
+    throw std::invalid_argument(
+        "what learns from pictures takes them of worlds of its own, so they cannot run elsewhere");
   }
   if (shares.empty() || std::ranges::min(shares) < 1) {
     throw std::invalid_argument("Trainer::spread: there must be shares, each of one world or more");
