@@ -101,6 +101,7 @@ def _picture(env: ArmEnv) -> NDArray[np.uint8]:
 def _policy(given: str | None, env: NamedEnv) -> tuple[NamedEnv, Callable[[], Callable[[Any], Any]]]:
     """The environment as a policy sees it, and what acts in an episode."""
     if given is None:
+        env.spec()
         env.expert()
         return env, env.expert
     policy = env.policy(given)
