@@ -118,3 +118,12 @@ def test_what_cannot_be_converted_is_told(tmp_path: Path) -> None:
     path.write_bytes(b"no graph")
     with pytest.raises(ValueError, match="cannot be read as a policy"):
         to_sb3(path, make_sb3(ENV_ID))
+
+
+def test_a_policy_that_sees_how_a_cube_is_to_be_turned_is_refused(tmp_path: Path) -> None:
+    config = TrainerConfig()
+    config.cube_rotation = 10
+    path = tmp_path / "policy.onnx"
+    save_policy(Trainer(make_env_batch("PandaFlip-v3", 4), None, config).policy(), "PandaFlip-v3", path)
+    with pytest.raises(ValueError, match="sees a cube's rotation"):
+        to_sb3(path, make_sb3("PandaFlip-v3"))
