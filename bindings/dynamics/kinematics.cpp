@@ -1,4 +1,6 @@
-// manyhands._core.kinematics: inverse kinematics over rows of targets.
+// manyhands._core.kinematics: inverse kinematics over rows of targets, and what frames.cpp and screws.cpp add.
+#include "bindings/dynamics/kinematics.h"
+
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
 
@@ -58,7 +60,10 @@ nb::tuple search(PythonModel& model, const std::string& frame, const Array<doubl
 }  // namespace
 
 void bind_kinematics(nb::module_& parent) {
-  nb::module_ m = parent.def_submodule("kinematics", "Inverse kinematics over rows of targets.");
+  nb::module_ m =
+      parent.def_submodule("kinematics", "Kinematics over rows; manyhands.kinematics describes the functions.");
+  bindings::bind_frames(m);
+  bindings::bind_screws(m);
   m.def("search", &search, "model"_a, "frame"_a, "position"_a, "quaternion"_a, "start"_a, nb::kw_only(), "restarts"_a,
         "seed"_a, "respect_limits"_a, "position_tolerance"_a, "rotation_tolerance"_a,
         "position (n, 3), quaternion (n, 4) xyzw, start (nq,) -> q (n, nq), success (n,), position_error (n,), "
