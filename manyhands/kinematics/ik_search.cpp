@@ -17,9 +17,10 @@ constexpr int W = width_v<T>;
 /// One search: what all attempts share, and the best that each target has so far.
 class Search {
  public:
-  Search(const Model& model, FrameId frame, std::span<const Transform<double>> targets, std::span<const double> start,
-         const IkSearchSettings& settings)
+  Search(const Model& model, FrameId frame, const IkGoal& goal, std::span<const IkTarget<double>> targets,
+         std::span<const double> start, const IkSearchSettings& settings)
       : chain_(model, frame),
+        goal_(goal),
         targets_(targets),
         settings_(settings),
         tree_(model),
@@ -50,9 +51,12 @@ class Search {
     for (std::size_t i = 0; i < targets_.size(); ++i) {
       double* q = &found_.q[i * q_.size()];
       IkSettings ik = settings_.ik;
-      ik.max_iterations = found_.success[i] != 0 ? kRefinements : 0;
+      if (found_.success[i] == 0)
+        ik.max_iterations = 0;
+      else if (goal_.posture.empty())
+        ik.max_iterations = kRefinements;
       if (ik.respect_limits) keep_within_limits(tree, params, q);
-      const IkResult<double> result = solve_ik(tree, params, chain_, ik, targets_[i], q, ws);
+      const IkResult<double> result = solve_goal(tree, params, chain_, ik, goal_, targets_[i], q, ws);
       found_.success[i] = result.success;
       found_.position_error[i] = result.position_error;
       found_.rotation_error[i] = result.rotation_error;
@@ -64,28 +68,31 @@ class Search {
   static constexpr int kRefinements = 5;
 
   void attempt_block(int round, std::span<const std::size_t> block) {
-    Transform<T> target = Transform<T>::identity();
+    IkTarget<T> target{Transform<T>::identity(), Vec3<T>::zero()};
     for (int k = 0; k < W; ++k) {
       const std::size_t i =
           block[std::min(static_cast<std::size_t>(k), block.size() - 1)];  // spare lanes repeat the last
-      set_target(target, k, broadcast<float>(targets_[i]));
+      set_target(target, k, targets_[i]);
       set_start(round, i, k);
     }
-    const IkResult<T> result = solve_ik(tree_, params_, chain_, settings_.ik, target, q_.data(), ws_);
-    const T error2 = square(result.position_error) + square(result.rotation_error);
+    const IkResult<T> result = solve_goal(tree_, params_, chain_, settings_.ik, goal_, target, q_.data(), ws_);
+    const T error2 = square(constant<T>(goal_.position_weight) * result.position_error) +
+                     square(constant<T>(goal_.rotation_weight) * result.rotation_error);
     for (std::size_t at = 0; at < block.size(); ++at) keep(block[at], static_cast<int>(at), error2, result.success);
   }
 
-  static void set_target(Transform<T>& lanes, int k, const Transform<float>& target) {
-    const auto set = [k](Vec3<T>& to, const Vec3<float>& from) {
+  static void set_target(IkTarget<T>& lanes, int k, const IkTarget<double>& target) {
+    const auto set = [k](Vec3<T>& to, const Vec3<double>& wide) {
+      const Vec3<float> from = broadcast<float>(wide);
       set_lane(to.x, k, from.x);
       set_lane(to.y, k, from.y);
       set_lane(to.z, k, from.z);
     };
-    set(lanes.R.x, target.R.x);
-    set(lanes.R.y, target.R.y);
-    set(lanes.R.z, target.R.z);
-    set(lanes.p, target.p);
+    set(lanes.X_WF.R.x, target.X_WF.R.x);
+    set(lanes.X_WF.R.y, target.X_WF.R.y);
+    set(lanes.X_WF.R.z, target.X_WF.R.z);
+    set(lanes.X_WF.p, target.X_WF.p);
+    set(lanes.toward, target.toward);
   }
 
   void set_start(int round, std::size_t i, int k) {
@@ -119,7 +126,8 @@ class Search {
   }
 
   IkChain chain_;
-  std::span<const Transform<double>> targets_;
+  const IkGoal& goal_;
+  std::span<const IkTarget<double>> targets_;
   IkSearchSettings settings_;
   Tree<float> tree_;
   ParamsStorage<float> params_;
@@ -130,15 +138,42 @@ class Search {
   IkSolutions found_;
 };
 
+void require(bool holds, const std::string& otherwise) {
+  if (!holds) throw std::invalid_argument(otherwise);
+}
+
+void check(const Model& model, const IkGoal& goal, std::span<const double> start) {
+  const auto nq = static_cast<std::size_t>(model.nq());
+  const auto has_nq = [&](const char* what, std::size_t n) {
+    require(n == nq, std::string("the ") + what + " has " + std::to_string(n) + " numbers; the model's q has " +
+                         std::to_string(nq));
+  };
+  has_nq("start", start.size());
+  if (!goal.posture.empty()) has_nq("posture", goal.posture.size());
+  const bool turns = goal.orientation != IkOrientation::kFree;
+  const bool pointing = turns && goal.orientation != IkOrientation::kFull;
+  require(goal.position_weight >= 0 && is_finite(goal.position_weight),
+          "position_weight is " + std::to_string(goal.position_weight) + "; expected 0 or more");
+  require(goal.rotation_weight > 0 && is_finite(goal.rotation_weight),
+          "rotation_weight is " + std::to_string(goal.rotation_weight) + "; expected more than 0");
+  require(turns || goal.position_weight > 0, "the goal asks for no position and no orientation; give one of them");
+  require(!pointing || abs(norm(goal.axis) - 1) < 1e-6, "the goal's axis must be of unit length");
+}
+
 }  // namespace
 
 IkSolutions search_ik(const Model& model, FrameId frame, std::span<const Transform<double>> targets,
                       std::span<const double> start, const IkSearchSettings& settings) {
-  if (start.size() != static_cast<std::size_t>(model.nq())) {
-    throw std::invalid_argument("the start has " + std::to_string(start.size()) + " numbers; the model's q has " +
-                                std::to_string(model.nq()));
-  }
-  Search search(model, frame, targets, start, settings);
+  std::vector<IkTarget<double>> poses;
+  poses.reserve(targets.size());
+  for (const Transform<double>& X_WF : targets) poses.push_back({X_WF, Vec3<double>::zero()});
+  return search_ik(model, frame, IkGoal{}, poses, start, settings);
+}
+
+IkSolutions search_ik(const Model& model, FrameId frame, const IkGoal& goal, std::span<const IkTarget<double>> targets,
+                      std::span<const double> start, const IkSearchSettings& settings) {
+  check(model, goal, start);
+  Search search(model, frame, goal, targets, start, settings);
   std::vector<std::size_t> open(targets.size());
   std::iota(open.begin(), open.end(), std::size_t{0});
   for (int round = 0; round <= settings.restarts && !open.empty(); ++round) search.attempt(round, open);

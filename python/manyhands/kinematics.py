@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from manyhands._core import Model
 from manyhands._core import kinematics as _core
 from manyhands.arguments import FloatArray, finite_rows, float_arrays
-from manyhands.ik import IkResult, inverse_kinematics
+from manyhands.ik import IkResult, inverse, inverse_kinematics
 from manyhands.rigid_motions import ad, adjoint, exp3, exp6, log3, log6, matrix, pose
 
 __all__ = [
@@ -32,6 +32,7 @@ __all__ = [
     "exp3",
     "exp6",
     "forward",
+    "inverse",
     "inverse_kinematics",
     "is_singular",
     "jacobian",
