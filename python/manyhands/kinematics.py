@@ -11,7 +11,7 @@ The forms of a velocity: "mixed" is that of the frame's origin in world axes, "s
 the world's origin in world axes, "body" that of the frame's origin in the frame's axes.
 """
 
-from typing import Literal, NamedTuple, TypeAlias
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,13 +20,15 @@ from manyhands._core import Model
 from manyhands._core import kinematics as _core
 from manyhands.arguments import FloatArray, finite_rows, float_arrays
 from manyhands.ik import IkResult, inverse, inverse_kinematics
-from manyhands.rigid_motions import ad, adjoint, exp3, exp6, log3, log6, matrix, pose
+from manyhands.rigid_motions import ad, adjoint, exp3, exp6, log3, log6, matrix, pose, unit_quaternions
+from manyhands.workspace import Workspace, workspace
 
 __all__ = [
     "Form",
     "IkResult",
     "Manipulability",
     "ScrewAxes",
+    "Workspace",
     "ad",
     "adjoint",
     "exp3",
@@ -45,6 +47,7 @@ __all__ = [
     "product_of_exponentials",
     "screw_axes",
     "screw_coordinates",
+    "workspace",
 ]
 
 Form: TypeAlias = Literal["mixed", "space", "body"]
@@ -111,7 +114,7 @@ class ScrewAxes(NamedTuple):
     axes: NDArray[np.float64]
     """(6, nv) as columns, angular first; zero for dofs that do not move the frame"""
     joint: NDArray[np.int32]
-    """(nv,) whose axis it is: the axes of one joint turn at once"""
+    """(nv,) whose axis it is: the axes of one joint turn at once; `np.arange(nv)` if all turn one after the other"""
     form: Form
     """"space" or "body\""""
 
@@ -139,17 +142,21 @@ def screw_coordinates(model: Model, q: ArrayLike, q0: ArrayLike | None = None) -
     """How far each screw turns from q0 (nq,) to q (..., nq): (..., nv). Of joints with one degree of freedom that is
     q - q0, of others the logarithm of the joint's displacement."""
     rows = _configuration(model, "q", q)
-    found = _core.screw_coordinates(model, np.atleast_2d(rows.reshape(-1, model.nq)), _home(model, q0))
+    found: Any = _core.screw_coordinates(model, np.atleast_2d(rows.reshape(-1, model.nq)), _home(model, q0))
     return found.reshape(*rows.shape[:-1], model.nv)
 
 
 def product_of_exponentials(screws: ScrewAxes, theta: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The frame's pose, position (..., 3) and quaternion (..., 4), after the screws have turned by theta (..., nv):
     `forward` by another way (Lynch, Park: Modern Robotics, 2017, chapter 4)."""
-    turns = finite_rows("theta", theta, screws.axes.shape[1])
+    turns = finite_rows("theta", theta, np.shape(screws.axes)[-1])
     flat = np.ascontiguousarray(turns.reshape(-1, turns.shape[-1]))
-    axes = np.ascontiguousarray(screws.axes.T)
-    position, quaternion = _core.product_of_exponentials(
-        screws.position, screws.quaternion, axes, screws.joint, screws.form, flat
-    )
+    axes = np.ascontiguousarray(finite_rows("axes", screws.axes, 6, turns.shape[-1]).T)
+    joint = np.asarray(screws.joint, np.int32)
+    if axes.ndim != 2 or joint.shape != axes.shape[:1]:
+        raise ValueError(f"axes have shape {np.shape(screws.axes)} and joint {joint.shape}; expected (6, n) and (n,)")
+    home = finite_rows("position", screws.position, 3), unit_quaternions("quaternion", screws.quaternion)
+    if home[0].ndim != 1 or home[1].ndim != 1:
+        raise ValueError("the screws' position and quaternion must be a single pose, (3,) and (4,)")
+    position, quaternion = _core.product_of_exponentials(*home, axes, joint, screws.form, flat)
     return position.reshape(*turns.shape[:-1], 3), quaternion.reshape(*turns.shape[:-1], 4)

@@ -76,7 +76,7 @@ def adjoint(position: ArrayLike, quaternion: ArrayLike, *, inverse: bool = False
     """The matrix (..., 6, 6) that takes motions (angular, linear) in the axes and about the origin of B to those of A,
     where the pose is that of B in A; with `inverse` those of A to B. Forces go back by its transpose."""
     p, r = _poses(position, quaternion)
-    Ad = _core.adjoint(_flat(p), _flat(r))
+    Ad: Any = _core.adjoint(_flat(p), _flat(r))
     if inverse:
         rotation = Ad[:, :3, :3].swapaxes(1, 2).copy()
         Ad[:, :3, :3] = Ad[:, 3:, 3:] = rotation
@@ -108,5 +108,5 @@ def pose(T: ArrayLike) -> tuple[Array, Array]:
     last = np.abs(M[..., 3, :] - [0.0, 0.0, 0.0, 1.0]).max(initial=0.0)
     if skew > _LARGEST_SKEW or last > _LARGEST_SKEW or (np.linalg.det(R) < 0).any():
         raise ValueError("T is no rigid motion; expected a rotation, a position, and 0 0 0 1 as the last row")
-    found = _core.quaternions(np.ascontiguousarray(R.reshape(-1, 9)))
+    found: Any = _core.quaternions(np.ascontiguousarray(R.reshape(-1, 9)))
     return M[..., :3, 3].copy(), found.reshape(*M.shape[:-2], 4)

@@ -133,6 +133,16 @@ WRONG: list[tuple[Callable[[mh.Model], object], type[Exception], str]] = [
     (lambda m: kin.screw_axes(m, HAND, Q, "mixed"), ValueError, "'space' or 'body'"),  # pyright: ignore[reportArgumentType]
     (lambda m: kin.screw_coordinates(m, [np.nan] * 9), ValueError, "q must be finite"),
     (lambda m: kin.product_of_exponentials(kin.screw_axes(m, HAND), [0.0]), ValueError, r"theta has shape \(1,\)"),
+    (
+        lambda m: kin.product_of_exponentials(kin.screw_axes(m, HAND)._replace(joint=np.arange(3, dtype=np.int32)), Q),
+        ValueError,
+        r"joint \(3,\); expected",
+    ),
+    (
+        lambda m: kin.product_of_exponentials(kin.screw_axes(m, HAND)._replace(position=np.zeros((2, 3))), Q),
+        ValueError,
+        "single pose",
+    ),
     (lambda _: kin.exp3([0.0, 1.0]), ValueError, r"rotation has shape \(2,\); expected \(3,\) or \(..., 3\)"),
     (lambda _: kin.exp6([0.0] * 5 + [np.nan]), ValueError, "twist must be finite"),
     (lambda _: kin.log3([0.0] * 4), ValueError, "quaternion is shorter than 1e-06"),
