@@ -35,11 +35,15 @@ class Search {
     found_.attempts.assign(targets.size(), 0);
   }
 
-  /// One attempt for each target of `open`; keeps there those that have not been reached.
-  void attempt(int round, std::vector<std::size_t>& open) {
-    for (std::size_t first = 0; first < open.size(); first += W) {
-      attempt_block(round, std::span(open).subspan(first, std::min<std::size_t>(W, open.size() - first)));
+  /// An attempt of each of `rounds` for each target of `open`; keeps there those that have not been reached.
+  void attempt(int first_round, int rounds, std::vector<std::size_t>& open) {
+    attempts_.clear();
+    for (int round = first_round; round < first_round + rounds; ++round) {
+      for (const std::size_t i : open) attempts_.push_back({i, round});
     }
+    const std::span<const Attempt> all(attempts_);
+    for (std::size_t first = 0; first < all.size(); first += W)
+      attempt_block(all.subspan(first, std::min<std::size_t>(W, all.size() - first)));
     std::erase_if(open, [&](std::size_t i) { return found_.success[i] != 0; });
   }
 
@@ -67,10 +71,15 @@ class Search {
  private:
   static constexpr int kRefinements = 5;
 
-  void attempt_block(int round, std::span<const std::size_t> block) {
+  struct Attempt {
+    std::size_t target;
+    int round;
+  };
+
+  void attempt_block(std::span<const Attempt> block) {
     IkTarget<T> target{Transform<T>::identity(), Vec3<T>::zero()};
     for (int k = 0; k < W; ++k) {
-      const std::size_t i =
+      const auto [i, round] =
           block[std::min(static_cast<std::size_t>(k), block.size() - 1)];  // spare lanes repeat the last
       set_target(target, k, targets_[i]);
       set_start(round, i, k);
@@ -78,7 +87,8 @@ class Search {
     const IkResult<T> result = solve_goal(tree_, params_, chain_, settings_.ik, goal_, target, q_.data(), ws_);
     const T error2 = square(constant<T>(goal_.position_weight) * result.position_error) +
                      square(constant<T>(goal_.rotation_weight) * result.rotation_error);
-    for (std::size_t at = 0; at < block.size(); ++at) keep(block[at], static_cast<int>(at), error2, result.success);
+    for (std::size_t at = 0; at < block.size(); ++at)
+      keep(block[at].target, static_cast<int>(at), error2, result.success);
   }
 
   static void set_target(IkTarget<T>& lanes, int k, const IkTarget<double>& target) {
@@ -110,6 +120,7 @@ class Search {
   }
 
   void keep(std::size_t i, int k, T error2, const mask_t<T>& success) {
+    if (found_.success[i] != 0) return;  // an earlier round of the same block reached it
     ++found_.attempts[i];
     const double error = lane(error2, k);
     if (!(error < error2_[i])) return;
@@ -134,6 +145,7 @@ class Search {
   Workspace<T> ws_;
   std::vector<double> start_;
   std::vector<T> q_;
+  std::vector<Attempt> attempts_;
   std::vector<double> error2_;  ///< (n) squared, of the best attempt
   IkSolutions found_;
 };
@@ -176,7 +188,12 @@ IkSolutions search_ik(const Model& model, FrameId frame, const IkGoal& goal, std
   Search search(model, frame, goal, targets, start, settings);
   std::vector<std::size_t> open(targets.size());
   std::iota(open.begin(), open.end(), std::size_t{0});
-  for (int round = 0; round <= settings.restarts && !open.empty(); ++round) search.attempt(round, open);
+  for (int round = 0, rounds = 1; round <= settings.restarts && !open.empty(); round += rounds) {
+    // Few targets leave lanes for the next rounds; but the first often suffices, and is over soon.
+    const int spare = round == 0 ? 1 : std::max(1, W / static_cast<int>(std::min<std::size_t>(W, open.size())));
+    rounds = std::min(spare, settings.restarts - round + 1);
+    search.attempt(round, rounds, open);
+  }
   return search.finish(model);
 }
 

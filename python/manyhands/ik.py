@@ -15,6 +15,7 @@ __all__ = ["IkResult", "inverse", "inverse_kinematics"]
 Array = NDArray[np.float64]
 
 _SHORTEST = 1e-6  # of directions
+_AXIS = (0.0, 0.0, 1.0)
 
 
 class IkResult(NamedTuple):
@@ -38,7 +39,7 @@ def inverse(
     quaternion: ArrayLike | None = None,
     direction: ArrayLike | None = None,
     look_at: ArrayLike | None = None,
-    axis: ArrayLike = (0.0, 0.0, 1.0),
+    axis: ArrayLike = _AXIS,
     posture: ArrayLike | None = None,
     position_weight: float = 1.0,
     rotation_weight: float = 1.0,
@@ -82,7 +83,7 @@ def inverse(
         goal.toward,
         model.neutral_configuration() if q0 is None else q0,
         orientation=goal.orientation,
-        axis=_unit("axis", axis).tolist(),
+        axis=_unit("axis", axis).tolist() if goal.orientation in ("along", "at") else _AXIS,
         position_weight=position_weight if goal.places else 0.0,
         rotation_weight=rotation_weight,
         posture=np.zeros(0) if preferred is None else preferred,
@@ -174,18 +175,22 @@ def _goal(
         raise ValueError(f"{text} rows; expected as many rows of each, or a single one for all")
     n = next(iter(counts.values()), 1)
 
-    def rows_of(names: tuple[str, ...], otherwise: list[float]) -> Array:
-        rows = next((given[name] for name in names if name in given), otherwise)
-        return np.ascontiguousarray(np.broadcast_to(rows, (n, len(otherwise))))
+    def rows_of(width: int, *names: str) -> Array:
+        rows = next((given[name] for name in names if name in given), None)
+        if rows is None:  # of what is not asked for
+            return np.ones((n, width))
+        if rows.ndim == 1:
+            rows = rows[None] if n == 1 else np.tile(rows, (n, 1))
+        return np.ascontiguousarray(rows)
 
     kinds = {"quaternion": "full", "direction": "along", "look_at": "at"}
     return _Goal(
         orientation=next((kind for name, kind in kinds.items() if name in given), "free"),
         places=position is not None,
         is_single=not counts,
-        position=rows_of(("position",), [0.0, 0.0, 0.0]),
-        quaternion=rows_of(("quaternion",), [0.0, 0.0, 0.0, 1.0]),
-        toward=rows_of(("direction", "look_at"), [0.0, 0.0, 0.0]),
+        position=rows_of(3, "position"),
+        quaternion=rows_of(4, "quaternion"),
+        toward=rows_of(3, "direction", "look_at"),
     )
 
 

@@ -26,7 +26,7 @@ _LARGEST_SKEW = 1e-6
 def unit_quaternions(name: str, values: ArrayLike) -> Array:
     """Values as quaternions (..., 4) of any length that leaves no direction open."""
     quaternions = finite_rows(name, values, 4)
-    if (np.linalg.norm(quaternions, axis=-1) < _SHORTEST_QUATERNION).any():
+    if ((quaternions * quaternions).sum(-1) < _SHORTEST_QUATERNION**2).any():
         raise ValueError(f"a {name} is shorter than {_SHORTEST_QUATERNION:g}, which leaves its direction open")
     return quaternions
 
