@@ -123,9 +123,10 @@ class Search {
     if (found_.success[i] != 0) return;  // an earlier round of the same block reached it
     ++found_.attempts[i];
     const double error = lane(error2, k);
-    if (!(error < error2_[i])) return;
+    const bool reached = lane(success, k);  // counts more than a smaller sum of errors
+    if (!reached && !(error < error2_[i])) return;
     error2_[i] = error;
-    found_.success[i] = lane(success, k);
+    found_.success[i] = reached;
     for (std::size_t j = 0; j < q_.size(); ++j) found_.q[i * q_.size() + j] = static_cast<double>(lane(q_[j], k));
   }
 
