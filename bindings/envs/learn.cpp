@@ -112,6 +112,12 @@ void visit_settings(Visit&& visit) {
         "Only where the first critic prefers the expert's action to the policy's.");
   visit("differences", &C::differences,
         "Pairs (i, k): the network also sees o[i:i+3] - o[k:k+3] of an observation o, as fine as 2 cm.");
+  visit("cloning_half_life", &C::cloning_half_life,
+        "Gradient steps after which cloning_weight counts half as much; 0: it stays.");
+  visit("initial_std", &C::initial_std, "PPO: standard deviation of the actions that are drawn, at first.");
+  visit("cube_rotation", &C::cube_rotation,
+        "Where in an observation the quaternion of a cube is that the goal wants: the network also sees the rotation "
+        "between the two, and how the cube lies whichever of its faces is which. -1: there is none.");
   visit("input_clip", &C::input_clip, "Largest normalised network input, in standard deviations.");
   visit("privileged_critic", &C::privileged_critic,
         "Critics see what the environment has randomised, too; the policy does not.");
@@ -244,19 +250,25 @@ void bind_policy(nb::module_& m) {
       "The deterministic policy as arrays: y = W_L act(... act(W_1 z + b_1) ...) + b_L, of which `output` makes an "
       "action: tanh(y), clip(y, -1, 1) or the index of the largest; with z = clip((x - mean) * scale, -clip, clip) and "
       "x = [observation, desired_goal, desired_goal - "
-      "achieved_goal, observation[i:i+3] - observation[k:k+3] for each pair of differences].")
+      "achieved_goal, the rotation between a cube's pose and its goal and the cube's moments if there is one, "
+      "observation[i:i+3] - observation[k:k+3] for each pair of differences].")
       .def_ro("env_id", &Policy::env_id, "The environment it was learned in; empty if that is not known.")
       .def_ro("observation_dim", &Policy::observation_dim)
       .def_ro("goal_dim", &Policy::goal_dim)
       .def_ro("action_dim", &Policy::action_dim)
       .def_ro("clip", &Policy::clip)
-      .def_ro("differences", &Policy::differences, "Pairs (i, k), one after the other.")
+      .def_prop_ro(
+          "differences", [](const Policy& policy) { return policy.relations.differences; },
+          "Pairs (i, k), one after the other.")
+      .def_prop_ro(
+          "cube_rotation", [](const Policy& policy) { return policy.relations.cube_rotation; },
+          "Where in an observation a cube's quaternion is that the goal wants, or -1.")
       .def_prop_ro(
           "mean", [](const Policy& policy) { return copied(policy.mean.data(), {policy.mean.size()}); },
-          nb::sig("def mean(self) -> numpy.typing.NDArray[numpy.float32]"), "(observation_dim + 2 goal_dim + 3 pairs)")
+          nb::sig("def mean(self) -> numpy.typing.NDArray[numpy.float32]"), "(inputs)")
       .def_prop_ro(
           "scale", [](const Policy& policy) { return copied(policy.scale.data(), {policy.scale.size()}); },
-          nb::sig("def scale(self) -> numpy.typing.NDArray[numpy.float32]"), "(observation_dim + 2 goal_dim + 3 pairs)")
+          nb::sig("def scale(self) -> numpy.typing.NDArray[numpy.float32]"), "(inputs)")
       .def_prop_ro(
           "activation", [](const Policy& policy) { return text_of(policy.activation); }, "relu or tanh.")
       .def_prop_ro(

@@ -45,7 +45,7 @@ Actor::Actor(PolicyKind kind, int state_dim, int outputs, const TrainerConfig& c
            kind == PolicyKind::kDeterministic ? OutputActivation::kTanh : OutputActivation::kLinear,
            config.activation) {
   net_.initialise(derive_seed(config.seed, Purpose::kActorSeed, 0), kLastLayerScale);
-  if (kind == PolicyKind::kGaussian) log_std_.setZero(outputs);
+  if (kind == PolicyKind::kGaussian) log_std_.setConstant(outputs, std::log(config.initial_std));
 }
 
 Actor::Actor(PolicyKind kind, Mlp<float> net) : kind_(kind), outputs_(net.sizes().back()), net_(std::move(net)) {

@@ -145,7 +145,7 @@ void Agent::clone_expert(Half& half) const {
     const Matrix<float>& expert = critics_.first_values(half.batch.state, half.batch.advice, half.critics);
     half.cloned.array() *= (expert.row(0).transpose().array() > half.critics.value.array()).cast<float>();
   }
-  const float weight = 2 * config_.cloning_weight / static_cast<float>(config_.batch_size);
+  const float weight = 2 * config_.cloning_weight_at(gradient_steps_) / static_cast<float>(config_.batch_size);
   for (Eigen::Index i = 0; i < half.cloned.size(); ++i) {
     half.actor.output_gradient().col(i) +=
         weight * half.cloned[i] * (half.actor.output().col(i) - half.batch.advice.col(i));

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace manyhands::learn {
 
@@ -14,19 +15,15 @@ constexpr float kNear = 0.02f;
 
 }  // namespace
 
-InputNormaliser::InputNormaliser(int observation_dim, int goal_dim, float clip, std::vector<int> differences,
+InputNormaliser::InputNormaliser(int observation_dim, int goal_dim, float clip, Relations relations,
                                  double least_deviation)
     : observation_dim_(observation_dim),
       goal_dim_(goal_dim),
       clip_(clip),
       least_deviation_(least_deviation),
-      differences_(std::move(differences)) {
-  for (const int i : differences_) {
-    if (i >= 0 && i + 3 <= observation_dim) continue;
-    throw std::invalid_argument("differences: three numbers from " + std::to_string(i) +
-                                " on are not within an observation of " + std::to_string(observation_dim));
-  }
-  const int measured = observation_dim + 2 * goal_dim, fixed = 3 * static_cast<int>(differences_.size() / 2);
+      relations_(std::move(relations)) {
+  relations_.require_fit(observation_dim, goal_dim);
+  const int measured = observation_dim + 2 * goal_dim + relations_.rotation_dim(), fixed = relations_.difference_dim();
   running_mean_.setZero(measured);
   sum_of_squares_.setZero(measured);
   mean_.setZero(measured + fixed);
@@ -35,9 +32,9 @@ InputNormaliser::InputNormaliser(int observation_dim, int goal_dim, float clip, 
   raw_.setZero(measured + fixed);
 }
 
-InputNormaliser::InputNormaliser(int observation_dim, int goal_dim, float clip, std::vector<int> differences,
+InputNormaliser::InputNormaliser(int observation_dim, int goal_dim, float clip, Relations relations,
                                  std::span<const float> mean, std::span<const float> scale)
-    : InputNormaliser(observation_dim, goal_dim, clip, std::move(differences)) {
+    : InputNormaliser(observation_dim, goal_dim, clip, std::move(relations)) {
   if (mean.size() != static_cast<std::size_t>(dim()) || scale.size() != mean.size()) {
     throw std::invalid_argument("mean and scale are of " + std::to_string(mean.size()) + " and " +
                                 std::to_string(scale.size()) + " inputs, not of " + std::to_string(dim()));
@@ -51,9 +48,7 @@ void InputNormaliser::write_raw(const float* observation, const float* achieved_
   x = std::copy_n(observation, observation_dim_, x);
   x = std::copy_n(desired_goal, goal_dim_, x);
   for (int i = 0; i < goal_dim_; ++i) *x++ = desired_goal[i] - achieved_goal[i];
-  for (std::size_t pair = 0; pair < differences_.size(); pair += 2) {
-    for (int i = 0; i < 3; ++i) *x++ = observation[differences_[pair] + i] - observation[differences_[pair + 1] + i];
-  }
+  relations_.write(observation, desired_goal, x);
 }
 
 void InputNormaliser::add(const float* observation, const float* achieved_goal, const float* desired_goal) {

@@ -55,9 +55,10 @@ std::vector<Policy::Kernels> export_eye(const Encoder<float>& encoder) {
 void Policy::validate() const {
   const auto count = [](int n) { return static_cast<std::size_t>(n); };
   require(observation_dim > 0 && goal_dim >= 0 && action_dim > 0, "its sizes are not positive");
-  require(differences.size() % 2 == 0, "a difference has no second part");
-  for (const int i : differences) require(i >= 0 && i + 3 <= observation_dim, "a difference is not of the observation");
-  const std::size_t inputs = count(observation_dim) + 2 * count(goal_dim) + 3 * differences.size() / 2;
+  require(relations.differences.size() % 2 == 0, "a difference has no second part");
+  relations.require_fit(observation_dim, goal_dim);
+  const std::size_t inputs =
+      count(observation_dim + 2 * goal_dim + relations.rotation_dim() + relations.difference_dim());
   require(mean.size() == inputs && scale.size() == inputs,
           "mean and scale are not of its " + std::to_string(inputs) + " inputs");
   require(finite(mean) && finite(scale) && clip > 0 && std::isfinite(clip), "its inputs are scaled without end");
@@ -82,7 +83,7 @@ Policy export_policy(const EnvSpec& spec, const InputNormaliser& normaliser, con
                    .mean = copied(normaliser.mean()),
                    .scale = copied(normaliser.scale()),
                    .clip = normaliser.clip(),
-                   .differences = normaliser.differences(),
+                   .relations = normaliser.relations(),
                    .activation = actor.net().hidden(),
                    .output = output_of(actor.kind()),
                    .layers = {}};
@@ -103,7 +104,7 @@ Policy export_policy(const EnvSpec& spec, const InputNormaliser& normaliser, con
                    .mean = copied(mean),
                    .scale = copied(scale),
                    .clip = normaliser.clip(),
-                   .differences = {},
+                   .relations = {},
                    .activation = net.head().hidden(),
                    .output = PolicyOutput::kTanh,
                    .layers = {},

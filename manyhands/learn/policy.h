@@ -20,7 +20,7 @@ enum class PolicyOutput {
 
 /// The deterministic policy: y = W_L act(... act(W_1 z + b_1) ...) + b_L, of which `output` makes an action, with
 /// z = clip((x - mean) * scale, -clip, clip) and x = [observation, desired_goal, desired_goal - achieved_goal,
-/// observation[i, i + 3) - observation[k, k + 3) for each pair of `differences`].
+/// `relations`].
 ///
 /// With `eyes` it sees pictures: W_1 acts on [features of each eye, z], and x is what the robot knows of itself alone,
 /// the first observation_dim numbers of an observation; goal_dim is 0. Features are what convolutions, each followed by
@@ -38,9 +38,9 @@ struct Policy {
   };
   std::string env_id;  ///< the environment it was learned in; empty if that is not known
   int observation_dim{}, goal_dim{}, action_dim{};
-  std::vector<float> mean, scale;  ///< (observation_dim + 2 goal_dim + 3 pairs)
+  std::vector<float> mean, scale;  ///< (inputs): the length of x
   float clip{};
-  std::vector<int> differences;  ///< pairs (i, k)
+  Relations relations;
   HiddenActivation activation{};
   PolicyOutput output{};
   std::vector<Layer> layers;

@@ -186,6 +186,9 @@ class Operations {
     return graph_.constants.at(node.inputs[input]);
   }
 
+  /// Whether the next operation gives this value.
+  [[nodiscard]] bool begins(const char* value) const { return !done() && graph_.nodes[next_].outputs.front() == value; }
+
   [[nodiscard]] bool done() const { return next_ == graph_.nodes.size(); }
 
   [[noreturn]] void fail() const {
@@ -212,6 +215,18 @@ std::vector<int> differences_of(const Array& matrix) {
     pairs.insert(pairs.end(), {plus, minus});
   }
   return pairs;
+}
+
+/// Where the quaternion is, from the matrix that takes it; what is made of it is always the same.
+int take_cube_rotation(Operations& operations) {
+  const Array& matrix = operations.constant(operations.take("MatMul"), 1);
+  std::size_t row = 0;
+  while (row < matrix.rows && matrix.values[row * matrix.columns] == 0) ++row;
+  while (!operations.begins("cube_moments")) {
+    if (operations.take_if("Mul") == nullptr) operations.take("MatMul");
+  }
+  operations.take("MatMul");
+  return static_cast<int>(row);
 }
 
 Policy::Layer layer_of(const Array& weight, const Array& bias) {
@@ -242,9 +257,11 @@ Policy policy_of(const Graph& graph) {
   policy.env_id = graph.env_id;
   policy.observation_dim = size("observation");
   policy.goal_dim = size("desired_goal");
+  if (operations.begins("cube_quaternion")) policy.relations.cube_rotation = take_cube_rotation(operations);
   if (policy.goal_dim > 0) operations.take("Sub");
-  if (const Node* node = operations.take_if("MatMul"))
-    policy.differences = differences_of(operations.constant(*node, 1));
+  if (const Node* node = operations.take_if("MatMul")) {
+    policy.relations.differences = differences_of(operations.constant(*node, 1));
+  }
   operations.take("Concat");
   policy.mean = operations.constant(operations.take("Sub"), 1).values;
   policy.scale = operations.constant(operations.take("Mul"), 1).values;

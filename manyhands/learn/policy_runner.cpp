@@ -42,7 +42,7 @@ const Policy& validated(const Policy& policy) {
 PolicyRunner::PolicyRunner(const Policy& policy)
     : observation_dim_(validated(policy).observation_dim),
       goal_dim_(policy.goal_dim),
-      normaliser_(policy.observation_dim, policy.goal_dim, policy.clip, policy.differences, policy.mean, policy.scale),
+      normaliser_(policy.observation_dim, policy.goal_dim, policy.clip, policy.relations, policy.mean, policy.scale),
       actor_(kind_of(policy.output), network_of(policy)) {}
 
 void PolicyRunner::act(std::span<const float> observation, std::span<const float> achieved_goal,

@@ -26,19 +26,25 @@ Ppo::Ppo(const EnvSpec& spec, int num_worlds, int input_dim, const TrainerConfig
       privileged_(spec, config),
       actor_(policy_kind(Algorithm::kPpo, spec.choices), input_dim, spec.choices > 0 ? spec.choices : spec.action_dim,
              config),
+      average_(actor_),
       value_(layer_sizes(input_dim + privileged_.dim(), config.hidden_layers, 1), OutputActivation::kLinear,
              config.activation),
       actor_optimiser_(optimiser(actor_.net().num_parameters(), config.actor_learning_rate)),
       value_optimiser_(optimiser(value_.num_parameters(), config.critic_learning_rate)),
       log_std_optimiser_(optimiser(static_cast<int>(actor_.log_std().size()), config.actor_learning_rate)),
       reward_scale_(num_worlds, static_cast<float>(config.gamma), config.scale_rewards),
-      rollout_(config.rollout_steps, num_worlds, input_dim + privileged_.dim(), actor_.action_dim()),
+      rollout_(config.rollout_steps, num_worlds, input_dim + privileged_.dim(), actor_.action_dim(),
+               config.cloning_weight > 0 ? actor_.action_dim() : 0),
       acting_(actor_.make_tape(num_worlds)),
       valuing_(value_.make_tape(num_worlds)) {
   if (rollout_.size() < config.batch_size) {
     throw std::invalid_argument("TrainerConfig: batch_size is " + std::to_string(config.batch_size) + ", but " +
                                 std::to_string(num_worlds) + " worlds make " + std::to_string(rollout_.size()) +
                                 " transitions in rollout_steps of " + std::to_string(config.rollout_steps));
+  }
+  if (spec.choices > 0 && config.cloning_weight > 0) {
+    throw std::invalid_argument("TrainerConfig: cloning_weight is not 0, but " + spec.id +
+                                " has discrete actions, of which there is no distance to an expert's");
   }
   value_.initialise(derive_seed(config.seed, Purpose::kCriticSeed, 0), 1.0f);
   for (Half& half : halves_) {
@@ -66,6 +72,10 @@ void Ppo::choose_actions(const Collector& worlds, const InputNormaliser& normali
   const int begin = rollout_.filled * rollout_.worlds;
   rollout_.state.middleCols(begin, rollout_.worlds) = valuing_.input();
   rollout_.action.middleCols(begin, rollout_.worlds) = action;
+  if (rollout_.advice.size() > 0) {
+    rollout_.advice.middleCols(begin, rollout_.worlds) =
+        Eigen::Map<const Matrix<float>>(worlds.advice().data(), rollout_.advice.rows(), rollout_.worlds);
+  }
   rollout_.value.segment(begin, rollout_.worlds) = valuing_.output().row(0).transpose();
   const ActionDistribution<float> policy{actor_.kind(), acting_.output(), actor_.log_std()};
   for (int w = 0; w < rollout_.worlds; ++w) {
@@ -143,11 +153,13 @@ void Ppo::update(std::span<const int> rows, Halves& halves, LearnStats& stats) {
 }
 
 /// Of the mean of -min(r A, clip(r, 1 - c, 1 + c) A) - entropy_weight H + value_weight (V - target)^2 over every second
-/// row, with r = pi(a|s) / pi_old(a|s).
+/// row, with r = pi(a|s) / pi_old(a|s); and where an expert is asked of cloning_weight |mean - its action|^2
+/// (Rajeswaran et al., DAPG, 2018, with advice in the policy's own states).
 void Ppo::compute_gradients(std::span<const int> rows, int index) {
   Half& half = halves_[static_cast<std::size_t>(index)];
   const Eigen::Index columns = half.actor.input().cols();
   const float weight = 1.0f / static_cast<float>(config_.batch_size);
+  const float cloning = 2 * weight * config_.cloning_weight_at(gradient_steps());
   const auto row_of = [&](Eigen::Index column) { return rows[static_cast<std::size_t>(2 * column + index)]; };
   for (Eigen::Index i = 0; i < columns; ++i) half.value.input().col(i) = rollout_.state.col(row_of(i));
   half.actor.input() = half.value.input().topRows(half.actor.input().rows());
@@ -165,6 +177,9 @@ void Ppo::compute_gradients(std::span<const int> rows, int index) {
     const bool clipped = advantage > 0 ? ratio > 1 + config_.clip_range : ratio < 1 - config_.clip_range;
     policy.backward(i, action, clipped ? 0.0f : -weight * ratio * advantage, -weight * config_.entropy_weight,
                     half.actor.output_gradient(), half.log_std_gradient);
+    if (rollout_.advice.size() > 0) {
+      half.actor.output_gradient().col(i) += cloning * (half.actor.output().col(i) - rollout_.advice.col(row));
+    }
     const float error = half.value.output()(0, i) - rollout_.value_target[row];
     half.value.output_gradient()(0, i) = 2 * weight * config_.value_weight * error;
     half.squared_error += static_cast<double>(error * error);
@@ -203,15 +218,20 @@ void Ppo::step(Halves& halves) {
       gradient.segment(begin, end - begin) *= scale;
       adam.apply(parameters, gradient, begin, end);
     });
+    const auto [begin, end] = part_of(actor_.net().num_parameters(), part);
+    polyak_average(average_.net().parameters(), actor_.net().parameters(), config_.target_rate, begin, end);
   });
   sum.log_std_gradient *= scale;
   log_std_optimiser_.apply(actor_.log_std(), sum.log_std_gradient, 0, static_cast<int>(actor_.log_std().size()));
+  average_.log_std() = actor_.log_std();
 }
 
 void Ppo::save(ArchiveWriter& out, bool /*with_replay*/) const {
   privileged_.save(out);
   out.array(floats(actor_.net().parameters()));
   out.array(floats(actor_.log_std()));
+  out.array(floats(average_.net().parameters()));
+  out.array(floats(average_.log_std()));
   out.array(floats(value_.parameters()));
   for (const Adam<float>* adam : {&actor_optimiser_, &value_optimiser_, &log_std_optimiser_}) {
     save_optimiser(*adam, out);
@@ -225,6 +245,8 @@ void Ppo::load(ArchiveReader& in) {
   privileged_.load(in);
   in.array(floats(actor_.net().parameters()));
   in.array(floats(actor_.log_std()));
+  in.array(floats(average_.net().parameters()));
+  in.array(floats(average_.log_std()));
   in.array(floats(value_.parameters()));
   for (Adam<float>* adam : {&actor_optimiser_, &value_optimiser_, &log_std_optimiser_}) load_optimiser(*adam, in);
   reward_scale_.load(in);

@@ -18,7 +18,7 @@ class Ppo final : public Learner {
  public:
   Ppo(const EnvSpec& spec, int num_worlds, int input_dim, const TrainerConfig& config);
 
-  [[nodiscard]] const Actor* actor() const override { return &actor_; }
+  [[nodiscard]] const Actor* actor() const override { return config_.average_policy ? &average_ : &actor_; }
   [[nodiscard]] std::int64_t gradient_steps() const override { return actor_optimiser_.step_count(); }
 
   void choose_actions(const Collector& worlds, const InputNormaliser& normaliser, std::int64_t iteration,
@@ -45,7 +45,7 @@ class Ppo final : public Learner {
 
   TrainerConfig config_;
   PrivilegedInput privileged_;
-  Actor actor_;
+  Actor actor_, average_;  // the latter a running mean of the former
   Mlp<float> value_;
   Adam<float> actor_optimiser_, value_optimiser_, log_std_optimiser_;
   RewardScale reward_scale_;

@@ -4,10 +4,11 @@
 
 namespace manyhands::learn {
 
-Rollout::Rollout(int length, int count, int state_dim, int action_dim) : steps(length), worlds(count) {
+Rollout::Rollout(int length, int count, int state_dim, int action_dim, int advice_dim) : steps(length), worlds(count) {
   const int n = steps * worlds;
   state.setZero(state_dim, n);
   action.setZero(action_dim, n);
+  advice.setZero(advice_dim, n);
   for (Vector<float>* v : {&log_probability, &value, &reward, &last_value, &advantage, &value_target}) v->setZero(n);
   ended.assign(static_cast<std::size_t>(n), 0);
 }
@@ -31,7 +32,7 @@ void Rollout::set_advantages(const Vector<float>& value_now, float gamma, float 
 
 void Rollout::save(ArchiveWriter& out) const {
   out.value(filled);
-  for (const Matrix<float>* m : {&state, &action}) out.array(floats(*m));
+  for (const Matrix<float>* m : {&state, &action, &advice}) out.array(floats(*m));
   for (const Vector<float>* v : {&log_probability, &value, &reward, &last_value}) out.array(floats(*v));
   out.array(std::span(ended));
 }
@@ -39,7 +40,7 @@ void Rollout::save(ArchiveWriter& out) const {
 void Rollout::load(ArchiveReader& in) {
   in.value(filled);
   in.check(filled >= 0 && filled <= steps, "a rollout has a wrong length");
-  for (Matrix<float>* m : {&state, &action}) in.array(floats(*m));
+  for (Matrix<float>* m : {&state, &action, &advice}) in.array(floats(*m));
   for (Vector<float>* v : {&log_probability, &value, &reward, &last_value}) in.array(floats(*v));
   in.array(std::span(ended));
 }

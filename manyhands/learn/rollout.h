@@ -13,7 +13,8 @@ namespace manyhands::learn {
 
 /// Steps of all worlds: step t of world w is column t * worlds + w.
 struct Rollout {
-  Rollout(int length, int count, int state_dim, int action_dim);
+  /// advice_dim: action_dim if an expert is asked, else 0.
+  Rollout(int length, int count, int state_dim, int action_dim, int advice_dim);
 
   [[nodiscard]] int size() const { return static_cast<int>(reward.size()); }
   [[nodiscard]] bool full() const { return filled == steps; }
@@ -27,6 +28,7 @@ struct Rollout {
 
   int steps, worlds, filled = 0;
   Matrix<float> state, action;                   ///< (state_dim, n), (action_dim, n)
+  Matrix<float> advice;                          ///< (advice_dim, n), what the expert would have done
   Vector<float> log_probability, value, reward;  ///< (n)
   std::vector<std::uint8_t> ended;               ///< (n), with this step its episode
   Vector<float> last_value;                      ///< (n), where it ended, of the last state; 0 if it was terminated

@@ -60,7 +60,7 @@ Message write_order(const Actor& actor, const InputNormaliser& normaliser, std::
 }
 
 Share::Share(EnvBatch& envs, Expert* expert, const TrainerConfig& config, int first)
-    : normaliser_(envs.spec().observation_dim, envs.spec().goal_dim, config.input_clip, config.differences),
+    : normaliser_(envs.spec().observation_dim, envs.spec().goal_dim, config.input_clip, config.relations()),
       actor_(policy_kind(config.algorithm, envs.spec().choices), normaliser_.dim(), envs.spec().action_dim,
              config_of_share(config, first)),
       collector_(envs, config.wants_expert() ? expert : nullptr, config_of_share(config, first).seed),

@@ -47,7 +47,7 @@ Trainer::Trainer(EnvBatch& envs, EnvBatch* evaluation, const TrainerConfig& conf
       evaluation_(evaluation),
       eyes_(eyes),
       collector_(envs, wanted_expert(expert, config_, spec_), config.seed),
-      normaliser_(spec_.observation_dim, spec_.goal_dim, config.input_clip, config.differences),
+      normaliser_(spec_.observation_dim, spec_.goal_dim, config.input_clip, config.relations()),
       learner_(make_learner(envs, normaliser_.dim(), config_, eyes_)),
       halves_(std::make_unique<Halves>(config.num_threads)),
       actions_(Matrix<float>::Zero(spec_.action_dim, envs.num_envs())) {

@@ -48,6 +48,7 @@ void Trainer::save_shape(ArchiveWriter& out) const {
   for (const int units : config_.hidden_layers) out.value(units);
   out.value(static_cast<int>(config_.differences.size()));
   for (const int i : config_.differences) out.value(i);
+  out.value(config_.cube_rotation);
 }
 
 void Trainer::expect_shape(ArchiveReader& in) const {
@@ -69,6 +70,7 @@ void Trainer::expect_shape(ArchiveReader& in) const {
   for (const int units : config_.hidden_layers) in.expect("hidden layer size", units);
   in.expect("length of differences", static_cast<int>(config_.differences.size()));
   for (const int i : config_.differences) in.expect("index in differences", i);
+  in.expect("cube_rotation", config_.cube_rotation);
 }
 
 void Trainer::save(const std::filesystem::path& path, bool with_replay) const {

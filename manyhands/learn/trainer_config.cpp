@@ -28,6 +28,12 @@ void require_at_least(const char* field, int value, int least) {
   require(value >= least, field, value, ("at least " + std::to_string(least)).c_str());
 }
 
+/// 1, 1/2 after the half-life, ...; without one always 1.
+float halved(std::int64_t steps, int half_life) {
+  if (half_life == 0) return 1;
+  return static_cast<float>(std::exp2(-static_cast<double>(steps) / half_life));
+}
+
 }  // namespace
 
 void TrainerConfig::validate() const {
@@ -56,6 +62,7 @@ void TrainerConfig::validate() const {
   require_range("cloning_weight", cloning_weight, 0.0f, 1e6f);
   require(differences.size() % 2 == 0, "the length of differences", differences.size(), "even, two for each pair");
   for (const int i : differences) require_at_least("an index in differences", i, 0);
+  require_at_least("cube_rotation", cube_rotation, -1);
   require(input_clip > 0 && std::isfinite(input_clip), "input_clip", input_clip, "positive");
   require_at_least("rollout_steps", rollout_steps, 1);
   require_at_least("epochs", epochs, 1);
@@ -77,12 +84,16 @@ void TrainerConfig::validate() const {
   require_range("expert_rate", expert_rate, 0.0, 1.0);
   require_range("exploration_noise", exploration_noise, 0.0f, 10.0f);
   require_range("random_action_rate", random_action_rate, 0.0, 1.0);
-  require(algorithm != Algorithm::kPpo || !wants_expert(), "algorithm", "PPO",
-          "TD3, SAC or DAgger where expert_rate or cloning_weight ask for an expert");
+  require(algorithm != Algorithm::kPpo || expert_rate == 0, "expert_rate", expert_rate,
+          "0 with PPO, which learns from what its own policy does");
+  require(initial_std > 0 && initial_std <= 10, "initial_std", initial_std, "in (0, 10]");
+  require_at_least("cloning_half_life", cloning_half_life, 0);
   require(algorithm != Algorithm::kDagger || (cloning_weight > 0 && !cloning_filter), "cloning_weight", cloning_weight,
           "positive, and cloning_filter false, with DAgger, which learns from the expert alone");
-  require(algorithm == Algorithm::kTd3 || algorithm == Algorithm::kDagger || (cloning_weight == 0 && policy_delay == 1),
-          "algorithm", "not TD3", "TD3 where cloning_weight is not 0 or policy_delay not 1");
+  require(algorithm == Algorithm::kTd3 || algorithm == Algorithm::kDagger || policy_delay == 1, "policy_delay",
+          policy_delay, "1 with SAC and PPO");
+  require(algorithm != Algorithm::kSac || cloning_weight == 0, "cloning_weight", cloning_weight,
+          "0 with SAC; TD3, PPO and DAgger are drawn to the expert");
   require_at_least("round_steps", round_steps, 1);
   require_at_least("evaluation_interval", evaluation_interval, 1);
   require_at_least("evaluation_episodes", evaluation_episodes, 1);
@@ -91,8 +102,11 @@ void TrainerConfig::validate() const {
 }
 
 float TrainerConfig::rate_scale(std::int64_t gradient_steps) const {
-  if (learning_rate_half_life == 0) return 1;
-  return static_cast<float>(std::exp2(-static_cast<double>(gradient_steps) / learning_rate_half_life));
+  return halved(gradient_steps, learning_rate_half_life);
+}
+
+float TrainerConfig::cloning_weight_at(std::int64_t gradient_steps) const {
+  return cloning_weight * halved(gradient_steps, cloning_half_life);
 }
 
 }  // namespace manyhands::learn

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "manyhands/learn/mlp.h"
+#include "manyhands/learn/relations.h"
 
 namespace manyhands::learn {
 
@@ -31,7 +32,7 @@ struct TrainerConfig {
   float critic_learning_rate = 1e-3f;
   int learning_rate_half_life = 0;  ///< gradient steps after which learning rates are half as large; 0: they stay
   int policy_delay = 1;             ///< critic steps per policy (and target) step; TD3: 2
-  bool average_policy = false;      ///< act by the policy's target network, a running mean of its weights
+  bool average_policy = false;      ///< act by a running mean of the policy's weights: TD3's target network
   float target_noise = 0.0f;        ///< standard deviation of the smoothing noise on target actions; TD3: 0.2
   float target_noise_clip = 0.5f;   ///< its largest magnitude
   float action_penalty = 0.0f;      ///< weight of |action|^2 in the policy's loss
@@ -42,10 +43,12 @@ struct TrainerConfig {
   float target_entropy = 0.0f;      ///< SAC: of the policy; 0: -action_dim
   float cloning_weight = 0.0f;      ///< in the policy's loss, of |action - the expert's|^2 where the goal is the task's
   bool cloning_filter = true;       ///< only where the first critic prefers the expert's action to the policy's
+  int cloning_half_life = 0;        ///< gradient steps after which cloning_weight counts half as much; 0: it stays
   /// Pairs (i, k): the network also sees o[i, i + 3) - o[k, k + 3) of an observation o, as fine as 2 cm: where a hand
   /// must be within millimetres of something, both of which it knows to a tenth of a metre.
   std::vector<int> differences = {};
-  float input_clip = 5.0f;         ///< largest normalised network input, in standard deviations
+  int cube_rotation = -1;   ///< where in an observation a cube's quaternion is that the goal wants, see `Relations`
+  float input_clip = 5.0f;  ///< largest normalised network input, in standard deviations
   bool privileged_critic = false;  ///< critics see what the environment has randomised, too; the policy does not
 
   // PPO
@@ -53,6 +56,7 @@ struct TrainerConfig {
   int epochs = 10;                 ///< how often an update goes through them
   double gae_lambda = 0.95;        ///< of the advantages, in [0, 1]
   float clip_range = 0.2f;         ///< by which a probability may change in one update, as a part of it
+  float initial_std = 1.0f;        ///< of the actions that are drawn, at first
   float entropy_weight = 0.0f;     ///< in the loss, of -entropy
   float value_weight = 0.5f;       ///< in the loss, of the squared error of the value
   float max_gradient_norm = 0.5f;  ///< of policy and value together; longer ones are shortened
@@ -85,8 +89,13 @@ struct TrainerConfig {
   /// Throws std::invalid_argument naming the first field that makes no sense, its value and what would.
   void validate() const;
 
+  [[nodiscard]] Relations relations() const { return {differences, cube_rotation}; }
+
   /// What the learning rates are multiplied with after so many gradient steps.
   [[nodiscard]] float rate_scale(std::int64_t gradient_steps) const;
+
+  /// `cloning_weight` after so many gradient steps.
+  [[nodiscard]] float cloning_weight_at(std::int64_t gradient_steps) const;
 
   /// Whether something here asks for the task's expert.
   [[nodiscard]] bool wants_expert() const { return expert_rate > 0 || cloning_weight > 0; }

@@ -98,6 +98,28 @@ TEST_P(Experts, KeepToTheRangeOfActions) {
   for (const float a : action) EXPECT_LE(std::abs(a), 1.0f);
 }
 
+TEST(MakeAdviser, RemembersNothingAndSolvesFlipMostly) {
+  constexpr int n = 256;
+  const auto envs = make_env_batch("PandaFlip-v3", n);
+  const auto adviser = make_adviser("PandaFlip-v3");
+  const std::vector<int> success = play(*envs, *adviser, 7);
+  EXPECT_GT(std::ranges::count_if(success, [](int step) { return step > 0; }), 0.75 * n);
+  envs->reset({}, seeds_from(100, n));
+  std::vector<float> action(4 * n), fresh(4 * n);
+  for (int step = 0; step < 20; ++step) {
+    adviser->act(*envs, action);
+    make_adviser("PandaFlip-v3")->act(*envs, fresh);
+    ASSERT_EQ(action, fresh) << step;
+    envs->step(action);
+  }
+}
+
+TEST(MakeAdviser, IsTheExpertElsewhere) {
+  const auto envs = make_env_batch("PandaStack-v3", 8);
+  EXPECT_EQ(play(*envs, *make_adviser("PandaStack-v3"), 3), play(*envs, *make_expert("PandaStack-v3"), 3));
+  EXPECT_THROW((void)make_adviser("PandaPull-v3"), std::invalid_argument);
+}
+
 TEST(MakeExpert, RefusesWhatItDoesNotKnow) {
   try {
     (void)make_expert("PandaPull-v3");

@@ -44,7 +44,7 @@ TEST(InputNormaliser, LaysOutObservationGoalAndTheWayToItAndClips) {
 }
 
 TEST(InputNormaliser, SeesDifferencesWithinTheObservationAsFineAsTwoCentimetres) {
-  InputNormaliser normaliser(7, 1, 5.0f, {4, 0, 0, 3});
+  InputNormaliser normaliser(7, 1, 5.0f, {.differences = {4, 0, 0, 3}});
   ASSERT_EQ(normaliser.dim(), 7 + 2 + 6);
   const std::array<float, 7> observation = {0.1f, 0.2f, 0.3f, 0.4f, 0.11f, 0.18f, 0.9f};
   const float goal = 1, achieved = 0.5f;
@@ -58,9 +58,23 @@ TEST(InputNormaliser, SeesDifferencesWithinTheObservationAsFineAsTwoCentimetres)
   EXPECT_EQ(z[0], 0.0f) << "the rest is measured";
 }
 
-TEST(InputNormaliser, RefusesDifferencesOutsideOfTheObservation) {
-  EXPECT_THROW(InputNormaliser(7, 1, 5.0f, {5, 0}), std::invalid_argument);
-  EXPECT_NO_THROW(InputNormaliser(7, 1, 5.0f, {4, 0}));
+TEST(InputNormaliser, MeasuresACubesRotation) {
+  InputNormaliser normaliser(4, 4, 5.0f, {.cube_rotation = 0});
+  ASSERT_EQ(normaliser.dim(), 4 + 8 + 24);
+  const std::array<float, 4> none = {0, 0, 0, 1}, half = {0, 0, 1, 0};
+  normaliser.add(none.data(), none.data(), none.data());
+  normaliser.add(none.data(), none.data(), half.data());
+  normaliser.refresh();
+  std::array<float, 36> z{};
+  normaliser.write(none.data(), none.data(), half.data(), z.data());
+  EXPECT_NEAR(z[12], -1, 1e-6f) << "the first entry was 1 and -1";
+  EXPECT_EQ(z[20], 0) << "the last was 1 in both";
+}
+
+TEST(InputNormaliser, RefusesRelationsOutsideOfTheObservation) {
+  EXPECT_THROW(InputNormaliser(7, 1, 5.0f, {.differences = {5, 0}}), std::invalid_argument);
+  EXPECT_NO_THROW(InputNormaliser(7, 1, 5.0f, {.differences = {4, 0}}));
+  EXPECT_THROW(InputNormaliser(7, 1, 5.0f, {.cube_rotation = 0}), std::invalid_argument);
 }
 
 }  // namespace

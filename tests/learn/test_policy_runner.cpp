@@ -59,7 +59,7 @@ TEST(PolicyRunner, RefusesArraysThatDoNotFit) {
   refused([](Policy& p) { p.layers[0].weight[3] = NAN; });
   refused([](Policy& p) { p.layers.pop_back(); });
   refused([](Policy& p) { p.layers.clear(); });
-  refused([](Policy& p) { p.differences = {0, 5}; });
+  refused([](Policy& p) { p.relations.differences = {0, 5}; });
   refused([](Policy& p) { p.action_dim = 2; });
   refused([](Policy& p) { p.clip = 0; });
 

@@ -6,6 +6,7 @@
 
 #include "manyhands/learn/ppo.h"
 #include "manyhands/learn/trainer.h"
+#include "tests/learn/point_expert.h"
 #include "tests/learn/point_reach.h"
 
 namespace manyhands::learn {
@@ -14,7 +15,7 @@ namespace {
 TEST(Rollout, AdvantagesAreTheSumsOfTheirDefinition) {
   constexpr float kGamma = 0.9f, kLambda = 0.8f;
   constexpr int kSteps = 9, kWorlds = 2;
-  Rollout rollout(kSteps, kWorlds, 1, 1);
+  Rollout rollout(kSteps, kWorlds, 1, 1, 0);
   Random random(1, Purpose::kSampling, 0);
   for (int i = 0; i < rollout.size(); ++i) {
     rollout.value[i] = random.normal();
@@ -103,6 +104,48 @@ TEST(Ppo, TheSameBitsOnTwoThreadsAndFromACheckpointOn) {
   EXPECT_EQ(weights(one), weights(resumed));
   EXPECT_EQ(one.metrics().episodes, resumed.metrics().episodes);
   std::filesystem::remove(path);
+}
+
+TEST(Ppo, IsDrawnToTheExpert) {
+  TrainerConfig config = ppo_config();
+  config.initial_std = 0.2f;
+  const auto after = [&](float cloning_weight) {
+    PointReach envs(64), fresh(500);
+    PointExpert expert;
+    config.cloning_weight = cloning_weight;
+    Trainer trainer(envs, nullptr, config, &expert);
+    trainer.advance(96);
+    return trainer.evaluate(fresh, 500, 9).mean_length;
+  };
+  EXPECT_LT(after(20), 0.6 * after(0));
+}
+
+TEST(Ppo, WithAnExpertGoesOnFromACheckpoint) {
+  const auto path = std::filesystem::temp_directory_path() / "manyhands_test_ppo_advice.ckpt";
+  TrainerConfig config = ppo_config();
+  config.cloning_weight = 20;
+  config.cloning_half_life = 30;
+  config.average_policy = true;
+  PointReach envs(32), later(32);
+  PointExpert expert, new_expert;
+  Trainer one(envs, nullptr, config, &expert);
+  one.advance(60);  // in the middle of a rollout
+  one.save(path);
+  one.advance(40);
+  Trainer resumed(later, nullptr, config, &new_expert);
+  EXPECT_TRUE(resumed.load(path));
+  resumed.advance(40);
+  EXPECT_EQ(one.policy().layers.back().weight, resumed.policy().layers.back().weight);
+  std::filesystem::remove(path);
+}
+
+TEST(Ppo, AdviceCountsHalfAsMuchAfterEveryHalfLife) {
+  TrainerConfig config;
+  config.cloning_weight = 8;
+  EXPECT_EQ(config.cloning_weight_at(1'000'000), 8);
+  config.cloning_half_life = 100;
+  EXPECT_FLOAT_EQ(config.cloning_weight_at(0), 8);
+  EXPECT_FLOAT_EQ(config.cloning_weight_at(300), 1);
 }
 
 TEST(Ppo, ARolloutMustHoldAMiniBatch) {

@@ -1,13 +1,11 @@
 // Flip: roll the cube over the table, face by face, until it comes by the orientation that is asked for. Pressed near
-// the edge of its top, and drawn that way, a cube topples over that edge. Four rolls reach all 24 orientations in which
-// it lies, and what they pass on the way comes near to nearly every orientation there is. Lengths, speeds and likeness
-// were chosen by trial over 1000 episodes.
+// the edge of its top, and drawn that way, a cube topples over that edge. Lengths, speeds and likeness were chosen by
+// trial over 1000 episodes.
 #pragma once
 
 #include <array>
 
-#include "manyhands/envs/experts/hand.h"
-#include "manyhands/math/quaternion.h"
+#include "manyhands/envs/experts/rolls.h"
 
 namespace manyhands::experts {
 
@@ -45,12 +43,6 @@ class Flip {
 
   static constexpr float kAbove = 0.0563f;  ///< of the hand when a press begins
   static constexpr float kHome = 0.05f, kFar = 0.1f;
-
-  /// The squared cosine of half the angle between the two.
-  static float likeness(const Quat<float>& a, const Quat<float>& b) {
-    const float along = a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w;
-    return along * along;
-  }
 
   void come() {
     doing_ = Doing::kCome;
@@ -109,21 +101,6 @@ class Flip {
     return aim(hand, {start_.x, start_.y, height});
   }
 
-  /// A roll by 90 degrees, and what it passes.
-  struct Roll {
-    static constexpr std::size_t kParts = 6;
-    Point way;
-    std::array<Quat<float>, kParts> turns;
-    float extra = 0;  ///< cost as the first of a plan
-  };
-  using Rolls = std::array<Roll, 4>;
-
-  /// Cost: the number of rolls, and more where the goal is only just met.
-  struct Plan {
-    float cost = 1000;
-    std::size_t first = 0;
-  };
-
   /// The direction in which to roll the cube next. The way chosen before is kept unless another is much better.
   [[nodiscard]] Point next_way(const Quat<float>& pose, const Quat<float>& goal, const Point& cube) const {
     Rolls rolls = rolls_of(pose);
@@ -131,46 +108,7 @@ class Flip {
       if (roll.way.x > 0.5f) roll.extra += cube.x > kFar ? 1.4f : 0.16f;
       if (dot(roll.way, way_) > 0.8f) roll.extra -= 1.69f;
     }
-    Plan best;
-    search(pose, goal, rolls, 0, {0, 0}, best);
-    return rolls[best.first].way;
-  }
-
-  /// The rolls over the four lower edges.
-  static Rolls rolls_of(const Quat<float>& pose) {
-    const Mat3<float> R = to_matrix(pose);
-    Point flattest = R.x;
-    for (const Point& axis : {R.y, R.z}) {
-      if (std::abs(axis.z) < std::abs(flattest.z)) flattest = axis;
-    }
-    const float length = std::hypot(flattest.x, flattest.y);
-    const Point a{flattest.x / length, flattest.y / length, 0}, b{-a.y, a.x, 0};
-    Rolls rolls{Roll{.way = a, .turns = {}}, Roll{.way = b, .turns = {}}, Roll{.way = -a, .turns = {}},
-                Roll{.way = -b, .turns = {}}};
-    for (std::size_t k = 0; k < Roll::kParts; ++k) {
-      constexpr float kHalfPart = 0.1308997f;  // half of 15 degrees
-      const float half = kHalfPart * static_cast<float>(k + 1), s = std::sin(half), c = std::cos(half);
-      for (Roll& roll : rolls) roll.turns[k] = {-s * roll.way.y, s * roll.way.x, 0, c};
-    }
-    return rolls;
-  }
-
-  /// Tries all plans of up to four rolls that go on from `so_far`.
-  static void search(const Quat<float>& pose, const Quat<float>& goal, const Rolls& rolls, int depth,
-                     const Plan& so_far, Plan& best) {
-    constexpr int kMostRolls = 4;
-    for (std::size_t i = 0; i < rolls.size(); ++i) {
-      const Plan plan{so_far.cost + 1 + (depth == 0 ? rolls[i].extra : 0), depth == 0 ? i : so_far.first};
-      if (plan.cost >= best.cost) continue;
-      Quat<float> passed = pose;
-      for (std::size_t k = 0; k < Roll::kParts; ++k) {
-        passed = rolls[i].turns[k] * pose;
-        const float sure = k + 1 == Roll::kParts ? 0.946f : 0.935f, margin = likeness(passed, goal) - sure;
-        const float doubt = margin > 0 ? 2.9f * std::max(0.1f - margin, 0.0f) : 0.4f - 16.5f * margin;
-        if (plan.cost + doubt < best.cost) best = {plan.cost + doubt, plan.first};
-      }
-      if (depth + 1 < kMostRolls) search(passed, goal, rolls, depth + 1, plan, best);
-    }
+    return next_roll(pose, goal, rolls);
   }
 
   Doing doing_ = Doing::kCome;

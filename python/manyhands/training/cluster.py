@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from types import TracebackType
 from typing import Any
 
-from manyhands._core.envs import make_env_batch, make_expert
+from manyhands._core.envs import make_adviser, make_env_batch
 from manyhands._core.learn import Share
 from manyhands.extras import needs
 from manyhands.training.settings import TrainSettings, shares_of
@@ -54,7 +54,7 @@ class _Worker:
     def __init__(self, settings: TrainSettings, first: int, count: int) -> None:
         config = settings.trainer_config()
         self._envs = make_env_batch(settings.env_id, count, num_threads=1, randomize=settings.ranges)
-        self._expert = make_expert(settings.env_id) if config.wants_expert else None
+        self._expert = make_adviser(settings.env_id) if config.wants_expert else None
         self._share = Share(self._envs, self._expert, config, first)
 
     def run(self, order: bytes, place: bytes) -> bytes:

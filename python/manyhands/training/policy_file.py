@@ -13,6 +13,7 @@ from manyhands._core.learn import Policy
 from manyhands.files import replacing
 from manyhands.training.cloning import ClonedPolicy
 from manyhands.training.policy_graph import PolicyGraph
+from manyhands.training.rotation_graph import add_cube_rotation
 
 Array = NDArray[np.float32]
 
@@ -31,7 +32,8 @@ def to_onnx(
     """
     graph = PolicyGraph(has_goals=policy.goal_dim > 0)
     seen = cameras if cameras and isinstance(policy, Policy) else {}
-    x = graph.goal_features(differences(policy), policy.mean, policy.scale, policy.clip)
+    rotation = _rotation(graph, policy)
+    x = graph.goal_features(differences(policy), policy.mean, policy.scale, policy.clip, rotation)
     if isinstance(policy, Policy) and seen:
         features = [graph.eye(name, policy.pictures, eye) for name, eye in zip(seen, policy.eyes, strict=True)]
         x = graph.apply("Concat", [*features, x], "seen_and_known", axis=1)
@@ -50,6 +52,12 @@ def to_onnx(
         choice = graph.apply("ArgMax", [x], "choice", axis=1, keepdims=1)
         graph.apply("Cast", [choice], "action", to=TensorProto.FLOAT)
     return graph.model(policy.observation_dim, policy.goal_dim, (policy.action_dim,), env_id, seen)
+
+
+def _rotation(graph: PolicyGraph, policy: Policy | ClonedPolicy) -> list[str]:
+    if isinstance(policy, ClonedPolicy) or policy.cube_rotation < 0:
+        return []
+    return add_cube_rotation(graph, policy.observation_dim, policy.cube_rotation)
 
 
 def differences(policy: Policy | ClonedPolicy) -> Array:

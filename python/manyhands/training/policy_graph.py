@@ -45,15 +45,17 @@ class PolicyGraph:
         limits = [self.constant(f"{side}_{output}", value) for side, value in (("low", -limit), ("high", limit))]
         return self.apply("Clip", [x, *limits], output)
 
-    def goal_features(self, pairs: ArrayLike, mean: ArrayLike, scale: ArrayLike, clip: float) -> str:
-        """What our networks see: observation, where there are goals the goal and the way to it, and differences within
-        the observation, normalised.
+    def goal_features(
+        self, pairs: ArrayLike, mean: ArrayLike, scale: ArrayLike, clip: float, rotation: Sequence[str] = ()
+    ) -> str:
+        """What our networks see: observation, where there are goals the goal and the way to it, a cube's rotation, and
+        differences within the observation, normalised.
 
-        pairs: the matrix (observation_dim, n) that takes the differences, none with n = 0.
+        pairs: the matrix (observation_dim, n) that takes the differences, none with n = 0; rotation: values.
         """
         parts = ["observation"]
         if len(self._inputs) > 1:
-            parts += ["desired_goal", self.apply("Sub", ["desired_goal", "achieved_goal"], "to_goal")]
+            parts += ["desired_goal", self.apply("Sub", ["desired_goal", "achieved_goal"], "to_goal"), *rotation]
         if np.size(pairs):
             parts.append(self.apply("MatMul", ["observation", self.constant("pairs", pairs)], "differences"))
         return self.normalised(self.apply("Concat", parts, "features", axis=1), mean, scale, clip)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 
-from manyhands._core.envs import make_env_batch, make_expert
+from manyhands._core.envs import make_adviser, make_env_batch
 from manyhands._core.learn import Trainer, TrainMetrics
 from manyhands.envs.cameras import eyes
 from manyhands.files import write_text
@@ -58,7 +58,7 @@ class TrainingRun:
         given: Any = {"num_threads": threads, "randomize": settings.ranges}
         self._envs = make_env_batch(settings.env_id, worlds_here, **given)
         self._evaluation = make_env_batch(settings.env_id, config.evaluation_episodes, **given)
-        expert = make_expert(settings.env_id) if config.wants_expert else None
+        expert = make_adviser(settings.env_id) if config.wants_expert else None
         self._trainer = Trainer(self._envs, self._evaluation, config, expert, eyes(self._envs, settings.cameras))
         if settings.workers is not None:
             self._trainer.spread(shares_of(settings.num_envs, settings.workers))

@@ -58,6 +58,8 @@ def to_sb3(policy: Path, env: Any, **arguments: Any) -> TD3:
     arrays = read_policy(RunFolder(policy).policy if policy.is_dir() else policy)
     if arrays.output != "tanh" or arrays.goal_dim == 0:
         raise ValueError(f"{policy} is no policy that reaches goals and ends with tanh")
+    if arrays.cube_rotation >= 0:
+        raise ValueError(f"{policy} sees a cube's rotation, which no network of Stable-Baselines3 does")
     _require_fit(arrays, env)
     hidden = [len(bias) for _, bias in arrays.layers[:-1]]
     seen = {"pairs": differences(arrays), "mean": arrays.mean, "scale": arrays.scale, "clip": arrays.clip}

@@ -168,6 +168,20 @@ def test_files_are_read_as_they_were_written(algorithm: str, half: bool, tmp_pat
     np.testing.assert_allclose(Policy(path)(obs), PolicyFile(path)(obs), atol=1e-5)
 
 
+def test_a_cubes_rotation_is_seen_by_file_and_trainer_alike(tmp_path: Path) -> None:
+    config = TrainerConfig()
+    config.hidden_layers, config.cube_rotation, config.differences = [16, 24], 10, [7, 0]
+    trainer = Trainer(make_env_batch("PandaFlip-v3", 16), None, config)
+    trainer.advance(60)
+    path = tmp_path / "policy.onnx"
+    save_policy(trainer.policy(), "PandaFlip-v3", path)
+    assert read_policy(path).cube_rotation == 10
+    obs = observations("PandaFlip-v3", 50)
+    np.testing.assert_allclose(Policy(path)(obs), PolicyFile(path)(obs), atol=2e-5)
+    names = ("observation", "achieved_goal", "desired_goal")
+    np.testing.assert_allclose(Policy(path)(obs), trainer.predict(*(obs[name] for name in names)), atol=1e-6)
+
+
 def test_halves_of_all_sizes_are_read(tmp_path: Path) -> None:
     """Every finite number of 16 bits, as numpy knows them."""
     every = np.arange(2**16, dtype=np.uint16).view(np.float16)
