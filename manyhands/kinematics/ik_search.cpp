@@ -23,12 +23,15 @@ class Search {
         goal_(goal),
         targets_(targets),
         settings_(settings),
+        lanes_ik_(settings.ik),
         tree_(model),
         params_(model),
         ws_(tree_),
         start_(start.begin(), start.end()),
         q_(start.size()),
         error2_(targets.size(), std::numeric_limits<double>::infinity()) {
+    lanes_ik_.position_tolerance = std::max(settings.ik.position_tolerance, kFinestInFloat);
+    lanes_ik_.rotation_tolerance = std::max(settings.ik.rotation_tolerance, kFinestInFloat);
     for (std::size_t i = 0; i < targets.size(); ++i) found_.q.insert(found_.q.end(), start.begin(), start.end());
     found_.success.assign(targets.size(), 0);
     found_.position_error = found_.rotation_error = error2_;
@@ -54,13 +57,8 @@ class Search {
     Workspace<double> ws(tree);
     for (std::size_t i = 0; i < targets_.size(); ++i) {
       double* q = &found_.q[i * q_.size()];
-      IkSettings ik = settings_.ik;
-      if (found_.success[i] == 0)
-        ik.max_iterations = 0;
-      else if (goal_.posture.empty())
-        ik.max_iterations = kRefinements;
-      if (ik.respect_limits) keep_within_limits(tree, params, q);
-      const IkResult<double> result = solve_goal(tree, params, chain_, ik, goal_, targets_[i], q, ws);
+      if (settings_.ik.respect_limits) keep_within_limits(tree, params, q);
+      const IkResult<double> result = refine(i, tree, params, q, ws);
       found_.success[i] = result.success;
       found_.position_error[i] = result.position_error;
       found_.rotation_error[i] = result.rotation_error;
@@ -70,6 +68,28 @@ class Search {
 
  private:
   static constexpr int kRefinements = 5;
+  static constexpr double kLeastDamping = 1e-12;  // in double
+  static constexpr double kFinestInFloat = 1e-6;  // [m, rad], to which lanes tell errors from rounding; double goes on
+
+  IkResult<double> refine(std::size_t i, const Tree<double>& tree, const Params<double>& params, double* q,
+                          Workspace<double>& ws) {
+    IkSettings ik = settings_.ik;
+    if (found_.success[i] == 0)
+      ik.max_iterations = 0;
+    else if (goal_.posture.empty())
+      ik.max_iterations = kRefinements;
+    const auto solve = [&] { return solve_goal(tree, params, chain_, ik, goal_, targets_[i], q, ws); };
+    const IkResult<double> result = solve();
+    if (found_.success[i] == 0 || result.success) return result;
+    // Near singular postures the damping holds the last digits back; with less of it a solve may lead away.
+    ik.damping = std::min(ik.damping, kLeastDamping);
+    ik.max_iterations = settings_.ik.max_iterations;
+    const std::vector<double> refined(q, q + q_.size());
+    const IkResult<double> further = solve();
+    if (further.success) return further;
+    std::ranges::copy(refined, q);
+    return result;
+  }
 
   struct Attempt {
     std::size_t target;
@@ -84,7 +104,7 @@ class Search {
       set_target(target, k, targets_[i]);
       set_start(round, i, k);
     }
-    const IkResult<T> result = solve_goal(tree_, params_, chain_, settings_.ik, goal_, target, q_.data(), ws_);
+    const IkResult<T> result = solve_goal(tree_, params_, chain_, lanes_ik_, goal_, target, q_.data(), ws_);
     const T error2 = square(constant<T>(goal_.position_weight) * result.position_error) +
                      square(constant<T>(goal_.rotation_weight) * result.rotation_error);
     for (std::size_t at = 0; at < block.size(); ++at)
@@ -141,6 +161,7 @@ class Search {
   const IkGoal& goal_;
   std::span<const IkTarget<double>> targets_;
   IkSearchSettings settings_;
+  IkSettings lanes_ik_;
   Tree<float> tree_;
   ParamsStorage<float> params_;
   Workspace<T> ws_;
