@@ -1,10 +1,9 @@
 // manyhands._core.dynamics: the algorithms over rows; float64 and float32 overloads of each.
 #include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
 
 #include "bindings/bindings.h"
-#include "bindings/model/python_model.h"
+#include "bindings/dynamics/rows.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -13,78 +12,14 @@ namespace manyhands {
 
 namespace {
 
-template <class R>
-using Input = nb::ndarray<const R, nb::c_contig, nb::device::cpu>;
-template <class R>
-using Output = nb::ndarray<nb::numpy, R>;
-
-std::size_t size(int n) { return static_cast<std::size_t>(n); }
-
-/// How many states a call is about, and whether they came as a single row.
-struct Batch {
-  std::size_t n;
-  bool single;
-};
-
-template <class R>
-std::string shape_of(const Input<R>& array) {
-  std::string text = "(";
-  for (std::size_t i = 0; i < array.ndim(); ++i) text += (i > 0 ? ", " : "") + std::to_string(array.shape(i));
-  return text + (array.ndim() == 1 ? ",)" : ")");
-}
-
-template <class R>
-Batch batch_of(const Input<R>& q, std::size_t nq) {
-  if (q.ndim() == 1 && q.shape(0) == nq) return {1, true};
-  if (q.ndim() == 2 && q.shape(1) == nq) return {q.shape(0), false};
-  const std::string width = std::to_string(nq);
-  throw std::invalid_argument("q has shape " + shape_of(q) + "; expected (" + width + ",) or (n, " + width + ")");
-}
-
-template <class R>
-std::span<const R> rows(const char* name, const Input<R>& array, const Batch& batch, std::size_t columns) {
-  const bool fits = batch.single ? array.ndim() == 1 && array.shape(0) == columns
-                                 : array.ndim() == 2 && array.shape(0) == batch.n && array.shape(1) == columns;
-  if (fits) return {array.data(), array.size()};
-  const std::string width = std::to_string(columns);
-  const std::string expected = batch.single ? "(" + width + ",)" : "(" + std::to_string(batch.n) + ", " + width + ")";
-  throw std::invalid_argument(std::string(name) + " has shape " + shape_of(array) + "; expected " + expected +
-                              ", as q has " + (batch.single ? "one dimension" : std::to_string(batch.n) + " rows"));
-}
-
-/// A new array (n, inner...), or (inner...) for a single row.
-template <class R>
-class Result {
- public:
-  Result(const Batch& batch, std::initializer_list<std::size_t> inner) {
-    if (!batch.single) shape_.push_back(batch.n);
-    shape_.insert(shape_.end(), inner);
-    size_ = 1;
-    for (const std::size_t extent : shape_) size_ *= extent;
-    data_ = std::make_unique<R[]>(size_);
-  }
-
-  [[nodiscard]] std::span<R> span() { return {data_.get(), size_}; }
-
-  [[nodiscard]] Output<R> array() {
-    R* const data = data_.release();
-    // NOLINTNEXTLINE(cppcoreguidelines-owning-memory): the array's capsule owns it
-    const nb::capsule owner(data, [](void* p) noexcept { delete[] static_cast<R*>(p); });
-    return Output<R>(data, shape_.size(), shape_.data(), owner);
-  }
-
- private:
-  std::vector<std::size_t> shape_;
-  std::size_t size_;
-  std::unique_ptr<R[]> data_;
-};
-
-/// Runs `body(dynamics)` without the interpreter's lock.
-template <Real R, class Body>
-void run(PythonModel& model, int width, Body&& body) {
-  const nb::gil_scoped_release release;
-  model.pool<R>().use(width, body);
-}
+using bindings::Batch;
+using bindings::batch_of;
+using bindings::Input;
+using bindings::Output;
+using bindings::Result;
+using bindings::rows;
+using bindings::run;
+using bindings::size;
 
 template <Real R>
 Output<R> rnea(PythonModel& model, const Input<R>& q, const Input<R>& v, const Input<R>& a, int width) {

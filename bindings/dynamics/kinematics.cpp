@@ -1,10 +1,13 @@
-// manyhands._core.kinematics: inverse kinematics over rows of targets.
+// manyhands._core.kinematics: inverse kinematics over rows of targets, and what frames.cpp and screws.cpp add.
+#include "bindings/dynamics/kinematics.h"
+
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
 
 #include "bindings/arrays.h"
 #include "bindings/bindings.h"
 #include "bindings/model/python_model.h"
+#include "bindings/vectors.h"
 #include "manyhands/kinematics/ik_search.h"
 
 namespace nb = nanobind;
@@ -20,15 +23,31 @@ using bindings::copied;
 /// Targets between two looks for Ctrl-C.
 constexpr std::size_t kPiece = 1024;
 
+IkOrientation orientation_of(const std::string& name) {
+  if (name == "full") return IkOrientation::kFull;
+  if (name == "free") return IkOrientation::kFree;
+  if (name == "along") return IkOrientation::kAxisAlong;
+  if (name == "at") return IkOrientation::kAxisAt;
+  throw std::invalid_argument("orientation is '" + name + "'; expected 'full', 'free', 'along' or 'at'");
+}
+
 nb::tuple search(PythonModel& model, const std::string& frame, const Array<double, 2>& position,
-                 const Array<double, 2>& quaternion, const Array<double, 1>& start, int restarts, std::uint64_t seed,
+                 const Array<double, 2>& quaternion, const Array<double, 2>& toward, const Array<double, 1>& start,
+                 const std::string& orientation, const std::array<double, 3>& axis, double position_weight,
+                 double rotation_weight, const Array<double, 1>& posture, int restarts, std::uint64_t seed,
                  bool respect_limits, double position_tolerance, double rotation_tolerance) {
   const std::size_t n = position.shape(0);
-  std::vector<Transform<double>> targets;
+  const IkGoal goal{orientation_of(orientation),
+                    {axis[0], axis[1], axis[2]},
+                    position_weight,
+                    rotation_weight,
+                    {posture.data(), posture.data() + posture.size()}};
+  std::vector<IkTarget<double>> targets;
   for (std::size_t i = 0; i < n; ++i) {
     const Quat<double> r =
         normalized(Quat<double>{quaternion(i, 0), quaternion(i, 1), quaternion(i, 2), quaternion(i, 3)});
-    targets.push_back({to_matrix(r), {position(i, 0), position(i, 1), position(i, 2)}});
+    targets.push_back(
+        {{to_matrix(r), {position(i, 0), position(i, 1), position(i, 2)}}, {toward(i, 0), toward(i, 1), toward(i, 2)}});
   }
   IkSearchSettings settings{.restarts = restarts, .seed = seed};
   settings.ik.respect_limits = respect_limits;
@@ -41,7 +60,7 @@ nb::tuple search(PythonModel& model, const std::string& frame, const Array<doubl
     IkSolutions found;
     {
       const nb::gil_scoped_release release;
-      found = search_ik(*model.model, id, piece, bindings::as_span(start), settings);
+      found = search_ik(*model.model, id, goal, piece, bindings::as_span(start), settings);
     }
     const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
     append(all.q, found.q);
@@ -58,11 +77,16 @@ nb::tuple search(PythonModel& model, const std::string& frame, const Array<doubl
 }  // namespace
 
 void bind_kinematics(nb::module_& parent) {
-  nb::module_ m = parent.def_submodule("kinematics", "Inverse kinematics over rows of targets.");
-  m.def("search", &search, "model"_a, "frame"_a, "position"_a, "quaternion"_a, "start"_a, nb::kw_only(), "restarts"_a,
-        "seed"_a, "respect_limits"_a, "position_tolerance"_a, "rotation_tolerance"_a,
-        "position (n, 3), quaternion (n, 4) xyzw, start (nq,) -> q (n, nq), success (n,), position_error (n,), "
-        "rotation_error (n,); see manyhands.inverse_kinematics.");
+  nb::module_ m =
+      parent.def_submodule("kinematics", "Kinematics over rows; manyhands.kinematics describes the functions.");
+  bindings::bind_frames(m);
+  bindings::bind_screws(m);
+  m.def("search", &search, "model"_a, "frame"_a, "position"_a, "quaternion"_a, "toward"_a, "start"_a, nb::kw_only(),
+        "orientation"_a, "axis"_a, "position_weight"_a, "rotation_weight"_a, "posture"_a, "restarts"_a, "seed"_a,
+        "respect_limits"_a, "position_tolerance"_a, "rotation_tolerance"_a,
+        "position (n, 3), quaternion (n, 4) xyzw, toward (n, 3), start (nq,), posture (nq,) or (0,) -> q (n, nq), "
+        "success (n,), position_error (n,), "
+        "rotation_error (n,); see manyhands.kinematics.inverse.");
 }
 
 }  // namespace manyhands

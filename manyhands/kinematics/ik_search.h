@@ -1,7 +1,7 @@
 // Inverse kinematics for many targets at once, from random starts where the first does not lead there.
 #pragma once
 
-#include "manyhands/kinematics/inverse_kinematics.h"
+#include "manyhands/kinematics/ik_goals.h"
 
 namespace manyhands {
 
@@ -29,5 +29,15 @@ struct IkSolutions {
 /// Throws ModelError as IkChain does, std::invalid_argument if `start` has not nq numbers.
 [[nodiscard]] IkSolutions search_ik(const Model& model, FrameId frame, std::span<const Transform<double>> targets,
                                     std::span<const double> start, const IkSearchSettings& settings = {});
+
+/// The same for any goal: a position, a direction of an axis or a point at which it looks, with weights, and a posture
+/// that is kept where the goal leaves room. Of several solutions the first is taken, not the one nearest to the
+/// posture; to begin there makes it likely. Weights decide what remains of a goal that cannot be reached.
+///
+/// Throws as above, and std::invalid_argument for a goal that asks for nothing, a negative or infinite weight, an axis
+/// that is not of unit length, or a posture that has not nq numbers.
+[[nodiscard]] IkSolutions search_ik(const Model& model, FrameId frame, const IkGoal& goal,
+                                    std::span<const IkTarget<double>> targets, std::span<const double> start,
+                                    const IkSearchSettings& settings = {});
 
 }  // namespace manyhands

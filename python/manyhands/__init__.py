@@ -5,7 +5,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from manyhands import collision, dynamics, envs, world_envs
+from manyhands import collision, dynamics, envs, kinematics, world_envs
 from manyhands._core import (
     Actuator,
     Batch,
@@ -49,7 +49,7 @@ from manyhands._core import (
 from manyhands._core.render import Camera, Look, Mark, Picture, Renderer, Texture
 from manyhands.compat import install_as
 from manyhands.decomposition import decompose, decompose_model
-from manyhands.kinematics import IkResult, inverse_kinematics
+from manyhands.ik import IkResult, inverse_kinematics
 from manyhands.policies import policy
 from manyhands.textures import load_texture
 from manyhands.viewer import view
@@ -125,6 +125,7 @@ __all__ = [
     "envs",
     "install_as",
     "inverse_kinematics",
+    "kinematics",
     "load_mjcf",
     "load_mjcf_string",
     "load_sdf",

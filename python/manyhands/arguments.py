@@ -3,8 +3,38 @@
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 MOST_THREADS = 1024
+
+FloatArray = NDArray[Any]
+"""float32 or float64, as the input."""
+
+
+def float_arrays(**inputs: ArrayLike) -> list[FloatArray]:
+    """The inputs as C-contiguous arrays of one type: float32 if all are, else float64."""
+    arrays = [_real(name, values) for name, values in inputs.items()]
+    single = all(array.dtype == np.float32 for array in arrays)
+    # Not ascontiguousarray: it turns scalars into rows.
+    return [np.asarray(array, np.float32 if single else np.float64, order="C") for array in arrays]
+
+
+def finite_rows(name: str, values: ArrayLike, *shape: int) -> NDArray[np.float64]:
+    """Values as a float64 array (..., *shape). Raises ValueError on another shape, on NaN and on infinities."""
+    array = _real(name, values).astype(np.float64, copy=False)
+    if array.ndim < len(shape) or array.shape[array.ndim - len(shape) :] != shape:
+        text = ", ".join(map(str, shape))
+        raise ValueError(f"{name} has shape {array.shape}; expected ({text}{',' * (len(shape) == 1)}) or (..., {text})")
+    if not np.isfinite(array).all():
+        raise ValueError(f"{name} must be finite, but is {array}")
+    return array
+
+
+def _real(name: str, values: ArrayLike) -> NDArray[Any]:
+    array = np.asarray(values)
+    if array.dtype.kind not in "biuf":
+        raise ValueError(f"{name} holds {array.dtype}; expected real numbers")
+    return array
 
 
 def whole_number(name: str, value: Any, lowest: int, highest: int | None = None) -> int:

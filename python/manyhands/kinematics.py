@@ -1,78 +1,162 @@
-"""Inverse kinematics: the joint configuration that brings a frame to a pose."""
+"""Kinematics of a model: where frames are, how they move, and which configurations bring them to a goal.
 
-from typing import Any, NamedTuple
+Every function of a state takes a single one, q (nq,), or n of them as rows, q (n, nq); results have the rows in front.
+If all arrays are float32 the states run side by side in SIMD lanes; otherwise everything is float64, the reference.
+
+Units are SI; the world's z is up; quaternions are xyzw and must be of unit length in q; spatial vectors have the
+angular part first. `Model` says what q and v mean for each type of joint. `frame` is the name of a link or frame.
+Wrong shapes, NaN and infinities raise ValueError, which names the array; an unknown frame raises KeyError.
+
+The forms of a velocity: "mixed" is that of the frame's origin in world axes, "space" that of the point of the body at
+the world's origin in world axes, "body" that of the frame's origin in the frame's axes.
+"""
+
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import Model
 from manyhands._core import kinematics as _core
-from manyhands.arguments import whole_number
+from manyhands.arguments import FloatArray, finite_rows, float_arrays
+from manyhands.ik import IkResult, inverse, inverse_kinematics
+from manyhands.rigid_motions import ad, adjoint, exp3, exp6, log3, log6, matrix, pose, unit_quaternions
+from manyhands.workspace import Workspace, workspace
 
-__all__ = ["IkResult", "inverse_kinematics"]
+__all__ = [
+    "Form",
+    "IkResult",
+    "Manipulability",
+    "ScrewAxes",
+    "Workspace",
+    "ad",
+    "adjoint",
+    "exp3",
+    "exp6",
+    "forward",
+    "inverse",
+    "inverse_kinematics",
+    "is_singular",
+    "jacobian",
+    "jacobian_derivative",
+    "log3",
+    "log6",
+    "manipulability",
+    "matrix",
+    "pose",
+    "product_of_exponentials",
+    "screw_axes",
+    "screw_coordinates",
+    "workspace",
+]
 
-_SHORTEST_QUATERNION = 1e-6
+Form: TypeAlias = Literal["mixed", "space", "body"]
+Part: TypeAlias = Literal["linear", "angular", "all"]
 
 
-class IkResult(NamedTuple):
-    """What `inverse_kinematics` found; for n targets every field has n rows, for a single one none."""
-
-    q: NDArray[np.float64]
-    """(..., nq) the configuration: the solution, or the nearest that was found."""
-    success: NDArray[np.bool_]
-    """Whether both errors are within tolerance."""
-    position_error: NDArray[np.float64]
-    """[m]"""
-    rotation_error: NDArray[np.float64]
-    """[rad]"""
+def forward(model: Model, q: ArrayLike, frame: str) -> tuple[FloatArray, FloatArray]:
+    """The pose in the world of a frame at q (..., nq): position (..., 3) [m], quaternion xyzw (..., 4)."""
+    (q,) = float_arrays(q=q)
+    return _core.forward(model, q, frame)
 
 
-def inverse_kinematics(
-    model: Model,
-    frame: str,
-    position: ArrayLike,
-    quaternion: ArrayLike,
-    *,
-    start: ArrayLike | None = None,
-    restarts: int = 30,
-    seed: int = 0,
-    respect_limits: bool = True,
-    position_tolerance: float = 1e-5,
-    rotation_tolerance: float = 1e-4,
-) -> IkResult:
-    """Configurations that bring `frame` to the poses `position` (3,) or (n, 3) [m], `quaternion` (4,) or (n, 4) xyzw.
+def jacobian(model: Model, q: ArrayLike, frame: str, form: Form = "mixed") -> FloatArray:
+    """J (..., 6, nv) of a frame at q (..., nq): J v is its spatial velocity [rad/s, m/s] in the form asked for."""
+    (q,) = float_arrays(q=q)
+    return _core.jacobian(model, q, frame, form)
 
-    The first attempt begins at `start` (nq,), by default the neutral configuration within the limits; `restarts` more
-    begin at random ones. The joints that move the frame lie within their limits unless `respect_limits` is False; all
-    other coordinates stay as in `start`, wherever that is. An unreachable pose gives success False and the errors that
-    remain. Quaternions are normalised. Tolerances in [m] and [rad]. The same arguments give the same bits.
 
-    Damped least squares (Sugihara, IEEE T-RO 27(5), 2011), in SIMD lanes and finished in float64.
-    Raises KeyError for an unknown frame; ValueError for a wrong shape or number, or a joint of several degrees of
-    freedom between the world and the frame.
-    """
-    p, r = np.asarray(position, np.float64), np.asarray(quaternion, np.float64)
-    for name, array, width in (("position", p, 3), ("quaternion", r, 4)):
-        if array.ndim not in (1, 2) or array.shape[-1] != width:
-            raise ValueError(f"{name} has shape {array.shape}; expected ({width},) or (n, {width})")
-    if p.ndim != r.ndim or p.shape[:-1] != r.shape[:-1]:
-        raise ValueError(f"position has shape {p.shape} and quaternion {r.shape}; expected as many rows")
-    if not (np.isfinite(p).all() and np.isfinite(r).all()):
-        raise ValueError("position and quaternion must be finite")
-    if (np.linalg.norm(r, axis=-1) < _SHORTEST_QUATERNION).any():
-        raise ValueError(f"a quaternion is shorter than {_SHORTEST_QUATERNION:g}, which leaves its direction open")
-    q0 = model.neutral_configuration() if start is None else np.asarray(start, np.float64)
-    if np.shape(q0) != (model.nq,):
-        raise ValueError(f"start has shape {np.shape(q0)}; expected ({model.nq},)")
-    if not np.isfinite(q0).all():
-        raise ValueError(f"start must be finite, but is {q0}")
-    for name, tolerance in (("position_tolerance", position_tolerance), ("rotation_tolerance", rotation_tolerance)):
-        if not tolerance > 0:
-            raise ValueError(f"{name} is {tolerance}; expected more than 0")
-    restarts = whole_number("restarts", restarts, 0, 2**31 - 1)
-    seed = whole_number("seed", seed, 0, 2**64 - 1)
-    found: Any = _core.search(
-        model, frame, np.atleast_2d(p), np.atleast_2d(r), q0, restarts=restarts, seed=seed,
-        respect_limits=respect_limits, position_tolerance=position_tolerance, rotation_tolerance=rotation_tolerance,
-    )  # fmt: skip
-    return IkResult(*(array[0] for array in found)) if p.ndim == 1 else IkResult(*found)
+def jacobian_derivative(model: Model, q: ArrayLike, v: ArrayLike, frame: str, form: Form = "mixed") -> FloatArray:
+    """dJ/dt (..., 6, nv) of the same while the model moves with v (..., nv): J dv/dt + dJ/dt v is the derivative of the
+    frame's velocity, which in the mixed form is the acceleration of its origin [rad/s², m/s²]."""
+    q, v = float_arrays(q=q, v=v)
+    return _core.jacobian_derivative(model, q, v, frame, form)
+
+
+class Manipulability(NamedTuple):
+    """How well joints move a frame: joint velocities of length 1 move it in an ellipsoid. m is 3, or 6 of "all"."""
+
+    measure: FloatArray
+    """(...) the ellipsoid's volume but for a constant: sqrt(det(J Jᵀ))"""
+    condition: FloatArray
+    """(...) its longest semi-axis over the shortest; infinite where a direction is lost"""
+    isotropy: FloatArray
+    """(...) 1 / condition: 1 for a ball, 0 where a direction is lost"""
+    lengths: FloatArray
+    """(..., m) of the semi-axes, falling"""
+    axes: FloatArray
+    """(..., m, m) their directions as columns, in world axes"""
+
+
+def manipulability(model: Model, q: ArrayLike, frame: str, part: Part = "linear") -> Manipulability:
+    """Yoshikawa's measure (Int. J. Robotics Research 4(2), 1985) and the ellipsoid of a frame at q (..., nq), of its
+    linear velocity, its angular velocity, or both at once, where metres and radians count alike."""
+    (q,) = float_arrays(q=q)
+    return Manipulability(*_core.manipulability(model, q, frame, part))
+
+
+def is_singular(
+    model: Model, q: ArrayLike, frame: str, part: Part = "all", *, tolerance: float = 1e-3
+) -> NDArray[np.bool_]:
+    """Whether at q (..., nq) the frame is about to lose a direction: the isotropy is below `tolerance`."""
+    if not 0 < tolerance < 1:
+        raise ValueError(f"tolerance is {tolerance}; expected a number between 0 and 1")
+    return np.asarray(manipulability(model, q, frame, part).isotropy < tolerance)
+
+
+class ScrewAxes(NamedTuple):
+    """A model as screws: the pose of a frame at a home configuration, and there the axis of every dof."""
+
+    position: NDArray[np.float64]
+    """(3,) of the frame at home [m]"""
+    quaternion: NDArray[np.float64]
+    """(4,) xyzw"""
+    axes: NDArray[np.float64]
+    """(6, nv) as columns, angular first; zero for dofs that do not move the frame"""
+    joint: NDArray[np.int32]
+    """(nv,) whose axis it is: the axes of one joint turn at once; `np.arange(nv)` if all turn one after the other"""
+    form: Form
+    """"space" or "body\""""
+
+
+def _configuration(model: Model, name: str, q: ArrayLike | None) -> NDArray[np.float64]:
+    return finite_rows(name, model.neutral_configuration() if q is None else q, model.nq)
+
+
+def _home(model: Model, q0: ArrayLike | None) -> NDArray[np.float64]:
+    home = _configuration(model, "q0", q0)
+    if home.ndim == 1:
+        return home
+    raise ValueError(f"q0 has shape {home.shape}; expected ({model.nq},)")
+
+
+def screw_axes(
+    model: Model, frame: str, q0: ArrayLike | None = None, form: Literal["space", "body"] = "space"
+) -> ScrewAxes:
+    """The screw axes of any model at the home configuration q0 (nq,), by default the neutral one."""
+    position, quaternion, axes, joint = _core.screw_axes(model, frame, _home(model, q0), form)
+    return ScrewAxes(position, quaternion, axes.T, joint, form)
+
+
+def screw_coordinates(model: Model, q: ArrayLike, q0: ArrayLike | None = None) -> NDArray[np.float64]:
+    """How far each screw turns from q0 (nq,) to q (..., nq): (..., nv). Of joints with one degree of freedom that is
+    q - q0, of others the logarithm of the joint's displacement."""
+    rows = _configuration(model, "q", q)
+    found: Any = _core.screw_coordinates(model, np.atleast_2d(rows.reshape(-1, model.nq)), _home(model, q0))
+    return found.reshape(*rows.shape[:-1], model.nv)
+
+
+def product_of_exponentials(screws: ScrewAxes, theta: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The frame's pose, position (..., 3) and quaternion (..., 4), after the screws have turned by theta (..., nv):
+    `forward` by another way (Lynch, Park: Modern Robotics, 2017, chapter 4)."""
+    turns = finite_rows("theta", theta, np.shape(screws.axes)[-1])
+    flat = np.ascontiguousarray(turns.reshape(-1, turns.shape[-1]))
+    axes = np.ascontiguousarray(finite_rows("axes", screws.axes, 6, turns.shape[-1]).T)
+    joint = np.asarray(screws.joint, np.int32)
+    if axes.ndim != 2 or joint.shape != axes.shape[:1]:
+        raise ValueError(f"axes have shape {np.shape(screws.axes)} and joint {joint.shape}; expected (6, n) and (n,)")
+    home = finite_rows("position", screws.position, 3), unit_quaternions("quaternion", screws.quaternion)
+    if home[0].ndim != 1 or home[1].ndim != 1:
+        raise ValueError("the screws' position and quaternion must be a single pose, (3,) and (4,)")
+    position, quaternion = _core.product_of_exponentials(*home, axes, joint, screws.form, flat)
+    return position.reshape(*turns.shape[:-1], 3), quaternion.reshape(*turns.shape[:-1], 4)

@@ -1,4 +1,4 @@
-"""Pictures of recorded runs, with one call."""
+"""Pictures of recorded runs and of workspaces, with one call."""
 
 import math
 from pathlib import Path
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from manyhands.extras import needs
 from manyhands.files import replacing
 from manyhands.recording import Recording
+from manyhands.workspace import Workspace
 
 Array = NDArray[np.float64]
 
@@ -37,14 +38,30 @@ def plot(run: Recording | str | Path, out: str | Path) -> Path:
     the extra `plots`.
     """
     out = Path(out)
-    draw = {".png": _png, ".html": _html}.get(out.suffix)
-    if draw is None:
-        raise ValueError(f"{out} ends with {out.suffix!r}; expected .png or .html")
+    draw = _by_ending(out, _png, _html)
     recording = run if isinstance(run, Recording) else Recording.load(run)
     drawn = panels(recording)
     with needs("plots", "a plot"), replacing(out) as temporary:
         draw(recording, drawn, temporary)
     return out
+
+
+def plot_workspace(found: Workspace, out: str | Path) -> Path:
+    """Draws where a frame can be, coloured by its mean manipulability: a PNG from above and from the side, or an HTML
+    page with its points in space, as the name of `out` ends. Raises as `plot`."""
+    out = Path(out)
+    draw = _by_ending(out, _workspace_png, _workspace_html)
+    with needs("plots", "a plot"), replacing(out) as temporary:
+        draw(found, temporary)
+    return out
+
+
+def _by_ending(out: Path, png: Any, html: Any) -> Any:
+    """What draws a file of that name."""
+    draw = {".png": png, ".html": html}.get(out.suffix)
+    if draw is None:
+        raise ValueError(f"{out} ends with {out.suffix!r}; expected .png or .html")
+    return draw
 
 
 def panels(run: Recording) -> list[Panel]:
@@ -124,4 +141,39 @@ def _html(run: Recording, drawn: list[Panel], out: Path) -> None:
             named.add(name)
     figure.update_xaxes(title_text="t [s]", matches="x")
     figure.update_layout(height=max(320 * rows, 420), template="plotly_white", margin={"t": 50, "b": 30})
+    figure.write_html(out, include_plotlyjs=True)
+
+
+_CELLS = 60  # across a view
+_MOST_POINTS = 20_000  # that a page can turn smoothly
+
+
+def _workspace_png(found: Workspace, out: Path) -> None:
+    import matplotlib.figure
+
+    figure = matplotlib.figure.Figure(figsize=(12, 5.4), layout="constrained")
+    scale: dict[str, Any] = {"vmin": 0, "vmax": float(np.quantile(found.measure, 0.9)), "reduce_C_function": np.mean}
+
+    def view(place: int, title: str, across: int, up: int) -> Any:
+        axis = figure.add_subplot(1, 2, place)
+        x, y = found.position[:, across], found.position[:, up]
+        axis.set(title=title, xlabel=f"{'xyz'[across]} [m]", ylabel=f"{'xyz'[up]} [m]", aspect="equal")
+        axis.grid(alpha=0.3)
+        return axis.hexbin(x, y, found.measure, gridsize=_CELLS, mincnt=1, **scale)
+
+    view(1, "From above", 0, 1)
+    cells = view(2, "From the side", 0, 2)
+    figure.colorbar(cells, ax=figure.axes, label="mean manipulability")
+    figure.suptitle(f"Where {found.frame} can be")
+    figure.savefig(out, dpi=120)
+
+
+def _workspace_html(found: Workspace, out: Path) -> None:
+    from plotly.graph_objects import Figure, Scatter3d
+
+    x, y, z = found.position[:_MOST_POINTS].T
+    marker = {"size": 2, "color": found.measure[:_MOST_POINTS], "colorscale": "Viridis", "showscale": True}
+    figure = Figure(Scatter3d(x=x, y=y, z=z, mode="markers", marker=marker))
+    titles = {f"{name}axis": {"title": f"{name} [m]"} for name in "xyz"}
+    figure.update_layout(title=f"Where {found.frame} can be", scene={"aspectmode": "data", **titles})
     figure.write_html(out, include_plotlyjs=True)

@@ -94,6 +94,33 @@ TEST(IkSearch, SaysHowFarOffAnUnreachableTargetIs) {
   EXPECT_LT(found.position_error[0], 3.0);  // it stretches towards it
 }
 
+/// A search ends with the first attempt that reaches its target, also where one before it came nearer by the sum of
+/// both errors but missed a tolerance: what one attempt after another finds in scalars decides.
+TEST(IkSearch, EndsWithTheFirstAttemptThatReaches) {
+  constexpr int n = 3000;
+  constexpr IkSearchSettings settings{.ik = {.rotation_tolerance = 1.0}, .restarts = 8};
+  Panda panda;
+  const Tree<float> tree(panda.robot.model);
+  const ParamsStorage<float> params(panda.robot.model);
+  Workspace<float> ws(tree);
+  const std::vector<Transform<double>> targets = panda.reachable(n);
+  const IkSolutions found = search_ik(panda.robot.model, panda.robot.arm.hand, targets, panda.neutral, settings);
+  for (std::size_t i = 0; i < n; ++i) {
+    int attempts = 0;
+    bool reached = false;
+    while (!reached && attempts <= settings.restarts) {
+      std::vector<float> q(panda.neutral.begin(), panda.neutral.end());
+      RandomStream random(settings.seed, static_cast<std::uint32_t>(i), static_cast<std::uint64_t>(attempts));
+      for (const std::size_t dof : panda.robot.arm.chain.dofs)
+        if (attempts > 0) q[dof] = random.uniform(params.lower[dof], params.upper[dof]);
+      reached = solve_ik(tree, params, panda.robot.arm.chain, settings.ik, broadcast<float>(targets[i]), q.data(), ws)
+                    .success;
+      ++attempts;
+    }
+    EXPECT_EQ(found.attempts[i], attempts) << "target " << i;
+  }
+}
+
 TEST(IkSearch, RefusesAStartOfTheWrongLength) {
   Panda panda;
   EXPECT_THROW((void)search_ik(panda.robot.model, panda.robot.arm.hand, {}, std::vector<double>(7)),

@@ -1,6 +1,6 @@
-// Every function of vec3.h, quaternion.h and spatial.h: lane k holds the scalar's bits, on ordinary and hard inputs.
-#include "manyhands/math/quaternion.h"
-#include "manyhands/math/spatial.h"
+// Every function of vec3.h, quaternion.h, spatial.h and rigid_motion.h: lane k holds the scalar's bits, on ordinary and
+// hard inputs.
+#include "manyhands/math/rigid_motion.h"
 #include "tests/math/conformance.h"
 
 namespace manyhands::testing {
@@ -83,6 +83,12 @@ const auto spatial_vectors = []<class N>(Tape<N>& t) {
             Motion<N>::zero(), Force<N>::zero());
 };
 
+const auto rigid_motions = []<class N>(Tape<N>& t) {
+  const Motion<N> m = t.motion();
+  const Transform<N> X = t.transform();
+  t.put_all(transformed(X, m), exp6(m), log6(X));
+};
+
 const auto inertias = []<class N>(Tape<N>& t) {
   const RigidInertia<N> a = t.inertia(), b = t.inertia();
   const Transform<N> X = t.transform();
@@ -117,6 +123,8 @@ TYPED_TEST(LaneAlgebra, MatricesAndTransforms) { this->check(27, matrices_and_tr
 TYPED_TEST(LaneAlgebra, Quaternions) { this->check(21, quaternions); }
 
 TYPED_TEST(LaneAlgebra, SpatialVectors) { this->check(25, spatial_vectors); }
+
+TYPED_TEST(LaneAlgebra, RigidMotions) { this->check(18, rigid_motions); }
 
 TYPED_TEST(LaneAlgebra, Inertias) { this->check(38, inertias); }
 

@@ -81,8 +81,15 @@ void BatchDynamics<R>::forward_kinematics(std::size_t n, std::span<const R> q, s
 }
 
 template <Real R>
-void BatchDynamics<R>::jacobian(std::size_t n, std::span<const R> q, FrameId frame, std::span<R> J) {
-  kernel_->jacobian(n, rows("q", q, n, nq_), frame_of(frame), rows("J", J, n, 6 * nv_));
+void BatchDynamics<R>::jacobian(std::size_t n, std::span<const R> q, FrameId frame, std::span<R> J, JacobianForm form) {
+  kernel_->jacobian(n, rows("q", q, n, nq_), frame_of(frame), form, rows("J", J, n, 6 * nv_));
+}
+
+template <Real R>
+void BatchDynamics<R>::jacobian_derivative(std::size_t n, std::span<const R> q, std::span<const R> v, FrameId frame,
+                                           std::span<R> dJ, JacobianForm form) {
+  kernel_->jacobian_derivative(n, rows("q", q, n, nq_), rows("v", v, n, nv_), frame_of(frame), form,
+                               rows("dJ", dJ, n, 6 * nv_));
 }
 
 template <Real R>

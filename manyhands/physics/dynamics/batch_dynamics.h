@@ -5,6 +5,7 @@
 #include <span>
 
 #include "manyhands/model/model.h"
+#include "manyhands/physics/dynamics/jacobian_form.h"
 
 namespace manyhands {
 
@@ -42,8 +43,12 @@ class BatchDynamics {
   void frame_pose(std::size_t n, std::span<const R> q, FrameId frame, std::span<R> position, std::span<R> quaternion);
   /// Poses of all frames of the model, links first, in the world: position (n, nf, 3) [m], quaternion xyzw (n, nf, 4).
   void forward_kinematics(std::size_t n, std::span<const R> q, std::span<R> position, std::span<R> quaternion);
-  /// J (n, 6, nv) of a frame: (omega, velocity of the frame's origin) = J v, in world axes.
-  void jacobian(std::size_t n, std::span<const R> q, FrameId frame, std::span<R> J);
+  /// J (n, 6, nv) of a frame: J v is its spatial velocity in the form that is asked for.
+  void jacobian(std::size_t n, std::span<const R> q, FrameId frame, std::span<R> J,
+                JacobianForm form = JacobianForm::kMixed);
+  /// dJ/dt (n, 6, nv) of the same at the velocity v (n, nv).
+  void jacobian_derivative(std::size_t n, std::span<const R> q, std::span<const R> v, FrameId frame, std::span<R> dJ,
+                           JacobianForm form = JacobianForm::kMixed);
 
   /// Centre of mass of all moving bodies in the world, (n, 3) [m].
   void center_of_mass(std::size_t n, std::span<const R> q, std::span<R> com);

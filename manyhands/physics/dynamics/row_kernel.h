@@ -6,6 +6,7 @@
 
 #include "manyhands/math/instantiate.h"
 #include "manyhands/model/model.h"
+#include "manyhands/physics/dynamics/jacobian_form.h"
 
 namespace manyhands::internal {
 
@@ -19,7 +20,9 @@ class RowKernel {
   virtual void aba(std::size_t n, const R* q, const R* v, const R* tau, R* a) = 0;
   virtual void crba(std::size_t n, const R* q, R* M) = 0;
   virtual void frame_poses(std::size_t n, const R* q, std::span<const Frame> frames, R* position, R* quaternion) = 0;
-  virtual void jacobian(std::size_t n, const R* q, const Frame& frame, R* J) = 0;
+  virtual void jacobian(std::size_t n, const R* q, const Frame& frame, JacobianForm form, R* J) = 0;
+  virtual void jacobian_derivative(std::size_t n, const R* q, const R* v, const Frame& frame, JacobianForm form,
+                                   R* dJ) = 0;
   virtual void center_of_mass(std::size_t n, const R* q, R* com) = 0;
   virtual void momentum(std::size_t n, const R* q, const R* v, R* momentum) = 0;
   virtual void energy(std::size_t n, const R* q, const R* v, R* kinetic, R* potential) = 0;

@@ -7,6 +7,7 @@
 #include "manyhands/physics/dynamics/aba.h"
 #include "manyhands/physics/dynamics/crba.h"
 #include "manyhands/physics/dynamics/energy.h"
+#include "manyhands/physics/dynamics/jacobians.h"
 #include "manyhands/physics/dynamics/row_kernel.h"
 
 namespace manyhands::internal {
@@ -71,15 +72,27 @@ class RowKernelOf final : public RowKernel<real_t<T>> {
                          });
   }
 
-  void jacobian(std::size_t n, const R* q, const Frame& frame, R* J) override {
-    const Vec3<R> p_BF = broadcast<R>(frame.X_BF.p);
+  void jacobian(std::size_t n, const R* q, const Frame& frame, JacobianForm form, R* J) override {
+    const Transform<R> X_BF = broadcast<R>(frame.X_BF);
     for_each_block<1, 1>(n, {{{q, nq_}}}, {{{J, 6 * nv_}}}, [&](const auto& in, const auto& out) {
       manyhands::forward_kinematics(tree_, in[0], ws_);
       std::fill_n(out[0], 6 * nv_, T(R(0)));
-      visit_jacobian(tree_, frame.body, p_BF, ws_, [&](int dof, const Motion<T>& m) {
-        const std::array column{m.w.x, m.w.y, m.w.z, m.v.x, m.v.y, m.v.z};
-        for (std::size_t i = 0; i < 6; ++i) out[0][i * nv_ + static_cast<std::size_t>(dof)] = column[i];
-      });
+      visit_jacobian(tree_, form, frame.body, X_BF, ws_,
+                     [&](int dof, const Motion<T>& m) { set_column(out[0], dof, m); });
+    });
+  }
+
+  void jacobian_derivative(std::size_t n, const R* q, const R* v, const Frame& frame, JacobianForm form,
+                           R* dJ) override {
+    const Transform<R> X_BF = broadcast<R>(frame.X_BF);
+    for_each_block<2, 1>(n, {{{q, nq_}, {v, nv_}}}, {{{dJ, 6 * nv_}}}, [&](const auto& in, const auto& out) {
+      for (std::size_t b = 1; b < tree_.bodies.size(); ++b) {
+        place(tree_, b, in[0], ws_);
+        move(tree_, b, in[1], ws_);
+      }
+      std::fill_n(out[0], 6 * nv_, T(R(0)));
+      visit_jacobian_derivative(tree_, form, frame.body, X_BF, ws_,
+                                [&](int dof, const Motion<T>& m) { set_column(out[0], dof, m); });
     });
   }
 
@@ -108,6 +121,12 @@ class RowKernelOf final : public RowKernel<real_t<T>> {
   }
 
  private:
+  /// Of a matrix (6, nv).
+  void set_column(T* J, int dof, const Motion<T>& m) const {
+    const std::array column{m.w.x, m.w.y, m.w.z, m.v.x, m.v.y, m.v.z};
+    for (std::size_t i = 0; i < 6; ++i) J[i * nv_ + static_cast<std::size_t>(dof)] = column[i];
+  }
+
   /// Turns `count` rows from `first` on into lanes; lanes beyond repeat the last row.
   static void load_rows(const Rows<const R>& rows, std::size_t first, std::size_t count, T* to) {
     for (std::size_t k = 0; k < kWidth; ++k) {

@@ -40,7 +40,8 @@ std::vector<std::pair<std::string, std::vector<R>>> run_all(const Model& model, 
   const std::size_t n = kRows, nv = static_cast<std::size_t>(model.nv()), nf = model.frames().size();
   BatchDynamics<R> dynamics(model, width);
   std::vector<R> tau(n * nv), a(n * nv), M(n * nv * nv), p(n * 3), r(n * 4), all_p(n * nf * 3), all_r(n * nf * 4),
-      J(n * 6 * nv), com(n * 3), h(n * 6), kinetic(n), potential(n);
+      J(n * 6 * nv), J_space(J), J_body(J), dJ(J), dJ_space(J), dJ_body(J), com(n * 3), h(n * 6), kinetic(n),
+      potential(n);
   const FrameId last(nf - 1);
   dynamics.rnea(n, s.q, s.v, s.a, tau);
   dynamics.aba(n, s.q, s.v, s.a, a);
@@ -48,13 +49,31 @@ std::vector<std::pair<std::string, std::vector<R>>> run_all(const Model& model, 
   dynamics.frame_pose(n, s.q, last, p, r);
   dynamics.forward_kinematics(n, s.q, all_p, all_r);
   dynamics.jacobian(n, s.q, last, J);
+  dynamics.jacobian(n, s.q, last, J_space, JacobianForm::kSpace);
+  dynamics.jacobian(n, s.q, last, J_body, JacobianForm::kBody);
+  dynamics.jacobian_derivative(n, s.q, s.v, last, dJ);
+  dynamics.jacobian_derivative(n, s.q, s.v, last, dJ_space, JacobianForm::kSpace);
+  dynamics.jacobian_derivative(n, s.q, s.v, last, dJ_body, JacobianForm::kBody);
   dynamics.center_of_mass(n, s.q, com);
   dynamics.momentum(n, s.q, s.v, h);
   dynamics.energy(n, s.q, s.v, kinetic, potential);
-  return {{"rnea", tau},          {"aba", a},           {"crba", M},
-          {"position", p},        {"quaternion", r},    {"positions", all_p},
-          {"quaternions", all_r}, {"jacobian", J},      {"com", com},
-          {"momentum", h},        {"kinetic", kinetic}, {"potential", potential}};
+  return {{"rnea", tau},
+          {"aba", a},
+          {"crba", M},
+          {"position", p},
+          {"quaternion", r},
+          {"positions", all_p},
+          {"quaternions", all_r},
+          {"jacobian", J},
+          {"com", com},
+          {"space jacobian", J_space},
+          {"body jacobian", J_body},
+          {"jacobian derivative", dJ},
+          {"space jacobian derivative", dJ_space},
+          {"body jacobian derivative", dJ_body},
+          {"momentum", h},
+          {"kinetic", kinetic},
+          {"potential", potential}};
 }
 
 TEST(BatchDynamics, EveryWidthGivesTheBitsOfScalarFloat) {

@@ -27,6 +27,19 @@ def test_reaches_poses_within_the_limits(panda: mh.Model) -> None:
     assert np.abs(reached - position)[found.success].max() < 1e-5
 
 
+def test_tolerances_finer_than_single_precision_are_met(panda: mh.Model) -> None:
+    rng = np.random.default_rng(0)
+    lower = np.array([joint.lower for joint in panda.joints if joint.iq >= 0])
+    upper = np.array([joint.upper for joint in panda.joints if joint.iq >= 0])
+    position, quaternion = mh.dynamics.frame_pose(panda, rng.uniform(lower, upper, (500, panda.nq)), HAND)
+    found = mh.inverse_kinematics(
+        panda, HAND, position, quaternion, position_tolerance=1e-11, rotation_tolerance=1e-11, restarts=100
+    )
+    assert found.success.mean() >= 0.99
+    reached, _ = mh.dynamics.frame_pose(panda, found.q, HAND)
+    assert np.abs(reached - position)[found.success].max() < 1e-11
+
+
 def test_one_pose_has_no_rows_and_the_far_side_of_the_room_is_out_of_reach(panda: mh.Model) -> None:
     near = mh.inverse_kinematics(panda, HAND, [0.4, 0.1, 0.3], [1, 0, 0, 0])
     assert near.q.shape == (panda.nq,)

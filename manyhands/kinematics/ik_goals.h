@@ -1,0 +1,217 @@
+// Goals of inverse kinematics that ask for less than a pose, and a posture to keep where they leave room.
+#pragma once
+
+#include <limits>
+#include <vector>
+
+#include "manyhands/base/index.h"
+#include "manyhands/kinematics/inverse_kinematics.h"
+
+namespace manyhands {
+
+/// What a goal says of a frame's orientation.
+enum class IkOrientation {
+  kFull,       ///< all of it
+  kFree,       ///< nothing
+  kAxisAlong,  ///< an axis of the frame has a direction; the spin about it is free
+  kAxisAt,     ///< an axis of the frame, from its origin, passes through a point; the spin about it is free
+};
+
+/// A goal, the same for all targets of a search.
+struct IkGoal {
+  IkOrientation orientation = IkOrientation::kFull;
+  Vec3<double> axis{0, 0, 1};     ///< of the frame, of unit length, for kAxisAlong and kAxisAt
+  double position_weight = 1;     ///< of a metre; 0 leaves the position free
+  double rotation_weight = 1;     ///< of a radian; both count where not all can be had
+  std::vector<double> posture{};  ///< (nq) to stay near; empty without one
+};
+
+/// Where a goal is.
+template <Number T>
+struct IkTarget {
+  Transform<T> X_WF;  ///< its rotation for kFull only
+  Vec3<T> toward;     ///< for kAxisAlong a direction of unit length, for kAxisAt a point [m], both in the world
+};
+
+namespace internal {
+
+inline constexpr double kPostureGain = 0.5;       ///< share of the way to the posture in one step
+inline constexpr double kLongestPull = 0.5;       ///< of the posture on a joint in one step [rad or m]
+inline constexpr double kNearer = 1 - 1e-6;       ///< how far a step must bring the distance down, or it has settled
+inline constexpr double kNearestToLookAt = 1e-6;  ///< a point nearer than that has no direction [m]
+
+/// The smallest rotation that takes the unit vector a to b, as a rotation vector.
+template <Number T>
+MANYHANDS_INLINE Vec3<T> rotation_between(const Vec3<T>& a, const Vec3<T>& b) {
+  const T zero = constant<T>(0), one = constant<T>(1);
+  const T w = one + dot(a, b);
+  const auto opposite = w < T(8 * std::numeric_limits<real_t<T>>::epsilon());  // any half turn about a normal of a
+  const Vec3<T> normal = select(abs(a.x) < constant<T>(0.7), Vec3<T>{zero, a.z, -a.y}, Vec3<T>{-a.z, zero, a.x});
+  const Vec3<T> u = select(opposite, normal, cross(a, b));
+  return rotation_vector(normalized(Quat<T>{u.x, u.y, u.z, select(opposite, zero, w)}));
+}
+
+/// A goal made linear at a pose of the frame: e = row(J) dq, weighted. Directions that the goal leaves free are filled
+/// with ones, so that the system has a solution there, which is 0.
+template <Number T>
+struct GoalEquations {
+  Motion<T> e;      ///< error, angular first
+  Vec3<T> axis{};   ///< in the world
+  Vec3<T> lever{};  ///< of kAxisAt: direction over distance, by which the origin's velocity turns the direction [1/m]
+  T wp{}, wr{};
+  IkOrientation orientation{};
+  bool places{};  ///< whether the position counts
+
+  MANYHANDS_INLINE GoalEquations(const IkGoal& goal, const IkTarget<T>& target, const Transform<T>& X_WF)
+      : wp(constant<T>(goal.position_weight)),
+        wr(constant<T>(goal.rotation_weight)),
+        orientation(goal.orientation),
+        places(goal.position_weight > 0) {
+    if (orientation == IkOrientation::kFull) {
+      e = pose_error(target.X_WF, X_WF);
+    } else {
+      e = {Vec3<T>::zero(), target.X_WF.p - X_WF.p};
+      if (orientation != IkOrientation::kFree) point(goal, target, X_WF);
+    }
+    e = {wr * e.w, wp * e.v};
+  }
+
+  /// The row of a dof that moves the frame by J, at its origin in world axes.
+  [[nodiscard]] MANYHANDS_INLINE Motion<T> row(const Motion<T>& J) const {
+    const Vec3<T> v = wp * J.v;
+    if (orientation == IkOrientation::kFull) return {wr * J.w, v};
+    if (orientation == IkOrientation::kFree) return {Vec3<T>::zero(), v};
+    const Vec3<T> turn = orientation == IkOrientation::kAxisAt ? J.w + cross(lever, J.v) : J.w;
+    return {wr * fma(-dot(axis, turn), axis, turn), v};
+  }
+
+  MANYHANDS_INLINE void fill_free(SymMat6<T>& A) const {
+    const Mat3<T> one = Mat3<T>::identity();
+    const Vec3<T> none = Vec3<T>::zero();
+    if (orientation == IkOrientation::kAxisAlong || orientation == IkOrientation::kAxisAt)
+      A.add_outer_product({axis, none});
+    if (orientation == IkOrientation::kFree)
+      for (const Vec3<T>& n : {one.x, one.y, one.z}) A.add_outer_product({n, none});
+    if (!places)
+      for (const Vec3<T>& n : {one.x, one.y, one.z}) A.add_outer_product({none, n});
+  }
+
+ private:
+  MANYHANDS_INLINE void point(const IkGoal& goal, const IkTarget<T>& target, const Transform<T>& X_WF) {
+    axis = X_WF.R * broadcast<T>(goal.axis);
+    Vec3<T> direction = target.toward;
+    if (orientation == IkOrientation::kAxisAt) {
+      const Vec3<T> way = target.toward - X_WF.p;
+      const T distance = norm(way), least = constant<T>(kNearestToLookAt);
+      const T inverse = constant<T>(1) / max(distance, least);
+      direction = select(distance < least, -axis, inverse * way);
+      lever = inverse * direction;
+    }
+    e.w = rotation_between(axis, direction);
+  }
+};
+
+/// A posture's part in a solve: a step towards it wherever the goal is reached, and the nearest q that reaches it,
+/// which the workspace keeps. So limits and curvature that take a step off the goal cost that step only.
+template <Number T>
+class PostureSearch {
+ public:
+  MANYHANDS_INLINE PostureSearch(const IkGoal& goal, const Tree<real_t<T>>& tree, const IkChain& chain, T* q,
+                                 Workspace<T>& ws)
+      : goal_(goal), tree_(tree), chain_(chain), q_(q), kept_(ws.u.data()) {}
+
+  [[nodiscard]] bool is_wanted() const { return !goal_.posture.empty(); }
+
+  /// Keeps q where it reaches the goal and is nearer than before; whether the solve goes on from there.
+  MANYHANDS_INLINE mask_t<T> keep(const mask_t<T>& active, const mask_t<T>& reached) {
+    T distance = constant<T>(0);
+    for (const std::size_t i : chain_.dofs) distance = distance + square(way(i));
+    const mask_t<T> nearer(active & reached & (distance < constant<T>(square(kNearer)) * distance_));
+    distance_ = select(nearer, distance, distance_);
+    for (const std::size_t i : chain_.dofs) kept_[i] = select(nearer, q_[index(tree_.dof_q[i])], kept_[i]);
+    pulls_ = reached;
+    return mask_t<T>(nearer | !reached);
+  }
+
+  /// Of dof i in this step.
+  [[nodiscard]] MANYHANDS_INLINE T pull(std::size_t i) const {
+    const T longest = constant<T>(kLongestPull), zero = constant<T>(0);
+    return select(pulls_, clamp(constant<T>(kPostureGain) * way(i), -longest, longest), zero);
+  }
+
+  MANYHANDS_INLINE void take_kept() {
+    const mask_t<T> any_kept(distance_ < constant<T>(std::numeric_limits<double>::infinity()));
+    for (const std::size_t i : chain_.dofs) {
+      T& qi = q_[index(tree_.dof_q[i])];
+      qi = select(any_kept, kept_[i], qi);
+    }
+  }
+
+ private:
+  [[nodiscard]] MANYHANDS_INLINE T way(std::size_t i) const {
+    const std::size_t j = index(tree_.dof_q[i]);
+    return constant<T>(goal_.posture[j]) - q_[j];
+  }
+
+  const IkGoal& goal_;
+  const Tree<real_t<T>>& tree_;
+  const IkChain& chain_;
+  T* q_;
+  T* kept_;  // (nv)
+  T distance_ = constant<T>(std::numeric_limits<double>::infinity());
+  mask_t<T> pulls_{false};
+};
+
+}  // namespace internal
+
+/// As `solve_ik`, for any goal. Where the goal is reached a posture pulls in the null space, dq = z +
+/// J^T (J J^T + lambda 1)^-1 (e - J z) with z = gain (posture - q), as long as that brings q nearer to it. Errors of
+/// what the goal leaves free are 0.
+template <Number T, Number P>
+MANYHANDS_INLINE IkResult<T> solve_goal(const Tree<real_t<T>>& tree, const Params<P>& params, const IkChain& chain,
+                                        const IkSettings& settings, const IkGoal& goal, const IkTarget<T>& target, T* q,
+                                        Workspace<T>& ws) {
+  using internal::GoalEquations;
+  const Transform<real_t<T>> X_BF = broadcast<real_t<T>>(chain.X_BF);
+  const T damping = constant<T>(settings.damping), error_damping = constant<T>(settings.error_damping);
+  const auto squared = [](double weight, double tolerance) { return constant<T>(square(weight * tolerance)); };
+  const T position_tolerance = squared(goal.position_weight, settings.position_tolerance);
+  const T rotation_tolerance = squared(goal.rotation_weight, settings.rotation_tolerance);
+  internal::PostureSearch<T> posture(goal, tree, chain, q, ws);
+  iterate(mask_t<T>(true), settings.max_iterations, [&](const mask_t<T>& active) {
+    const Transform<T> X_WF = place_chain(tree, chain, X_BF, q, ws);
+    const GoalEquations<T> equations(goal, target, X_WF);
+    const Vec3<T> p_OF = X_WF.p - ws.p_WO[chain.body.index()];
+    Motion<T> e = equations.e;
+    const T rotation2 = squared_norm(e.w), position2 = squared_norm(e.v);
+    const mask_t<T> reached((position2 <= position_tolerance) & (rotation2 <= rotation_tolerance));
+    const mask_t<T> goes_on = posture.is_wanted() ? posture.keep(active, reached) : mask_t<T>(!reached);
+    SymMat6<T> A = SymMat6<T>::diagonal(fma(error_damping, rotation2 + position2, damping));
+    equations.fill_free(A);
+    for (const std::size_t i : chain.dofs) {
+      const Motion<T> row = equations.row(at_point(ws.S[i], p_OF));
+      A.add_outer_product(row);
+      if (posture.is_wanted()) e = fma(-posture.pull(i), row, e);
+    }
+    const Motion<T> y = A.solve(e);
+    for (const std::size_t i : chain.dofs) {
+      const Motion<T> row = equations.row(at_point(ws.S[i], p_OF));
+      T& qi = q[index(tree.dof_q[i])];
+      T next = qi + dot(row.w, y.w) + dot(row.v, y.v);
+      if (posture.is_wanted()) next = next + posture.pull(i);
+      if (settings.respect_limits && tree.dof_limited[i])
+        next = clamp(next, broadcast<T>(params.lower[i]), broadcast<T>(params.upper[i]));
+      qi = select(active, next, qi);
+    }
+    return goes_on;
+  });
+  if (posture.is_wanted()) posture.take_kept();
+  const GoalEquations<T> left(goal, target, place_chain(tree, chain, X_BF, q, ws));
+  const T position_error = left.places ? norm(left.e.v) / left.wp : constant<T>(0);
+  const T rotation_error = norm(left.e.w) / left.wr;
+  const mask_t<T> success((position_error <= constant<T>(settings.position_tolerance)) &
+                          (rotation_error <= constant<T>(settings.rotation_tolerance)));
+  return {success, position_error, rotation_error};
+}
+
+}  // namespace manyhands
