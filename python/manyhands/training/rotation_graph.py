@@ -23,7 +23,7 @@ def add_cube_rotation(graph: PolicyGraph, observation_dim: int, first: int) -> l
     """The values, (batch, 9) and (batch, 15), that `cube_rotation` of a trainer's config adds to a network's input."""
     chosen = np.eye(observation_dim, dtype=np.float32)[:, first : first + 4]
     now = graph.apply("MatMul", ["observation", graph.constant("quaternion", chosen)], "cube_quaternion")
-    way = _products(graph, "desired_goal", now, list(product(range(4), repeat=2)), (4, 4), "way_products")
+    way = _products(graph, "desired_goal", now, list(product(range(4), range(4))), (4, 4), "way_products")
     way = graph.apply("MatMul", [way, graph.constant("relative", _relative())], "way_quaternion")
     matrices = [_matrix(graph, quaternion, name) for quaternion, name in ((way, "cube_way"), (now, "cube_axes"))]
     return [matrices[0], _moments(graph, matrices[1])]
@@ -53,7 +53,7 @@ def _relative() -> Array:
 
 def _matrix(graph: PolicyGraph, quaternion: str, output: str) -> str:
     """The rotation matrix (batch, 9), column by column: 1 - 2 (y^2 + z^2), ... with 1 = x^2 + y^2 + z^2 + w^2."""
-    squares = list(product(range(4), repeat=2))
+    squares = list(product(range(4), range(4)))
     terms = np.zeros((4, 4, 3, 3), np.float32)  # by column and row
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
