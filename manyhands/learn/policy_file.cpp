@@ -223,7 +223,7 @@ int take_cube_rotation(Operations& operations) {
   std::size_t row = 0;
   while (row < matrix.rows && matrix.values[row * matrix.columns] == 0) ++row;
   while (!operations.begins("cube_moments")) {
-    if (operations.take_if("Mul") == nullptr) operations.take("MatMul");
+    if (operations.take_if("Mul") == nullptr && operations.take_if("Add") == nullptr) operations.take("MatMul");
   }
   operations.take("MatMul");
   return static_cast<int>(row);

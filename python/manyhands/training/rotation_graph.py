@@ -52,16 +52,17 @@ def _relative() -> Array:
 
 
 def _matrix(graph: PolicyGraph, quaternion: str, output: str) -> str:
-    """The rotation matrix (batch, 9), column by column: 1 - 2 (y^2 + z^2), ... with 1 = x^2 + y^2 + z^2 + w^2."""
+    """The rotation matrix (batch, 9), column by column: 1 - 2 (y^2 + z^2), ..."""
     squares = list(product(range(4), range(4)))
     terms = np.zeros((4, 4, 3, 3), np.float32)  # by column and row
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
-        terms[[_W, i, j, k], [_W, i, j, k], i, i] = (1, 1, -1, -1)
+        terms[[j, k], [j, k], i, i] = -2
         terms[i, j, [i, j], [j, i]] = 2
         terms[_W, k, i, j], terms[_W, k, j, i] = 2, -2
     products = _products(graph, quaternion, quaternion, squares, (4, 4), f"{output}_products")
-    return graph.apply("MatMul", [products, graph.constant(f"{output}_terms", terms.reshape(16, 9))], output)
+    turned = graph.apply("MatMul", [products, graph.constant(f"{output}_terms", terms.reshape(16, 9))], f"{output}_turn")
+    return graph.apply("Add", [turned, graph.constant(f"{output}_one", np.eye(3).reshape(1, 9))], output)
 
 
 def _moments(graph: PolicyGraph, axes: str) -> str:
