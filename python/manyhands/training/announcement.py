@@ -42,7 +42,7 @@ def _randomization(settings: TrainSettings) -> list[str]:
     seen = config.privileged_critic and config.algorithm != "DAgger"  # which has no critics
     see = "critics see what was drawn, the policy does not" if seen else "neither critics nor policy see what was drawn"
     lines = [f"  randomised in every episode: {ranges}", f"  {see}; success below is under these ranges"]
-    if seen and config.cloning_weight > 0 and config.cloning_filter:
+    if config.algorithm == "TD3" and config.cloning_weight > 0 and config.cloning_filter:
         lines.append("  the script knows nothing of it: its answers count where critics expect more of them")
     return lines
 
