@@ -61,7 +61,8 @@ def _matrix(graph: PolicyGraph, quaternion: str, output: str) -> str:
         terms[i, j, [i, j], [j, i]] = 2
         terms[_W, k, i, j], terms[_W, k, j, i] = 2, -2
     products = _products(graph, quaternion, quaternion, squares, (4, 4), f"{output}_products")
-    turned = graph.apply("MatMul", [products, graph.constant(f"{output}_terms", terms.reshape(16, 9))], f"{output}_turn")
+    of_products = graph.constant(f"{output}_terms", terms.reshape(16, 9))
+    turned = graph.apply("MatMul", [products, of_products], f"{output}_turn")
     return graph.apply("Add", [turned, graph.constant(f"{output}_one", np.eye(3).reshape(1, 9))], output)
 
 
