@@ -2,6 +2,7 @@
 #pragma once
 
 #include "manyhands/physics/collision/colliders.h"
+#include "manyhands/physics/contact/settings.h"
 #include "manyhands/physics/dynamics/yielding.h"
 
 namespace manyhands {
@@ -134,6 +135,9 @@ MANYHANDS_INLINE CombinedSurface<T> combine_surfaces(const Colliders<real_t<T>>&
     const double softness = 1 / (h * (h * *stiffness + damping.value_or(0)));
     surface.softness = constant<T>(softness);
     surface.push = constant<T>(softness * h * *stiffness);
+  }
+  for (T* friction : {&surface.friction_1, &surface.friction_2, &surface.spinning, &surface.rolling}) {
+    *friction = select(*friction < constant<T>(contact_settings::kLeastFriction), constant<T>(0), *friction);
   }
   return surface;
 }

@@ -147,6 +147,8 @@ inline constexpr int kCalmSteps = 32;
 
 // ---- sliding ------------------------------------------------------------------------------------------------------
 
+/// Less friction is none: its square is lost among the smallest numbers, or has no inverse.
+inline constexpr double kLeastFriction = 1e-12;
 /// By how much |y| may miss the rim of its cone, as a part of it.
 inline constexpr double kSlideTolerance = 1e-14;
 /// The least that 1 + slope . direction counts for: below 0 friction wedges the contact, and no impulse on the cone

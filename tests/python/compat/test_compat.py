@@ -83,7 +83,7 @@ def test_processes_that_a_program_starts(tmp_path: Path) -> None:
             queue = context.Queue()
             process = context.Process(target=work, args=(queue,))
             process.start()
-            print(*queue.get(timeout=60))
+            print(*queue.get(timeout=60), flush=True)
             process.join()
             subprocess.run([sys.executable, "-c", "import gym.envs; print(gym.envs.__name__)"], check=True)
     """
