@@ -182,27 +182,13 @@ MANYHANDS_INLINE IkResult<T> solve_goal(const Tree<real_t<T>>& tree, const Param
     const Transform<T> X_WF = place_chain(tree, chain, X_BF, q, ws);
     const GoalEquations<T> equations(goal, target, X_WF);
     const Vec3<T> p_OF = X_WF.p - ws.p_WO[chain.body.index()];
-    Motion<T> e = equations.e;
-    const T rotation2 = squared_norm(e.w), position2 = squared_norm(e.v);
+    const T rotation2 = squared_norm(equations.e.w), position2 = squared_norm(equations.e.v);
     const mask_t<T> reached((position2 <= position_tolerance) & (rotation2 <= rotation_tolerance));
     const mask_t<T> goes_on = posture.is_wanted() ? posture.keep(active, reached) : mask_t<T>(!reached);
-    SymMat6<T> A = SymMat6<T>::diagonal(fma(error_damping, rotation2 + position2, damping));
-    equations.fill_free(A);
-    for (const std::size_t i : chain.dofs) {
-      const Motion<T> row = equations.row(at_point(ws.S[i], p_OF));
-      A.add_outer_product(row);
-      if (posture.is_wanted()) e = fma(-posture.pull(i), row, e);
-    }
-    const Motion<T> y = A.solve(e);
-    for (const std::size_t i : chain.dofs) {
-      const Motion<T> row = equations.row(at_point(ws.S[i], p_OF));
-      T& qi = q[index(tree.dof_q[i])];
-      T next = qi + dot(row.w, y.w) + dot(row.v, y.v);
-      if (posture.is_wanted()) next = next + posture.pull(i);
-      if (settings.respect_limits && tree.dof_limited[i])
-        next = clamp(next, broadcast<T>(params.lower[i]), broadcast<T>(params.upper[i]));
-      qi = select(active, next, qi);
-    }
+    SymMat6<T> damped = SymMat6<T>::diagonal(fma(error_damping, rotation2 + position2, damping));
+    equations.fill_free(damped);
+    const auto row = [&](std::size_t i) { return equations.row(at_point(ws.S[i], p_OF)); };
+    internal::take_damped_step(tree, params, chain, settings, active, damped, equations.e, row, posture, q);
     return goes_on;
   });
   if (posture.is_wanted()) posture.take_kept();

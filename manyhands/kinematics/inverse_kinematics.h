@@ -1,6 +1,8 @@
 // Inverse kinematics by damped least squares, in lanes or scalar. See README.md in this folder.
 #pragma once
 
+#include <type_traits>
+
 #include "manyhands/math/control_flow.h"
 #include "manyhands/math/linear6.h"
 #include "manyhands/physics/dynamics/kinematics.h"
@@ -44,6 +46,36 @@ MANYHANDS_INLINE Motion<T> pose_error(const Transform<T>& target, const Transfor
   return {rotation_vector(to_quat(target.R * transpose(X_WF.R))), target.p - X_WF.p};
 }
 
+/// For solves in which nothing but the goal moves the joints.
+struct NoPosture {};
+
+/// One step of the chain's joints, dq = z + J^T (J J^T + damped)^-1 (e - J z), where `row(i)` is dof i's column of J as
+/// a motion, and z what `posture` pulls, if one is wanted.
+template <Number T, Number P, class Row, class Posture>
+MANYHANDS_INLINE void take_damped_step(const Tree<real_t<T>>& tree, const Params<P>& params, const IkChain& chain,
+                                       const IkSettings& settings, const mask_t<T>& active, SymMat6<T> damped,
+                                       Motion<T> e, const Row& row, const Posture& posture, T* q) {
+  for (const std::size_t i : chain.dofs) {
+    const Motion<T> J = row(i);
+    damped.add_outer_product(J);
+    if constexpr (!std::is_same_v<Posture, NoPosture>) {
+      if (posture.is_wanted()) e = fma(-posture.pull(i), J, e);
+    }
+  }
+  const Motion<T> y = damped.solve(e);
+  for (const std::size_t i : chain.dofs) {
+    const Motion<T> J = row(i);
+    T& qi = q[static_cast<std::size_t>(tree.dof_q[i])];
+    T next = qi + dot(J.w, y.w) + dot(J.v, y.v);
+    if constexpr (!std::is_same_v<Posture, NoPosture>) {
+      if (posture.is_wanted()) next = next + posture.pull(i);
+    }
+    if (settings.respect_limits && tree.dof_limited[i])
+      next = clamp(next, broadcast<T>(params.lower[i]), broadcast<T>(params.upper[i]));
+    qi = select(active, next, qi);
+  }
+}
+
 }  // namespace internal
 
 /// The frame's pose at q, placing only the chain's bodies.
@@ -69,17 +101,9 @@ MANYHANDS_INLINE void improve_ik(const Tree<real_t<T>>& tree, const Params<P>& p
     const Motion<T> e = internal::pose_error(target, X_WF);
     const Vec3<T> p_OF = X_WF.p - ws.p_WO[chain.body.index()];
     const T rotation2 = squared_norm(e.w), position2 = squared_norm(e.v);
-    SymMat6<T> A = SymMat6<T>::diagonal(fma(error_damping, rotation2 + position2, damping));
-    for (const std::size_t i : chain.dofs) A.add_outer_product(at_point(ws.S[i], p_OF));
-    const Motion<T> y = A.solve(e);
-    for (const std::size_t i : chain.dofs) {
-      const Motion<T> J = at_point(ws.S[i], p_OF);
-      T& qi = q[static_cast<std::size_t>(tree.dof_q[i])];
-      T next = qi + dot(J.w, y.w) + dot(J.v, y.v);
-      if (settings.respect_limits && tree.dof_limited[i])
-        next = clamp(next, broadcast<T>(params.lower[i]), broadcast<T>(params.upper[i]));
-      qi = select(active, next, qi);
-    }
+    const SymMat6<T> damped = SymMat6<T>::diagonal(fma(error_damping, rotation2 + position2, damping));
+    const auto row = [&](std::size_t i) { return at_point(ws.S[i], p_OF); };
+    internal::take_damped_step(tree, params, chain, settings, active, damped, e, row, internal::NoPosture{}, q);
     return !((position2 <= position_tolerance) & (rotation2 <= rotation_tolerance));
   });
 }

@@ -25,13 +25,13 @@ class Flip {
     ++steps_;
     switch (doing_) {
       case Doing::kCome:
-        return {approach(hand, cube)};
+        return {approach_roll(hand, cube, start_, kTrials)};
       case Doing::kPress:
-        return {press(hand, cube)};
+        return {press_roll(hand, cube, way_, kTrials)};
       case Doing::kDraw:
         break;
     }
-    return {{-0.8f, 10 * (cube.y - hand.y), 20 * (0.035f - hand.z)}};
+    return draw_home(hand, cube);
   }
 
  private:
@@ -43,6 +43,13 @@ class Flip {
 
   static constexpr float kAbove = 0.0563f;  ///< of the hand when a press begins
   static constexpr float kHome = 0.05f, kFar = 0.1f;
+  static constexpr RollTrials kTrials{.press_in = 1.12f,
+                                      .press_up = 0.615f,
+                                      .beside = 0.08f,
+                                      .above_within = 0.0076f,
+                                      .above = 0.053f,
+                                      .slope = 0.66f,
+                                      .slope_beyond = 0.03f};
 
   void come() {
     doing_ = Doing::kCome;
@@ -82,23 +89,6 @@ class Flip {
   [[nodiscard]] Point place(const Point& cube) const {
     const float in = std::max(-way_.x, 0.0f), out = std::max(way_.x, 0.0f);
     return cube + (0.0257f - 0.0089f * in - 0.0015f * out + nudges_[direction()]) * way_;
-  }
-
-  /// Down and on. An arm that presses drifts outwards, so that way it is to be told little.
-  [[nodiscard]] Point press(const Point& hand, const Point& cube) const {
-    const float out = std::max(way_.x, 0.0f), in = std::min(way_.x, 0.0f);
-    const Point aside{-way_.y, way_.x, 0};
-    Point move = 18.6f * dot(aside, cube - hand) * aside;
-    move += Point{0.096f * out + 1.12f * in + 0.12f * std::abs(way_.y), 0.35f * way_.y, 0.615f * out - 0.88f};
-    return move;
-  }
-
-  /// Comes down on a slope, and rises first beside the cube.
-  [[nodiscard]] Point approach(const Point& hand, const Point& cube) const {
-    const float off = flat_distance(hand, start_);
-    if (hand.z < 0.05f && flat_distance(hand, cube) < 0.08f) return {0, 0, 20 * (0.118f - hand.z)};
-    const float height = off < 0.0076f ? 0.053f : 0.0689f + 0.66f * std::max(off - 0.03f, 0.0f);
-    return aim(hand, {start_.x, start_.y, height});
   }
 
   /// The direction in which to roll the cube next. The way chosen before is kept unless another is much better.

@@ -15,12 +15,13 @@ class FlipAtSight {
   [[nodiscard]] HandAction act(const float* row, const float* goal) const {
     const Scene scene(row);
     if (scene.hand.z < kLow && scene.hand.z > kSlipped) {
-      if (draws(scene)) return {{-0.8f, 10 * (scene.cube.y - scene.hand.y), 20 * (0.035f - scene.hand.z)}};
+      if (draws(scene)) return draw_home(scene.hand, scene.cube);
       for (const Roll& roll : scene.rolls) {
-        if (presses(scene, roll.way)) return {press(scene, roll.way)};
+        if (presses(scene, roll.way)) return {press_roll(scene.hand, scene.cube, roll.way, kTrials)};
       }
     }
-    return {approach(scene, start(scene, {goal[0], goal[1], goal[2], goal[3]}))};
+    const Point there = start(scene, {goal[0], goal[1], goal[2], goal[3]});
+    return {approach_roll(scene.hand, scene.cube, there, kTrials)};
   }
 
  private:
@@ -51,6 +52,13 @@ class FlipAtSight {
   static constexpr float kLow = 0.0575f;     ///< the hand touches the cube, or nearly
   static constexpr float kSlipped = 0.024f;  ///< lower it has slipped off
   static constexpr float kHome = 0.05f, kFar = 0.1f;
+  static constexpr RollTrials kTrials{.press_in = 1.044f,
+                                      .press_up = 0.624f,
+                                      .beside = 0.083f,
+                                      .above_within = 0.0077f,
+                                      .above = 0.0537f,
+                                      .slope = 0.779f,
+                                      .slope_beyond = 0.032f};
 
   /// Whether the hand lies on the middle of a cube that is farther out than it should be.
   static bool draws(const Scene& scene) {
@@ -76,15 +84,6 @@ class FlipAtSight {
     return 0.0257f - 0.0089f * in - 0.0015f * out + 0.0069f * cube.x + 0.0149f * std::abs(cube.y);
   }
 
-  /// Down and on. An arm that presses drifts outwards, so that way it is to be told little.
-  static Point press(const Scene& scene, const Point& way) {
-    const float out = std::max(way.x, 0.0f), in = std::min(way.x, 0.0f);
-    const Point aside{-way.y, way.x, 0};
-    Point move = 18.6f * dot(aside, scene.cube - scene.hand) * aside;
-    move += Point{0.096f * out + 1.044f * in + 0.12f * std::abs(way.y), 0.35f * way.y, 0.624f * out - 0.88f};
-    return move;
-  }
-
   /// Where to come down: rather near the hand than far from it.
   static Point start(const Scene& scene, const Quat<float>& goal) {
     Rolls rolls = scene.rolls;
@@ -96,16 +95,6 @@ class FlipAtSight {
     const Point way = next_roll(scene.pose, goal, rolls);
     const bool draws = way.x > 0.7f && scene.cube.x > kFar;
     return draws ? scene.cube : scene.cube + place(way, scene.cube) * way;
-  }
-
-  /// Comes down on a slope, and rises first beside the cube.
-  static Point approach(const Scene& scene, const Point& start) {
-    const float off = flat_distance(scene.hand, start);
-    if (scene.hand.z < 0.05f && flat_distance(scene.hand, scene.cube) < 0.083f) {
-      return {0, 0, 20 * (0.118f - scene.hand.z)};
-    }
-    const float height = off < 0.0077f ? 0.0537f : 0.0689f + 0.779f * std::max(off - 0.032f, 0.0f);
-    return aim(scene.hand, {start.x, start.y, height});
   }
 };
 

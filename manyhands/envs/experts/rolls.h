@@ -74,4 +74,37 @@ inline void search_rolls(const Quat<float>& pose, const Quat<float>& goal, const
   return rolls[best.first].way;
 }
 
+/// What a script of Flip found best by trial, where two of them differ.
+struct RollTrials {
+  float press_in, press_up;                        ///< towards the base; from it, upwards
+  float beside;                                    ///< [m] from the cube a low hand rises first
+  float above_within, above, slope, slope_beyond;  ///< [m] near its place; per metre farther off
+};
+
+/// Down and on along `way`. An arm that presses drifts outwards, so that way it is to be told little.
+[[nodiscard]] inline Point press_roll(const Point& hand, const Point& cube, const Point& way,
+                                      const RollTrials& trials) {
+  const float out = std::max(way.x, 0.0f), in = std::min(way.x, 0.0f);
+  const Point aside{-way.y, way.x, 0};
+  Point move = 18.6f * dot(aside, cube - hand) * aside;
+  move += Point{0.096f * out + trials.press_in * in + 0.12f * std::abs(way.y), 0.35f * way.y,
+                trials.press_up * out - 0.88f};
+  return move;
+}
+
+/// Towards `start`, where a press begins: down on a slope, and first up beside the cube.
+[[nodiscard]] inline Point approach_roll(const Point& hand, const Point& cube, const Point& start,
+                                         const RollTrials& trials) {
+  const float off = flat_distance(hand, start);
+  if (hand.z < 0.05f && flat_distance(hand, cube) < trials.beside) return {0, 0, 20 * (0.118f - hand.z)};
+  const float height =
+      off < trials.above_within ? trials.above : 0.0689f + trials.slope * std::max(off - trials.slope_beyond, 0.0f);
+  return aim(hand, {start.x, start.y, height});
+}
+
+/// With a hand that lies on the middle of the cube: nearer to the base.
+[[nodiscard]] inline HandAction draw_home(const Point& hand, const Point& cube) {
+  return {{-0.8f, 10 * (cube.y - hand.y), 20 * (0.035f - hand.z)}};
+}
+
 }  // namespace manyhands::experts

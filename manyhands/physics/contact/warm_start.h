@@ -21,7 +21,7 @@ template <Number T>
 MANYHANDS_INLINE void start_patch(const ContactProblem<T>& problem, const ContactPatch<T>& patch,
                                   const std::array<Vec3<T>, kManifoldPoints>& impulse,
                                   const std::array<Vec3<T>, kManifoldPoints>& moment, Iterate<T>& iterate) {
-  const T zero = constant<T>(0), least = constant<T>(1e-12);
+  const T zero = constant<T>(0), least = constant<T>(contact_settings::kLeastFriction);
   const auto along = [&](const Vec3<T>& world, const Vec3<T>& t, T friction) {
     return select(friction > zero, dot(world, t) / max(friction, least), zero);
   };
