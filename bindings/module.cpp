@@ -2,12 +2,14 @@
 #include <nanobind/nanobind.h>
 
 #include "bindings/bindings.h"
+#include "bindings/planning/planning.h"
 
 NB_MODULE(_core, m) {
   m.doc() = "The C++ library behind the manyhands package.";
   manyhands::bind_model(m);
   manyhands::bind_dynamics(m);
   manyhands::bind_kinematics(m);
+  manyhands::bindings::bind_planning(m);
   manyhands::bind_collision(m);
   manyhands::bind_world(m);
   manyhands::bind_batch_worlds(m);

@@ -5,7 +5,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from manyhands import collision, dynamics, envs, kinematics, world_envs
+from manyhands import collision, dynamics, envs, kinematics, planning, world_envs
 from manyhands._core import (
     Actuator,
     Batch,
@@ -131,6 +131,7 @@ __all__ = [
     "load_sdf",
     "load_texture",
     "load_urdf",
+    "planning",
     "plots",
     "policy",
     "recording",

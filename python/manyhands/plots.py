@@ -1,14 +1,18 @@
-"""Pictures of recorded runs and of workspaces, with one call."""
+"""Pictures of recorded runs, of trajectories and of workspaces, with one call."""
 
 import math
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from manyhands._core import Model
+from manyhands.dynamics import rnea
 from manyhands.extras import needs
 from manyhands.files import replacing
+from manyhands.planning import Sample, Trajectory
+from manyhands.planning.trajectories import limit_row
 from manyhands.recording import Recording
 from manyhands.workspace import Workspace
 
@@ -28,6 +32,8 @@ class Panel(NamedTuple):
     names: list[str]
     values: Array
     """(n, k)"""
+    limits: Array | None = None
+    """(k,), drawn on both sides of 0 where they are finite"""
 
 
 def plot(run: Recording | str | Path, out: str | Path) -> Path:
@@ -42,8 +48,54 @@ def plot(run: Recording | str | Path, out: str | Path) -> Path:
     recording = run if isinstance(run, Recording) else Recording.load(run)
     drawn = panels(recording)
     with needs("plots", "a plot"), replacing(out) as temporary:
-        draw(recording, drawn, temporary)
+        draw(recording.time, drawn, temporary)
     return out
+
+
+def plot_trajectory(
+    motion: Trajectory,
+    out: str | Path,
+    *,
+    velocity: ArrayLike | None = None,
+    acceleration: ArrayLike | None = None,
+    torque: ArrayLike | None = None,
+    model: Model | None = None,
+    names: list[str] | None = None,
+) -> Path:
+    """Draws the positions, velocities and accelerations of a trajectory over time, with limits (n,), or one for all, as
+    dashed lines; with a model the torques, too, that inverse dynamics says. A PNG or an HTML page, as `plot`.
+
+    names: (n,) of the joints. Raises as `plot`, and ValueError on arrays that do not fit.
+    """
+    out = Path(out)
+    draw = _by_ending(out, _png, _html)
+    time = np.linspace(0.0, motion.duration, _SAMPLES)
+    limits = {"velocity": velocity, "acceleration": acceleration, "torque": torque}
+    drawn = _trajectory_panels(motion.sample(time), model, names, limits)
+    with needs("plots", "a plot"), replacing(out) as temporary:
+        draw(time, drawn, temporary)
+    return out
+
+
+def _trajectory_panels(
+    found: Sample, model: Model | None, names: list[str] | None, limits: dict[str, ArrayLike | None]
+) -> list[Panel]:
+    n = found.q.shape[1]
+    if names is None:
+        names = [f"joint {k}" for k in range(n)]
+    if len(names) != n:
+        raise ValueError(f"there are {len(names)} names for {n} joints; expected as many")
+    velocity, acceleration, torque = (
+        None if given is None else limit_row(name, given, n) for name, given in limits.items()
+    )
+    drawn = [
+        Panel("Joint positions", "rad, m", names, found.q),
+        Panel("Joint velocities", "rad/s, m/s", names, found.v, velocity),
+        Panel("Joint accelerations", "rad/s², m/s²", names, found.a, acceleration),
+    ]
+    if model is not None:
+        drawn.append(Panel("Joint forces", "N m, N", names, rnea(model, *found), torque))
+    return drawn
 
 
 def plot_workspace(found: Workspace, out: str | Path) -> Path:
@@ -98,7 +150,15 @@ def _columns(drawn: list[Panel]) -> int:
     return min(len(drawn), 2)
 
 
-def _png(run: Recording, drawn: list[Panel], out: Path) -> None:
+def _limits(panel: Panel) -> list[tuple[str, float]]:
+    """Where lines are drawn, and whose limits they are."""
+    if panel.limits is None:
+        return []
+    pairs = zip(panel.names, panel.limits.tolist(), strict=True)
+    return [(name, side * limit) for name, limit in pairs if math.isfinite(limit) for side in (1, -1)]
+
+
+def _png(time: Array, drawn: list[Panel], out: Path) -> None:
     import matplotlib.figure
 
     columns, colours = _columns(drawn), _colours(drawn)
@@ -109,7 +169,9 @@ def _png(run: Recording, drawn: list[Panel], out: Path) -> None:
         is_wide = k == len(drawn) - 1 and k % columns == 0
         axis = figure.add_subplot(grid[k // columns, :] if is_wide else grid[k // columns, k % columns])
         for name, column in zip(panel.names, panel.values.T, strict=True):
-            axis.plot(run.time[-len(panel.values) :], column, linewidth=1.4, label=name, color=colours[name])
+            axis.plot(time[-len(panel.values) :], column, linewidth=1.4, label=name, color=colours[name])
+        for name, limit in _limits(panel):
+            axis.axhline(limit, linewidth=0.8, linestyle="--", color=colours[name])
         axis.set_title(_heading(panel))
         axis.set_xlabel("t [s]")
         axis.grid(alpha=0.3)
@@ -118,7 +180,7 @@ def _png(run: Recording, drawn: list[Panel], out: Path) -> None:
     figure.savefig(out, dpi=120)
 
 
-def _html(run: Recording, drawn: list[Panel], out: Path) -> None:
+def _html(time: Array, drawn: list[Panel], out: Path) -> None:
     from plotly.graph_objects import Figure, Scatter
     from plotly.subplots import make_subplots
 
@@ -131,19 +193,22 @@ def _html(run: Recording, drawn: list[Panel], out: Path) -> None:
     figure: Figure = make_subplots(rows, columns, specs=specs, subplot_titles=titles, vertical_spacing=0.3 / rows)
     named: set[str] = set()
     for k, panel in enumerate(drawn):
-        time = run.time[-len(panel.values) :]
         for name, column in zip(panel.names, panel.values.T, strict=True):
             line = Scatter(
-                x=time, y=column, name=name, legendgroup=name, showlegend=name not in named, mode="lines",
-                line={"color": colours[name], "width": 1.5},
+                x=time[-len(panel.values) :], y=column, name=name, legendgroup=name, showlegend=name not in named,
+                mode="lines", line={"color": colours[name], "width": 1.5},
             )  # fmt: skip
             figure.add_trace(line, row=k // columns + 1, col=k % columns + 1)
             named.add(name)
+        for name, limit in _limits(panel):
+            dashes = {"color": colours[name], "width": 1, "dash": "dash"}
+            figure.add_hline(limit, line=dashes, row=k // columns + 1, col=k % columns + 1)  # type: ignore[arg-type]
     figure.update_xaxes(title_text="t [s]", matches="x")
     figure.update_layout(height=max(320 * rows, 420), template="plotly_white", margin={"t": 50, "b": 30})
     figure.write_html(out, include_plotlyjs=True)
 
 
+_SAMPLES = 2000  # of a trajectory
 _CELLS = 60  # across a view
 _MOST_POINTS = 20_000  # that a page can turn smoothly
 

@@ -1,0 +1,35 @@
+"""Motions: trajectories through waypoints and poses, and how fast a path can be followed.
+
+A trajectory is a value: `duration`, and `sample(t)` at one time or many. Numbers of joints are followed as they are, so
+quaternions in q (spherical and floating joints) have no trajectory here; poses have (`cartesian`). Units are SI,
+quaternions are xyzw, spatial vectors have the angular part first. Wrong shapes, NaN, times that do not rise and limits
+that are not above 0 raise ValueError, which names the array.
+"""
+
+from manyhands.planning.timing import time_optimal
+from manyhands.planning.trajectories import (
+    CartesianPath,
+    CartesianSample,
+    CartesianTrajectory,
+    Sample,
+    Trajectory,
+    cartesian,
+    cubic,
+    quintic,
+    spline,
+    trapezoid,
+)
+
+__all__ = [
+    "CartesianPath",
+    "CartesianSample",
+    "CartesianTrajectory",
+    "Sample",
+    "Trajectory",
+    "cartesian",
+    "cubic",
+    "quintic",
+    "spline",
+    "time_optimal",
+    "trapezoid",
+]

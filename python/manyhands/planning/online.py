@@ -1,0 +1,138 @@
+"""Jerk-limited motions that are found while a robot moves, by Ruckig.
+
+A motion begins in any state and ends at a goal at rest or not, as soon as limits of velocity, acceleration and jerk
+let it; joints arrive together. Finding one takes microseconds, so a new goal is followed from the next sample on. Needs
+the extra `online`.
+
+L. Berscheid, T. Kröger, Jerk-limited real-time trajectory generation with arbitrary target states, RSS 2021.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from manyhands.arguments import finite_rows
+from manyhands.extras import needs
+from manyhands.planning.trajectories import Sample, Trajectory, limit_row
+
+with needs("online", "manyhands.planning.online"):
+    import ruckig
+
+__all__ = ["Follower", "jerk_limited"]
+
+Array = NDArray[np.float64]
+_A_HAIR_LESS = 1 - 1e-7
+_SHORTEST = 1e-9  # [s] of a piece; shorter ones are rounding
+
+
+def jerk_limited(
+    start: ArrayLike,
+    goal: ArrayLike,
+    *,
+    velocity: ArrayLike,
+    acceleration: ArrayLike,
+    jerk: ArrayLike,
+    start_velocity: ArrayLike | None = None,
+    start_acceleration: ArrayLike | None = None,
+    goal_velocity: ArrayLike | None = None,
+    goal_acceleration: ArrayLike | None = None,
+) -> Trajectory:
+    """The fastest motion from `start` to `goal` (n,), with velocities and accelerations (n,) there, by default 0.
+
+    velocity, acceleration, jerk: limits (n,), or one for all, above 0. A start beyond a limit is braked first. Raises
+    ValueError on arrays that do not fit, and, with Ruckig's words, on goals that limits forbid.
+    """
+    q = finite_rows("start", start)
+    if q.ndim != 1 or len(q) == 0:
+        raise ValueError(f"start has shape {q.shape}; expected (n,)")
+    given = ruckig.InputParameter(len(q))
+    _set_limits(given, velocity, acceleration, jerk)
+    given.current_position = q.tolist()
+    given.current_velocity = _state("start_velocity", start_velocity, len(q))
+    given.current_acceleration = _state("start_acceleration", start_acceleration, len(q))
+    _set_goal(given, goal, goal_velocity, goal_acceleration)
+    found = ruckig.Trajectory(len(q))
+    solver = ruckig.Ruckig(len(q))
+    _solve(given, lambda: solver.calculate(given, found))
+    return _as_polynomials(found)
+
+
+class Follower:
+    """A state (n,) that follows goals, a time step dt [s] after another, within limits as those of `jerk_limited`."""
+
+    def __init__(
+        self, start: ArrayLike, dt: float, *, velocity: ArrayLike, acceleration: ArrayLike, jerk: ArrayLike
+    ) -> None:
+        q = finite_rows("start", start)
+        if q.ndim != 1 or len(q) == 0:
+            raise ValueError(f"start has shape {q.shape}; expected (n,)")
+        if not (0 < dt < np.inf):
+            raise ValueError(f"dt is {dt}; expected a number above 0")
+        self._given, self._found = ruckig.InputParameter(len(q)), ruckig.OutputParameter(len(q))
+        self._ruckig = ruckig.Ruckig(len(q), dt)
+        _set_limits(self._given, velocity, acceleration, jerk)
+        self._given.current_position = q.tolist()
+
+    def step(
+        self, goal: ArrayLike, goal_velocity: ArrayLike | None = None, goal_acceleration: ArrayLike | None = None
+    ) -> Sample:
+        """The state dt later, on the fastest way to the goal (n,), which may be another one at each step."""
+        _set_goal(self._given, goal, goal_velocity, goal_acceleration)
+        _solve(self._given, lambda: self._ruckig.update(self._given, self._found))
+        self._found.pass_to_input(self._given)
+        found = self._found
+        return Sample(*map(np.array, (found.new_position, found.new_velocity, found.new_acceleration)))
+
+
+def _solve(given: Any, calculate: Callable[[], object]) -> None:
+    """Calculates, and once more with a velocity a hair lower: Ruckig 0.19.4 finds nothing for some ways that just reach
+    the limits of velocity and acceleration, as 0.2 within 1, 10 and a jerk of 100."""
+    try:
+        calculate()
+    except ruckig.RuckigError as error:
+        limits = given.max_velocity
+        given.max_velocity = [_A_HAIR_LESS * limit for limit in limits]
+        try:
+            calculate()
+        except ruckig.RuckigError:
+            raise ValueError(str(error).replace("[ruckig]", "").strip()) from error
+        finally:
+            given.max_velocity = limits
+
+
+def _state(name: str, values: ArrayLike | None, n: int) -> list[float]:
+    row = np.zeros(n) if values is None else finite_rows(name, values, n)
+    if row.ndim != 1:
+        raise ValueError(f"{name} has shape {row.shape}; expected ({n},)")
+    return row.tolist()
+
+
+def _set_goal(given: Any, goal: ArrayLike, velocity: ArrayLike | None, acceleration: ArrayLike | None) -> None:
+    n = given.degrees_of_freedom
+    given.target_position = _state("goal", goal, n)
+    given.target_velocity = _state("goal_velocity", velocity, n)
+    given.target_acceleration = _state("goal_acceleration", acceleration, n)
+
+
+def _set_limits(given: Any, velocity: ArrayLike, acceleration: ArrayLike, jerk: ArrayLike) -> None:
+    for name, values in (("velocity", velocity), ("acceleration", acceleration), ("jerk", jerk)):
+        row = limit_row(name, values, given.degrees_of_freedom)
+        if not ((row > 0) & np.isfinite(row)).all():
+            raise ValueError(f"{name} is {row}; expected finite numbers above 0")
+        setattr(given, f"max_{name}", row.tolist())
+
+
+def _as_polynomials(found: Any) -> Trajectory:
+    """Cubics between the times at which the jerk of some joint changes."""
+    changes = [[0.0, found.duration]]
+    for profile in found.profiles[0]:
+        changes += [np.cumsum(profile.brake.t), profile.brake.duration + np.cumsum([0.0, *profile.t])]
+    times = np.unique(np.concatenate(changes))
+    times = times[(times <= found.duration) & (np.diff(times, prepend=-1.0) > _SHORTEST)]
+    if len(times) < 2:
+        raise ValueError("start and goal are the same state; there is nothing to do")
+    q, v, a = (np.array(rows) for rows in zip(*map(found.at_time, times.tolist()), strict=True))
+    jerk = np.diff(a, axis=0) / np.diff(times)[:, None]
+    return Trajectory(times, np.stack([q[:-1], v[:-1], a[:-1] / 2, jerk / 6], axis=1))
