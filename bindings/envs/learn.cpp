@@ -90,6 +90,7 @@ void visit_settings(Visit&& visit) {
   visit("num_critics", &C::num_critics, "1: DDPG; more: the smallest of their values is the target (TD3, SAC).");
   visit("batch_size", &C::batch_size, "Transitions per gradient step, even.");
   visit("gamma", &C::gamma, "Discount per environment step, in [0, 1).");
+  visit("return_steps", &C::return_steps, "Rewards that are summed before the critics tell the rest (n-step returns).");
   visit("target_rate", &C::target_rate, "Polyak rate of the target networks, in (0, 1].");
   visit("actor_learning_rate", &C::actor_learning_rate, "Adam's step size for the policy.");
   visit("critic_learning_rate", &C::critic_learning_rate, "Adam's step size for the critics.");
@@ -138,6 +139,8 @@ void visit_settings(Visit&& visit) {
         "DAgger from pictures: in the loss, of the squared error of the state, which the network is asked to tell.");
   visit("updates_per_iteration", &C::updates_per_iteration, "Gradient steps after each step of the batch.");
   visit("replay_capacity", &C::replay_capacity, "Transitions.");
+  visit("replay_folder", &C::replay_folder,
+        "The replay lies in a file there, which goes when training ends, rather than in memory; empty: in memory.");
   visit("warmup_transitions", &C::warmup_transitions,
         "In the replay before learning starts; until then actions are random.");
   visit("hindsight_fraction", &C::hindsight_fraction,

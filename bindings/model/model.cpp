@@ -7,6 +7,8 @@
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
+#include <system_error>
+
 #include "bindings/bindings.h"
 #include "bindings/model/load_warning.h"
 #include "bindings/model/model_values.h"
@@ -39,6 +41,8 @@ void bind_errors(nb::module_& m) {
       PyErr_SetString(PyExc_FileNotFoundError, e.what());
     } catch (const FileNotFound& e) {
       PyErr_SetString(PyExc_FileNotFoundError, e.what());
+    } catch (const std::system_error& e) {
+      PyErr_SetString(PyExc_OSError, e.what());
     }
   });
   nb::exception<UrdfError>(m, "UrdfError", PyExc_ValueError).doc() =

@@ -1,7 +1,5 @@
 #include "manyhands/learn/halves.h"
 
-#include <algorithm>
-
 namespace manyhands::learn {
 
 namespace {
@@ -48,33 +46,12 @@ bool Halves::claim(unsigned round) {
   return claimed_.compare_exchange_strong(before, round, std::memory_order_acq_rel);
 }
 
-bool Halves::resting() {
-  if (rounds_to_rest_ == 0) return false;
-  --rounds_to_rest_;
-  return true;
-}
-
-/// Both halves are as long, so a helper that needs twice as long was not let run.
-void Halves::wait(Clock::time_point begin) {
-  constexpr auto kPatience = std::chrono::microseconds(50);
-  const Clock::time_point done = Clock::now();
+void Halves::wait() {
   const unsigned round = posted_.load(std::memory_order_relaxed);
   for (unsigned seen = finished_.load(std::memory_order_acquire); seen != round;
        seen = finished_.load(std::memory_order_acquire)) {
     await_change(finished_, seen);
   }
-  judge(Clock::now() - done > (done - begin) + kPatience);
-}
-
-/// Being late now and then costs little; where it is frequent, rests grow to seconds.
-void Halves::judge(bool late) {
-  constexpr int kLeast = 8, kMost = 2048, kGrowth = 4, kRecovery = 2;
-  if (!late) {
-    next_rest_ = std::max(next_rest_ - kRecovery, kLeast);
-    return;
-  }
-  rounds_to_rest_ = next_rest_;
-  next_rest_ = std::min(next_rest_ * kGrowth, kMost);
 }
 
 void Halves::serve() {

@@ -4,12 +4,14 @@
 #include <atomic>
 #include <chrono>
 #include <thread>
+#include <type_traits>
+
+#include "manyhands/learn/contest.h"
 
 namespace manyhands::learn {
 
-/// Runs body(0) and body(1), each exactly once: the second on a helper thread if there is one and it is free in time.
-/// A helper that other programs keep from finishing is left alone for a while, so that two threads are not slower than
-/// one.
+/// Runs body(0) and body(1), each exactly once: the second on a helper thread if there is one, it is free in time, and
+/// it pays (contest.h).
 ///
 /// What a half does must not depend on the other, so neither threads nor their timing ever show in the results.
 class Halves {
@@ -23,38 +25,46 @@ class Halves {
   /// Returns when both halves are done. `body` must not throw.
   template <class Body>
   void run(Body&& body) {
-    if (!helper_.joinable() || resting()) {
+    if (!helper_.joinable()) {
       body(0);
       body(1);
       return;
     }
-    context_ = &body;
-    call_ = [](void* context) { (*static_cast<std::remove_reference_t<Body>*>(context))(1); };
-    post();
+    using Clock = std::chrono::steady_clock;
     const Clock::time_point begin = Clock::now();
+    if (contest_.with_helper()) {
+      share<std::remove_reference_t<Body>>(body);
+    } else {
+      body(0);
+      body(1);
+    }
+    contest_.record(Clock::now() - begin);
+  }
+
+ private:
+  template <class Body>
+  void share(Body& body) {
+    context_ = &body;
+    call_ = [](void* context) { (*static_cast<Body*>(context))(1); };
+    post();
     body(0);
     if (claim(posted_.load(std::memory_order_relaxed))) {  // a busy machine has not let the helper run yet
       body(1);
     } else {
-      wait(begin);
+      wait();
     }
   }
 
- private:
-  using Clock = std::chrono::steady_clock;
-
   void post();
   bool claim(unsigned round);
-  bool resting();
-  void wait(Clock::time_point begin);
-  void judge(bool late);
+  void wait();
   void serve();
 
   void* context_ = nullptr;
   void (*call_)(void*) = nullptr;
   std::atomic<unsigned> posted_ = 0, claimed_ = 0, finished_ = 0;  // number of the last such round
   std::atomic<bool> stop_ = false;
-  int rounds_to_rest_ = 0, next_rest_ = 8;  // without the helper: now, and when it is late again
+  Contest contest_;
   std::thread helper_;
 };
 

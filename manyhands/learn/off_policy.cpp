@@ -8,8 +8,10 @@ namespace manyhands::learn {
 OffPolicy::OffPolicy(const EnvSpec& spec, int num_worlds, int input_dim, const TrainerConfig& config)
     : config_(config),
       privileged_(spec, config),
-      replay_(spec, config.replay_capacity, config.wants_expert() ? spec.action_dim : 0, privileged_.dim()),
-      minibatch_(replay_.make_minibatch(config.batch_size)),
+      replay_(spec, config.replay_capacity, config.wants_expert() ? spec.action_dim : 0, privileged_.dim(),
+              config.replay_folder),
+      minibatch_(replay_.make_minibatch(config.batch_size,
+                                          {config.return_steps, static_cast<float>(config.gamma)})),
       agent_(input_dim, spec.action_dim, config, privileged_.dim()),
       exploration_(agent_.actor(), config, 0, num_worlds) {}
 
@@ -70,7 +72,7 @@ void OffPolicy::fill_half(const InputNormaliser& normaliser, int half) {
       to.advised[column] = i < minibatch_.relabelled ? 0.0f : 1.0f;
     }
     to.reward[column] = minibatch_.reward[i];
-    to.discount[column] = minibatch_.done[static_cast<std::size_t>(i)] != 0 ? 0.0f : static_cast<float>(config_.gamma);
+    to.discount[column] = minibatch_.discount[i];
   }
 }
 

@@ -47,12 +47,20 @@ SeenWorld load_view(ArchiveReader& in) {
 
 }  // namespace
 
-PictureMemory::PictureMemory(Sight& sight, int worlds, int moments, int stack, int numbers)
-    : sight_(sight), worlds_(worlds), capacity_(std::max(moments, stack)), stack_(stack), numbers_(numbers) {}
+PictureMemory::PictureMemory(Sight& sight, int worlds, int moments, int stack, int numbers,
+                             const std::filesystem::path& folder)
+    : sight_(sight),
+      worlds_(worlds),
+      capacity_(std::max(moments, stack)),
+      stack_(stack),
+      numbers_(numbers),
+      row_(static_cast<std::size_t>(sight.num_eyes()) * sight.picture_size()),
+      colours_(static_cast<std::size_t>(capacity_) * static_cast<std::size_t>(worlds) * row_, folder) {}
 
 void PictureMemory::add(std::span<const int> steps, std::span<const float> numbers,
                         std::span<const std::uint8_t> wanted) {
-  const auto at = static_cast<std::size_t>(count_++ % capacity_);
+  const int number = count_++;
+  const auto at = static_cast<std::size_t>(number % capacity_);
   if (at == moments_.size()) moments_.emplace_back();
   Moment& moment = moments_[at];
   moment.views.resize(static_cast<std::size_t>(worlds_));
@@ -63,21 +71,21 @@ void PictureMemory::add(std::span<const int> steps, std::span<const float> numbe
   }
   moment.steps.assign(steps.begin(), steps.end());
   moment.numbers.assign(numbers.begin(), numbers.end());
-  take_pictures(moment, wanted);
+  take_pictures(number, wanted);
 }
 
-void PictureMemory::take_pictures(Moment& moment, std::span<const std::uint8_t> wanted) {
-  const std::size_t row = static_cast<std::size_t>(sight_.num_eyes()) * sight_.picture_size();
-  moment.colours.resize(static_cast<std::size_t>(worlds_) * row);
-  if (wanted.empty()) return sight_.take(moment.views, moment.colours);
+void PictureMemory::take_pictures(int number, std::span<const std::uint8_t> wanted) {
+  const std::vector<SeenWorld>& views = moment(number).views;
+  std::uint8_t* colours = colours_.as<std::uint8_t>() + colours_at(number);
+  if (wanted.empty()) return sight_.take(views, {colours, views.size() * row_});
   views_.clear();
   for (std::size_t w = 0; w < wanted.size(); ++w) {
-    if (wanted[w] != 0) views_.push_back(moment.views[w]);
+    if (wanted[w] != 0) views_.push_back(views[w]);
   }
-  taken_.resize(views_.size() * row);
+  taken_.resize(views_.size() * row_);
   sight_.take(views_, taken_);
   for (std::size_t w = 0, k = 0; w < wanted.size(); ++w) {
-    if (wanted[w] != 0) std::copy_n(taken_.data() + k++ * row, row, moment.colours.data() + w * row);
+    if (wanted[w] != 0) std::copy_n(taken_.data() + k++ * row_, row_, colours + w * row_);
   }
 }
 
@@ -90,13 +98,18 @@ const PictureMemory::Moment& PictureMemory::moment(int number) const {
   return moments_[static_cast<std::size_t>(number % capacity_)];
 }
 
+std::size_t PictureMemory::colours_at(int number) const {
+  return static_cast<std::size_t>(number % capacity_) * static_cast<std::size_t>(worlds_) * row_;
+}
+
 Stack PictureMemory::stack(int i, int eye) const {
   const int number = oldest() + i / worlds_, world = i % worlds_;
   const int steps = moment(number).steps[static_cast<std::size_t>(world)];
   Stack stack;
   for (int back = 0; back < stack_; ++back) {
-    const std::vector<std::uint8_t>& colours = moment(number - std::min({back, steps, number})).colours;
-    stack.push_back(colours.data() + static_cast<std::size_t>(world * sight_.num_eyes() + eye) * sight_.picture_size());
+    const std::uint8_t* of_world = colours_.as<std::uint8_t>() + colours_at(number - std::min({back, steps, number})) +
+                                   static_cast<std::size_t>(world) * row_;
+    stack.push_back(of_world + static_cast<std::size_t>(eye) * sight_.picture_size());
   }
   return stack;
 }
@@ -120,14 +133,15 @@ void PictureMemory::load(ArchiveReader& in) {
   in.value(count_);
   in.check(count_ >= 0, "it counts too few moments");
   moments_.resize(static_cast<std::size_t>(std::min(count_, capacity_)));
-  for (Moment& moment : moments_) {
+  for (int number = 0; number < static_cast<int>(moments_.size()); ++number) {
+    Moment& moment = moments_[static_cast<std::size_t>(number)];
     moment.views.clear();
     for (int world = 0; world < worlds_; ++world) moment.views.push_back(load_view(in));
     moment.steps.resize(static_cast<std::size_t>(worlds_));
     moment.numbers.resize(static_cast<std::size_t>(worlds_ * numbers_));
     in.array(std::span(moment.steps));
     in.array(std::span(moment.numbers));
-    take_pictures(moment, {});
+    take_pictures(number, {});
   }
 }
 

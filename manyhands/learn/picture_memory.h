@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <span>
 #include <vector>
 
+#include "manyhands/base/memory_block.h"
 #include "manyhands/envs/sight.h"
 #include "manyhands/learn/archive.h"
 #include "manyhands/learn/encoder.h"
@@ -16,8 +18,9 @@ namespace manyhands::learn {
 /// are no pictures, but what they show: they are taken again.
 class PictureMemory {
  public:
-  /// `sight` is borrowed. Holds `moments` of `worlds` worlds; memory is taken as it is needed.
-  PictureMemory(Sight& sight, int worlds, int moments, int stack, int numbers);
+  /// `sight` is borrowed. Holds `moments` of `worlds` worlds. `folder`: where pictures lie, see `MemoryBlock`.
+  PictureMemory(Sight& sight, int worlds, int moments, int stack, int numbers,
+                const std::filesystem::path& folder = {});
 
   /// Takes pictures of worlds (all, or those that are `wanted`) and keeps them in place of the oldest moment.
   /// steps (worlds): since the episode began. numbers (worlds, numbers per row), or empty.
@@ -34,20 +37,22 @@ class PictureMemory {
 
  private:
   struct Moment {
-    std::vector<SeenWorld> views;       // (worlds)
-    std::vector<int> steps;             // (worlds)
-    std::vector<float> numbers;         // (worlds, numbers)
-    std::vector<std::uint8_t> colours;  // (worlds, eyes, height, width, 3)
+    std::vector<SeenWorld> views;  // (worlds)
+    std::vector<int> steps;        // (worlds)
+    std::vector<float> numbers;    // (worlds, numbers)
   };
 
-  void take_pictures(Moment& moment, std::span<const std::uint8_t> wanted);
+  void take_pictures(int number, std::span<const std::uint8_t> wanted);
   [[nodiscard]] int oldest() const;  // whose stacks are whole
   [[nodiscard]] const Moment& moment(int number) const;
+  [[nodiscard]] std::size_t colours_at(int number) const;
 
   Sight& sight_;
   int worlds_, capacity_, stack_, numbers_;
   int count_ = 0;                // moments ever added
   std::vector<Moment> moments_;  // moment number k is at k % capacity
+  std::size_t row_;              // bytes of a world's pictures at one time
+  MemoryBlock colours_;          // (moments, worlds, eyes, height, width, 3)
   std::vector<SeenWorld> views_;
   std::vector<std::uint8_t> taken_;
 };

@@ -18,14 +18,15 @@ float* put(std::span<const float> from, int begin, int n, float* to) { return st
 
 }  // namespace
 
-ReplayBuffer::ReplayBuffer(const EnvSpec& spec, int capacity, int advice_dim, int privileged_dim)
+ReplayBuffer::ReplayBuffer(const EnvSpec& spec, int capacity, int advice_dim, int privileged_dim,
+                           const std::filesystem::path& folder)
     : spec_(spec), capacity_(capacity), advice_dim_(advice_dim), privileged_dim_(privileged_dim) {
   if (spec.max_episode_steps <= 0 || capacity < spec.max_episode_steps) {
     throw std::invalid_argument("ReplayBuffer: capacity " + std::to_string(capacity) + " cannot hold one episode of " +
                                 std::to_string(spec.max_episode_steps) + " steps");
   }
   row_ = 2 * spec.observation_dim + 3 * spec.goal_dim + spec.action_dim + advice_dim + privileged_dim + 1;
-  data_ = std::make_unique_for_overwrite<float[]>(static_cast<std::size_t>(capacity) * static_cast<std::size_t>(row_));
+  data_ = MemoryBlock(static_cast<std::size_t>(capacity) * static_cast<std::size_t>(row_) * sizeof(float), folder);
   steps_to_end_.resize(static_cast<std::size_t>(capacity));
   terminated_.resize(static_cast<std::size_t>(capacity));
 }
@@ -45,7 +46,7 @@ void ReplayBuffer::add(const EpisodeView& episode) {
   }
   for (int t = 0; t < length; ++t) {
     const auto at = static_cast<std::size_t>(next_);
-    float* to = data_.get() + at * static_cast<std::size_t>(row_);
+    float* to = data_.as<float>() + at * static_cast<std::size_t>(row_);
     to = put(episode.observation, t * no, no, to);
     to = put(episode.achieved_goal, t * ng, ng, to);
     to = put(episode.observation, (t + 1) * no, no, to);
@@ -66,8 +67,9 @@ void ReplayBuffer::add(const EpisodeView& episode) {
   }
 }
 
-Minibatch ReplayBuffer::make_minibatch(int n) const {
+Minibatch ReplayBuffer::make_minibatch(int n, const Returns& returns) const {
   Minibatch batch;
+  batch.returns = returns;
   for (Matrix<float>* m : {&batch.observation, &batch.next_observation}) m->setZero(spec_.observation_dim, n);
   for (Matrix<float>* m : {&batch.achieved_goal, &batch.next_achieved_goal, &batch.desired_goal}) {
     m->setZero(spec_.goal_dim, n);
@@ -76,40 +78,83 @@ Minibatch ReplayBuffer::make_minibatch(int n) const {
   batch.advice.setZero(advice_dim_, n);
   batch.randomized.setZero(privileged_dim_, n);
   batch.reward.setZero(n);
-  batch.done.assign(static_cast<std::size_t>(n), 0);
+  batch.discount.setZero(n);
+  batch.at.assign(static_cast<std::size_t>(n), 0);
+  for (Matrix<float>* m : {&batch.step_achieved, &batch.step_goal}) m->setZero(spec_.goal_dim, n * returns.steps);
+  batch.step_reward.setZero(n * returns.steps);
   return batch;
 }
 
 void ReplayBuffer::sample(const EnvBatch& task, const Hindsight& hindsight, Random random, Minibatch& batch) const {
-  const int no = spec_.observation_dim, ng = spec_.goal_dim, na = spec_.action_dim, n = batch.size();
-  const int relabelled = batch.relabelled = static_cast<int>(std::lround(hindsight.fraction * n));
-  const auto row = [&](std::size_t at) { return data_.get() + at * static_cast<std::size_t>(row_); };
+  const int n = batch.size();
+  batch.relabelled = static_cast<int>(std::lround(hindsight.fraction * n));
   for (int i = 0; i < n; ++i) {
     const auto at = static_cast<std::size_t>(random.below(static_cast<std::uint32_t>(size_)));
-    const float* from = row(at);
-    from = take(from, no, batch.observation.col(i).data());
-    from = take(from, ng, batch.achieved_goal.col(i).data());
-    from = take(from, no, batch.next_observation.col(i).data());
-    from = take(from, ng, batch.next_achieved_goal.col(i).data());
-    from = take(from, ng, batch.desired_goal.col(i).data());
-    from = take(from, na, batch.action.col(i).data());
-    from = take(from, advice_dim_, batch.advice.col(i).data());
-    from = take(from, privileged_dim_, batch.randomized.col(i).data());
-    batch.reward[i] = *from;
-    batch.done[static_cast<std::size_t>(i)] = terminated_[at];
-    if (i < relabelled) {
-      const std::uint32_t ahead = random.below(static_cast<std::uint32_t>(steps_to_end_[at]) + 1);
-      const std::size_t later = (at + ahead) % static_cast<std::size_t>(capacity_);
-      take(row(later) + 2 * no + ng, ng, batch.desired_goal.col(i).data());
+    batch.at[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(at);
+    copy(at, i, batch);
+    if (i >= batch.relabelled) continue;
+    const std::uint32_t ahead = random.below(static_cast<std::uint32_t>(steps_to_end_[at]) + 1);
+    take(next_achieved(later(at, ahead)), spec_.goal_dim, batch.desired_goal.col(i).data());
+  }
+  if (batch.relabelled > 0) reward_new_goals(task, batch);
+  for (int i = 0; i < n; ++i) follow(i, hindsight, batch);
+}
+
+const float* ReplayBuffer::next_achieved(std::size_t at) const {
+  return row(at) + 2 * spec_.observation_dim + spec_.goal_dim;
+}
+
+std::size_t ReplayBuffer::later(std::size_t at, std::uint32_t steps) const {
+  return (at + steps) % static_cast<std::size_t>(capacity_);
+}
+
+void ReplayBuffer::copy(std::size_t at, int column, Minibatch& batch) const {
+  const float* from = row(at);
+  for (Matrix<float>* m : {&batch.observation, &batch.achieved_goal, &batch.next_observation, &batch.next_achieved_goal,
+                           &batch.desired_goal, &batch.action, &batch.advice, &batch.randomized}) {
+    from = take(from, m->rows(), m->col(column).data());
+  }
+}
+
+/// Fills step_reward for all steps of each relabelled column; beyond the episode's end with what nobody reads.
+void ReplayBuffer::reward_new_goals(const EnvBatch& task, Minibatch& batch) const {
+  const int ng = spec_.goal_dim, steps = batch.returns.steps;
+  for (int i = 0; i < batch.relabelled; ++i) {
+    const auto at = static_cast<std::size_t>(batch.at[static_cast<std::size_t>(i)]);
+    for (int j = 0; j < steps; ++j) {
+      const auto ahead = static_cast<std::uint32_t>(std::min(j, steps_to_end_[at]));
+      take(next_achieved(later(at, ahead)), ng, batch.step_achieved.col(i * steps + j).data());
+      batch.step_goal.col(i * steps + j) = batch.desired_goal.col(i);
     }
   }
-  if (relabelled == 0) return;
-  const auto goals = static_cast<std::size_t>(relabelled * ng);
-  task.compute_reward({batch.next_achieved_goal.data(), goals}, {batch.desired_goal.data(), goals},
-                      {batch.reward.data(), static_cast<std::size_t>(relabelled)});
-  for (int i = 0; i < relabelled; ++i) {
-    batch.done[static_cast<std::size_t>(i)] = hindsight.success_terminates && batch.reward[i] >= success_reward_;
+  const auto rewards = static_cast<std::size_t>(batch.relabelled * steps);
+  const std::size_t goals = rewards * static_cast<std::size_t>(ng);
+  task.compute_reward({batch.step_achieved.data(), goals}, {batch.step_goal.data(), goals},
+                      {batch.step_reward.data(), rewards});
+}
+
+/// Sums a column's rewards over its steps, and sets what comes after them.
+void ReplayBuffer::follow(int column, const Hindsight& hindsight, Minibatch& batch) const {
+  const Returns& returns = batch.returns;
+  const auto begin = static_cast<std::size_t>(batch.at[static_cast<std::size_t>(column)]);
+  const bool relabelled = column < batch.relabelled;
+  const int last = std::min(returns.steps - 1, steps_to_end_[begin]);
+  float sum = 0, discount = 1;
+  bool done = false;
+  std::size_t at = begin;
+  for (int j = 0; j <= last && !done; ++j) {
+    at = later(begin, static_cast<std::uint32_t>(j));
+    const float reward = relabelled ? batch.step_reward[column * returns.steps + j] : row(at)[row_ - 1];
+    sum += discount * reward;
+    discount *= returns.gamma;
+    done = relabelled ? hindsight.success_terminates && reward >= success_reward_ : terminated_[at] != 0;
   }
+  batch.reward[column] = sum;
+  batch.discount[column] = done ? 0 : discount;
+  if (at == begin) return;
+  const float* from = take(row(at) + spec_.observation_dim + spec_.goal_dim, spec_.observation_dim,
+                           batch.next_observation.col(column).data());
+  take(from, spec_.goal_dim, batch.next_achieved_goal.col(column).data());
 }
 
 void ReplayBuffer::save(ArchiveWriter& out) const {
@@ -122,7 +167,7 @@ void ReplayBuffer::save(ArchiveWriter& out) const {
   out.value(lowest_reward_);
   out.value(highest_reward_);
   out.value(success_reward_);
-  out.array(std::span(data_.get(), n * static_cast<std::size_t>(row_)));
+  out.array(std::span(data_.as<float>(), n * static_cast<std::size_t>(row_)));
   out.array(std::span(steps_to_end_).first(n));
   out.array(std::span(terminated_).first(n));
 }
@@ -138,7 +183,7 @@ void ReplayBuffer::load(ArchiveReader& in) {
   in.value(highest_reward_);
   in.value(success_reward_);
   const auto n = static_cast<std::size_t>(size_);
-  in.array(std::span(data_.get(), n * static_cast<std::size_t>(row_)));
+  in.array(std::span(data_.as<float>(), n * static_cast<std::size_t>(row_)));
   in.array(std::span(steps_to_end_).first(n));
   in.array(std::span(terminated_).first(n));
   for (const std::int32_t steps : std::span(steps_to_end_).first(n)) {

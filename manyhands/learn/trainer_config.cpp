@@ -43,6 +43,7 @@ void TrainerConfig::validate() const {
   require(num_critics >= 1 && num_critics <= 16, "num_critics", num_critics, "in [1, 16]");
   require(batch_size >= 2 && batch_size % 2 == 0, "batch_size", batch_size, "even and at least 2");
   require(gamma >= 0 && gamma < 1, "gamma", gamma, "in [0, 1)");
+  require(return_steps >= 1 && return_steps <= 100, "return_steps", return_steps, "in [1, 100]");
   require(target_rate > 0 && target_rate <= 1, "target_rate", target_rate, "in (0, 1]");
   require(actor_learning_rate > 0 && actor_learning_rate <= 1, "actor_learning_rate", actor_learning_rate, "in (0, 1]");
   require(critic_learning_rate > 0 && critic_learning_rate <= 1, "critic_learning_rate", critic_learning_rate,

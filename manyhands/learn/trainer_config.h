@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "manyhands/learn/mlp.h"
@@ -27,6 +28,7 @@ struct TrainerConfig {
   int num_critics = 1;        ///< 1: DDPG; more: the smallest of their values is the target (TD3, SAC)
   int batch_size = 256;       ///< transitions per gradient step, even
   double gamma = 0.95;        ///< discount per environment step, in [0, 1)
+  int return_steps = 1;       ///< rewards that are summed before the critics tell the rest (n-step returns)
   float target_rate = 0.05f;  ///< Polyak rate of the target networks, in (0, 1]
   float actor_learning_rate = 1e-3f;
   float critic_learning_rate = 1e-3f;
@@ -71,6 +73,7 @@ struct TrainerConfig {
   // Experience
   int updates_per_iteration = 8;    ///< gradient steps after each step of the batch
   int replay_capacity = 1'000'000;  ///< transitions
+  std::string replay_folder = {};   ///< the replay lies in a file there rather than in memory, unless it is empty
   int warmup_transitions = 2000;    ///< in the replay before learning starts; until then actions are random
   double hindsight_fraction = 0.8;  ///< of a mini-batch gets a goal achieved later in the same episode; 0: no HER
   bool success_terminates = true;   ///< whether the task ends an episode at its goal

@@ -53,7 +53,8 @@ std::map<std::pair<int, int>, int> check_columns(const Minibatch& batch, int rel
 
     const bool own_goal = batch.desired_goal(1, i) == 100.0f;
     EXPECT_EQ(own_goal, i >= relabelled);
-    const bool done = batch.done[static_cast<std::size_t>(i)] != 0;
+    const bool done = batch.discount[i] == 0.0f;
+    EXPECT_TRUE(done || batch.discount[i] == batch.returns.gamma);
     if (own_goal) {
       EXPECT_EQ(done, episode.terminated && t == episode.length - 1) << "truncation is not the end of a task";
       EXPECT_EQ(batch.reward[i], episode.reward[static_cast<std::size_t>(t)]);
@@ -134,7 +135,31 @@ TEST(ReplayBuffer, WithoutTerminationReachingANewGoalIsNotTheEnd) {
   Minibatch batch = replay.make_minibatch(500);
   replay.sample(task, {.fraction = 1.0, .success_terminates = false}, Random(1, Purpose::kSampling, 1), batch);
   EXPECT_EQ(batch.reward.maxCoeff(), 0.0f);
-  for (const std::uint8_t done : batch.done) EXPECT_EQ(done, 0);
+  EXPECT_EQ(batch.discount.minCoeff(), batch.returns.gamma);
+}
+
+TEST(ReplayBuffer, SumsRewardsUntilTheStepsOrTheEpisodeEnd) {
+  const PointReach task(1);
+  ReplayBuffer replay(spec(), 50);
+  const NumberedEpisode stopped(1, 6, false), reached(2, 6, true);
+  replay.add(stopped.view);
+  replay.add(reached.view);
+  const float gamma = 0.5f;
+  Minibatch batch = replay.make_minibatch(4000, {.steps = 3, .gamma = gamma});
+  replay.sample(task, {.fraction = 0.5}, Random(1, Purpose::kSampling, 3), batch);
+  for (int i = 0; i < batch.size(); ++i) {
+    const int t = static_cast<int>(batch.observation(1, i));
+    const bool own = i >= batch.relabelled, ends = own ? batch.observation(0, i) == 2.0f : true;
+    const int goal_step = static_cast<int>(std::lround((batch.desired_goal(0, i) - batch.observation(0, i)) * 10));
+    const int end = own ? 6 : goal_step;  // the state in which the task is done, or the episode stopped
+    const int steps = std::min(3, end - t);
+    EXPECT_EQ(batch.next_observation(1, i), static_cast<float>(t + steps));
+    EXPECT_EQ(batch.next_achieved_goal(0, i), batch.observation(0, i) + 0.1f * static_cast<float>(t + steps));
+    float sum = 0, discount = 1;
+    for (int k = 1; k <= steps; ++k, discount *= gamma) sum -= ends && t + k == end ? 0 : discount;
+    EXPECT_EQ(batch.reward[i], sum);
+    EXPECT_EQ(batch.discount[i], ends && t + steps == end ? 0 : discount);
+  }
 }
 
 TEST(ReplayBuffer, IsDeterministic) {
@@ -149,6 +174,22 @@ TEST(ReplayBuffer, IsDeterministic) {
   EXPECT_EQ(a.desired_goal, b.desired_goal);
   replay.sample(task, {}, Random(1, Purpose::kSampling, 4), b);
   EXPECT_NE(a.observation, b.observation);
+}
+
+TEST(ReplayBuffer, IsTheSameInAFile) {
+  const PointReach task(1);
+  ReplayBuffer in_memory(spec(), 50), in_file(spec(), 50, 0, 0, testing::TempDir());
+  for (int number = 0; number < 5; ++number) {
+    const NumberedEpisode episode(number, 17, number % 2 == 0);
+    for (ReplayBuffer* replay : {&in_memory, &in_file}) replay->add(episode.view);
+  }
+  Minibatch a = in_memory.make_minibatch(64), b = a;
+  in_memory.sample(task, {}, Random(1, Purpose::kSampling, 3), a);
+  in_file.sample(task, {}, Random(1, Purpose::kSampling, 3), b);
+  EXPECT_EQ(a.observation, b.observation);
+  EXPECT_EQ(a.next_observation, b.next_observation);
+  EXPECT_EQ(a.desired_goal, b.desired_goal);
+  EXPECT_EQ(a.reward, b.reward);
 }
 
 TEST(ReplayBuffer, RejectsWhatDoesNotFit) {

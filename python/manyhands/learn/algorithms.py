@@ -48,7 +48,9 @@ def _off_policy(
     batch_size: int,
     tau: float,
     gamma: float,
+    n_steps: int,
     hindsight_fraction: float,
+    replay_folder: str,
 ) -> dict[str, Any]:
     """Settings that off-policy algorithms share."""
     if train_freq != 1:
@@ -62,7 +64,9 @@ def _off_policy(
         "target_rate": tau,
         "gamma": gamma,
         "updates_per_iteration": gradient_steps,
+        "return_steps": n_steps,
         "hindsight_fraction": hindsight_fraction,
+        "replay_folder": replay_folder,
         "random_action_rate": 0.0,
     }
 
@@ -135,7 +139,9 @@ class SAC(Model):
         ent_coef: float | str = "auto",
         target_entropy: float | str = "auto",
         *,
+        n_steps: int = 1,
         hindsight_fraction: float = 0.8,
+        replay_folder: str = "",
         policy_kwargs: PolicyArguments = None,
         n_envs: int | None = None,
         num_threads: int | None = None,
@@ -145,7 +151,8 @@ class SAC(Model):
     ) -> None:
         """ent_coef: the weight of the entropy; "auto" learns it, "auto_0.1" from 0.1 on.
 
-        gradient_steps: after each step of all worlds.
+        gradient_steps: after each step of all worlds. n_steps: rewards that are summed before the critics tell the
+        rest. replay_folder: where the replay lies in a file rather than in memory, unless it is empty.
         """
         shared = _off_policy(
             gradient_steps,
@@ -156,7 +163,9 @@ class SAC(Model):
             batch_size,
             tau,
             gamma,
+            n_steps,
             hindsight_fraction,
+            replay_folder,
         )
         settings = {
             "algorithm": "SAC",
@@ -220,14 +229,19 @@ class TD3(Model):
         target_noise_clip: float = 0.5,
         *,
         n_critics: int = 2,
+        n_steps: int = 1,
         hindsight_fraction: float = 0.8,
+        replay_folder: str = "",
         policy_kwargs: PolicyArguments = None,
         n_envs: int | None = None,
         num_threads: int | None = None,
         seed: int = 0,
         verbose: int = 0,
     ) -> None:
-        """action_noise: the standard deviation of normal noise on actions of [-1, 1]."""
+        """action_noise: the standard deviation of normal noise on actions of [-1, 1].
+
+        n_steps, replay_folder: as SAC's.
+        """
         shared = _off_policy(
             gradient_steps,
             train_freq,
@@ -237,7 +251,9 @@ class TD3(Model):
             batch_size,
             tau,
             gamma,
+            n_steps,
             hindsight_fraction,
+            replay_folder,
         )
         settings = {
             "algorithm": "TD3",

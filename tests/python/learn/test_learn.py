@@ -138,13 +138,15 @@ def test_a_vectors_last_observations_are_seen(mode: AutoresetMode) -> None:
     assert (moved > 0.03).all(), "the arm starts an episode near there"
 
 
-def test_the_same_seed_gives_the_same_weights() -> None:
+def test_the_same_seed_gives_the_same_weights(tmp_path: Path) -> None:
     def trained(**changes: Any) -> Any:
         model = SAC("MlpPolicy", Corridor(), **({"seed": 3, **SMALL} | changes)).learn(300)
         return model.policy.layers[0][0]
 
     first = trained()
     np.testing.assert_array_equal(first, trained(num_threads=1))
+    np.testing.assert_array_equal(first, trained(replay_folder=str(tmp_path)))
+    assert not np.array_equal(first, trained(n_steps=3))
     assert not np.array_equal(first, trained(seed=4))
 
 
@@ -248,6 +250,8 @@ BAD: list[tuple[Any, dict[str, Any], str]] = [
     (PPO, {"seed": -1}, "seed is -1"),
     (SAC, {"env": "CartPole-v1"}, "CartPole-v1 has discrete actions.*use PPO"),
     (SAC, {"ent_coef": "none"}, "ent_coef is 'none', expected a number, 'auto'"),
+    (SAC, {"n_steps": 0}, "return_steps is 0"),
+    (TD3, {"replay_folder": "/nowhere"}, "MB in a file in '/nowhere'"),
     (SAC, {"train_freq": 4}, "train_freq is 4.*gradient_steps"),
     (DDPG, {"policy_delay": 2}, "DDPG has no policy_delay; TD3 has"),
     (TQC, {"top_quantiles_to_drop_per_net": 25}, "dropped_quantiles is 25"),
@@ -256,7 +260,7 @@ BAD: list[tuple[Any, dict[str, Any], str]] = [
 
 @pytest.mark.parametrize(("algorithm", "changes", "says"), BAD)
 def test_what_makes_no_sense_is_said(algorithm: Any, changes: dict[str, Any], says: str) -> None:
-    with pytest.raises((ValueError, TypeError), match=says):
+    with pytest.raises((ValueError, TypeError, OSError), match=says):
         algorithm(**({"policy": "MlpPolicy", "env": "Pendulum-v1"} | changes))
 
 

@@ -93,6 +93,7 @@ REQUESTS = [
     ("compare garbage", "garbage"),
     # Trainings that cannot go on
     ("train PandaReach --set replay_capacity=2000000000", "not enough memory"),
+    ("train PandaReach --set replay_folder=/nowhere", "cannot keep 95 MB in a file in '/nowhere': No such file"),
     ("train PandaReach --set algorithm=SAC --set num_critics=2 --set temperature=1e30", "training diverged"),
     ("train PandaReach --workers 2", "--ray"),
 ]
