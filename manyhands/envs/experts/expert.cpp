@@ -7,6 +7,7 @@
 #include "manyhands/envs/experts/flip.h"
 #include "manyhands/envs/experts/flip_at_sight.h"
 #include "manyhands/envs/experts/joints.h"
+#include "manyhands/envs/experts/joints_at_sight.h"
 #include "manyhands/envs/experts/pick_and_place.h"
 #include "manyhands/envs/experts/push.h"
 #include "manyhands/envs/experts/reach.h"
@@ -65,14 +66,14 @@ std::vector<std::string> ids_of(const std::string& task, const std::string& cont
   return {"Panda" + task + control + "-v3", "Panda" + task + control + "Dense-v3"};
 }
 
-/// Makes the expert of a script if the id is of its task.
-template <class Policy>
+/// Makes the expert of a script if the id is of its task; `Joints` makes it drive joints.
+template <class Policy, class Joints>
 void make_if_known(const std::string& id, std::unique_ptr<Expert>& made) {
   for (const std::string& known : ids_of(Policy::kTask, "")) {
     if (known == id) made = std::make_unique<PolicyExpert<Policy>>();
   }
   for (const std::string& known : ids_of(Policy::kTask, "Joints")) {
-    if (known == id) made = std::make_unique<JointsExpert>(std::make_unique<PolicyExpert<Policy>>());
+    if (known == id) made = std::make_unique<Joints>(std::make_unique<PolicyExpert<Policy>>());
   }
 }
 
@@ -90,7 +91,7 @@ std::vector<std::string> expert_ids() {
 
 std::unique_ptr<Expert> make_expert(const std::string& id) {
   std::unique_ptr<Expert> made;
-  for_each_policy([&]<class Policy>(const Policy&) { make_if_known<Policy>(id, made); });
+  for_each_policy([&]<class Policy>(const Policy&) { make_if_known<Policy, JointsExpert>(id, made); });
   if (made) return made;
   std::string message = "no expert for '" + id + "'; there are experts for:";
   for (const std::string& known : expert_ids()) message += ' ' + known;
@@ -99,7 +100,9 @@ std::unique_ptr<Expert> make_expert(const std::string& id) {
 
 std::unique_ptr<Expert> make_adviser(const std::string& id) {
   std::unique_ptr<Expert> made;
-  make_if_known<experts::FlipAtSight>(id, made);
+  make_if_known<experts::FlipAtSight, JointsAtSight>(id, made);
+  if (made) return made;
+  for_each_policy([&]<class Policy>(const Policy&) { make_if_known<Policy, JointsAtSight>(id, made); });
   return made ? std::move(made) : make_expert(id);
 }
 

@@ -35,8 +35,8 @@ class Expert {
 /// The expert of the environment `id`. Throws std::invalid_argument on an id without one; the message lists the ids.
 [[nodiscard]] std::unique_ptr<Expert> make_expert(const std::string& id);
 
-/// An expert whose advice a policy without memory can follow: it remembers nothing itself. That is the expert of the
-/// environment, but of Flip another, which solves less. Throws as `make_expert`.
+/// An expert whose advice a policy can follow: it acts by what is observed and remembers nothing. That is the expert of
+/// the environment, but of Flip and under control of the joints another, which solves less. Throws as `make_expert`.
 [[nodiscard]] std::unique_ptr<Expert> make_adviser(const std::string& id);
 
 }  // namespace manyhands

@@ -1,19 +1,14 @@
 #include "manyhands/envs/experts/joints.h"
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 
 #include "manyhands/envs/control/control.h"
+#include "manyhands/envs/experts/joint_actions.h"
 
 namespace manyhands {
 
-namespace {
-
-constexpr float kUnit = 0.05f;  // of an action under control of the joints [rad]
-constexpr std::size_t kHandMove = 3;
-
-}  // namespace
+using experts::kHandMove;
 
 JointsExpert::JointsExpert(std::unique_ptr<Expert> hand_expert)
     : hand_expert_(std::move(hand_expert)),
@@ -24,7 +19,7 @@ JointsExpert::JointsExpert(std::unique_ptr<Expert> hand_expert)
       q_(static_cast<std::size_t>(panda_.model.nq())) {}
 
 int JointsExpert::action_dim() const {
-  return static_cast<int>(panda_.arm.joints.size()) + hand_expert_->action_dim() - static_cast<int>(kHandMove);
+  return experts::joint_action_dim(panda_.arm, *hand_expert_);
 }
 
 void JointsExpert::act(std::span<const float> /*observation*/, std::span<const float> /*desired_goal*/,
@@ -51,18 +46,11 @@ void JointsExpert::act(const EnvBatch& envs, std::span<float> action) {
   }
 }
 
-/// Towards where control of the hand would bring the joints; where that is farther than an action reaches, as far as it
-/// goes in the same direction.
+/// Towards where control of the hand would bring the joints.
 void JointsExpert::move_joints(const float* hand_action, float* action) {
   const HandState<float> hand = observe_hand(panda_.arm, tree_, state_, ws_);
   apply_action(panda_.arm, tree_, params_, hand, hand_action, state_, ws_);
-  float most = 1;
-  for (std::size_t k = 0; k < panda_.arm.joints.size(); ++k) {
-    const std::size_t dof = panda_.arm.joints[k];
-    action[k] = (state_.target_q()[dof] - state_.q()[dof]) / kUnit;
-    most = std::max(most, std::abs(action[k]));
-  }
-  for (std::size_t k = 0; k < panda_.arm.joints.size(); ++k) action[k] /= most;
+  experts::write_joint_action(panda_.arm, state_.q(), state_.target_q(), action);
 }
 
 }  // namespace manyhands
