@@ -38,6 +38,7 @@ namespace internal {
 inline constexpr double kPostureGain = 0.5;       ///< share of the way to the posture in one step
 inline constexpr double kLongestPull = 0.5;       ///< of the posture on a joint in one step [rad or m]
 inline constexpr double kNearer = 1 - 1e-6;       ///< how far a step must bring the distance down, or it has settled
+inline constexpr double kProgress = 0.9;          ///< to what share the error must fall while patience lasts
 inline constexpr double kNearestToLookAt = 1e-6;  ///< a point nearer than that has no direction [m]
 
 /// The smallest rotation that takes the unit vector a to b, as a rotation vector.
@@ -139,6 +140,16 @@ class PostureSearch {
     return select(pulls_, clamp(constant<T>(kPostureGain) * way(i), -longest, longest), zero);
   }
 
+  /// Lane k begins anew.
+  void forget(int k) { set_lane(distance_, k, std::numeric_limits<real_t<T>>::infinity()); }
+
+  /// Lane k of q becomes what is kept, if anything is.
+  bool take_kept(int k) {
+    if (!is_wanted() || !is_finite(lane(distance_, k))) return false;
+    for (const std::size_t i : chain_.dofs) set_lane(q_[index(tree_.dof_q[i])], k, lane(kept_[i], k));
+    return true;
+  }
+
   MANYHANDS_INLINE void take_kept() {
     const mask_t<T> any_kept(distance_ < constant<T>(std::numeric_limits<double>::infinity()));
     for (const std::size_t i : chain_.dofs) {
@@ -164,40 +175,120 @@ class PostureSearch {
 
 }  // namespace internal
 
-/// As `solve_ik`, for any goal. Where the goal is reached a posture pulls in the null space, dq = z +
-/// J^T (J J^T + lambda 1)^-1 (e - J z) with z = gain (posture - q), as long as that brings q nearer to it. Errors of
-/// what the goal leaves free are 0.
+/// A solve in progress. `look`, then `step` those that go on; again, until none does.
+///
+/// Where the goal is reached a posture pulls in the null space, dq = z + J^T (J J^T + lambda 1)^-1 (e - J z) with
+/// z = gain (posture - q), as long as that brings q nearer to it. Errors of what the goal leaves free are 0.
+template <Number T, Number P>
+class GoalSolve {
+ public:
+  /// `q` (nq) is where the solve begins and what it moves; `target` may change between solves of a lane.
+  MANYHANDS_INLINE GoalSolve(const Tree<real_t<T>>& tree, const Params<P>& params, const IkChain& chain,
+                             const IkSettings& settings, const IkGoal& goal, const IkTarget<T>& target, T* q,
+                             Workspace<T>& ws)
+      : tree_(tree),
+        params_(params),
+        chain_(chain),
+        settings_(settings),
+        goal_(goal),
+        target_(target),
+        q_(q),
+        ws_(ws),
+        X_BF_(broadcast<real_t<T>>(chain.X_BF)),
+        position_tolerance_(constant<T>(square(goal.position_weight * settings.position_tolerance))),
+        rotation_tolerance_(constant<T>(square(goal.rotation_weight * settings.rotation_tolerance))),
+        equations_(goal, target, Transform<T>::identity()),
+        posture_(goal, tree, chain, q, ws) {}
+
+  /// How far q is from the goal.
+  MANYHANDS_INLINE void look() {
+    const Transform<T> X_WF = place_chain(tree_, chain_, X_BF_, q_, ws_);
+    p_OF_ = X_WF.p - ws_.p_WO[chain_.body.index()];
+    equations_ = internal::GoalEquations<T>(goal_, target_, X_WF);
+    rotation2_ = squared_norm(equations_.e.w);
+    position2_ = squared_norm(equations_.e.v);
+    if (settings_.patience > 0) judge();
+  }
+
+  [[nodiscard]] MANYHANDS_INLINE mask_t<T> reached() const {
+    return mask_t<T>((position2_ <= position_tolerance_) & (rotation2_ <= rotation_tolerance_));
+  }
+
+  /// The weighted errors' squares, summed.
+  [[nodiscard]] MANYHANDS_INLINE T error2() const { return rotation2_ + position2_; }
+
+  /// Moves the lanes in `active`; which of them go on.
+  MANYHANDS_INLINE mask_t<T> step(const mask_t<T>& active) {
+    const mask_t<T> arrived = reached();
+    const mask_t<T> goes_on = posture_.is_wanted() ? posture_.keep(active, arrived) : mask_t<T>(!arrived);
+    const T damping = constant<T>(settings_.damping), error_damping = constant<T>(settings_.error_damping);
+    SymMat6<T> damped = SymMat6<T>::diagonal(fma(error_damping, error2(), damping));
+    equations_.fill_free(damped);
+    const auto row = [&](std::size_t i) { return equations_.row(at_point(ws_.S[i], p_OF_)); };
+    internal::take_damped_step(tree_, params_, chain_, settings_, active, damped, equations_.e, row, posture_, q_);
+    return mask_t<T>(active & goes_on & !stuck_);
+  }
+
+  /// Lane k begins anew.
+  void restart(int k) {
+    using R = real_t<T>;
+    set_lane(looks_, k, R(0));
+    posture_.forget(k);
+  }
+
+  /// Takes the configuration that is nearest to the posture, where one was wanted, and says how far q is.
+  MANYHANDS_INLINE IkResult<T> finish() {
+    if (posture_.is_wanted()) posture_.take_kept();
+    look();
+    const T position_error = equations_.places ? norm(equations_.e.v) / equations_.wp : constant<T>(0);
+    const T rotation_error = norm(equations_.e.w) / equations_.wr;
+    const mask_t<T> success((position_error <= constant<T>(settings_.position_tolerance)) &
+                            (rotation_error <= constant<T>(settings_.rotation_tolerance)));
+    return {success, position_error, rotation_error};
+  }
+
+  /// Whether lane k has been at the goal with a posture wanted, and its q then.
+  bool take_kept(int k) { return posture_.take_kept(k); }
+
+ private:
+  /// Every `patience` looks.
+  MANYHANDS_INLINE void judge() {
+    const mask_t<T> due(looks_ >= constant<T>(settings_.patience));
+    stuck_ = mask_t<T>(due & (error2() > constant<T>(square(internal::kProgress)) * milestone2_) & !reached());
+    const mask_t<T> begins(looks_ <= constant<T>(0));
+    milestone2_ = select(mask_t<T>(due | begins), error2(), milestone2_);
+    looks_ = select(due, constant<T>(1), looks_ + constant<T>(1));
+  }
+
+  const Tree<real_t<T>>& tree_;
+  const Params<P>& params_;
+  const IkChain& chain_;
+  const IkSettings& settings_;
+  const IkGoal& goal_;
+  const IkTarget<T>& target_;
+  T* q_;
+  Workspace<T>& ws_;
+  Transform<real_t<T>> X_BF_;
+  T position_tolerance_, rotation_tolerance_;  // squared, weighted
+  internal::GoalEquations<T> equations_;
+  internal::PostureSearch<T> posture_;
+  Vec3<T> p_OF_ = Vec3<T>::zero();
+  T rotation2_{}, position2_{};
+  T milestone2_ = constant<T>(0), looks_ = constant<T>(0);  // error2 when progress was last judged, looks since
+  mask_t<T> stuck_{false};
+};
+
+/// As `solve_ik`, for any goal.
 template <Number T, Number P>
 MANYHANDS_INLINE IkResult<T> solve_goal(const Tree<real_t<T>>& tree, const Params<P>& params, const IkChain& chain,
                                         const IkSettings& settings, const IkGoal& goal, const IkTarget<T>& target, T* q,
                                         Workspace<T>& ws) {
-  using internal::GoalEquations;
-  const Transform<real_t<T>> X_BF = broadcast<real_t<T>>(chain.X_BF);
-  const T damping = constant<T>(settings.damping), error_damping = constant<T>(settings.error_damping);
-  const auto squared = [](double weight, double tolerance) { return constant<T>(square(weight * tolerance)); };
-  const T position_tolerance = squared(goal.position_weight, settings.position_tolerance);
-  const T rotation_tolerance = squared(goal.rotation_weight, settings.rotation_tolerance);
-  internal::PostureSearch<T> posture(goal, tree, chain, q, ws);
+  GoalSolve<T, P> solve(tree, params, chain, settings, goal, target, q, ws);
   iterate(mask_t<T>(true), settings.max_iterations, [&](const mask_t<T>& active) {
-    const Transform<T> X_WF = place_chain(tree, chain, X_BF, q, ws);
-    const GoalEquations<T> equations(goal, target, X_WF);
-    const Vec3<T> p_OF = X_WF.p - ws.p_WO[chain.body.index()];
-    const T rotation2 = squared_norm(equations.e.w), position2 = squared_norm(equations.e.v);
-    const mask_t<T> reached((position2 <= position_tolerance) & (rotation2 <= rotation_tolerance));
-    const mask_t<T> goes_on = posture.is_wanted() ? posture.keep(active, reached) : mask_t<T>(!reached);
-    SymMat6<T> damped = SymMat6<T>::diagonal(fma(error_damping, rotation2 + position2, damping));
-    equations.fill_free(damped);
-    const auto row = [&](std::size_t i) { return equations.row(at_point(ws.S[i], p_OF)); };
-    internal::take_damped_step(tree, params, chain, settings, active, damped, equations.e, row, posture, q);
-    return goes_on;
+    solve.look();
+    return solve.step(active);
   });
-  if (posture.is_wanted()) posture.take_kept();
-  const GoalEquations<T> left(goal, target, place_chain(tree, chain, X_BF, q, ws));
-  const T position_error = left.places ? norm(left.e.v) / left.wp : constant<T>(0);
-  const T rotation_error = norm(left.e.w) / left.wr;
-  const mask_t<T> success((position_error <= constant<T>(settings.position_tolerance)) &
-                          (rotation_error <= constant<T>(settings.rotation_tolerance)));
-  return {success, position_error, rotation_error};
+  return solve.finish();
 }
 
 }  // namespace manyhands

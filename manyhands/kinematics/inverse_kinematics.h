@@ -18,6 +18,7 @@ struct IkSettings {
   double position_tolerance = 1e-5;  ///< [m]
   double rotation_tolerance = 1e-4;  ///< [rad]; infinite: only the position decides when to stop
   bool respect_limits = true;        ///< keeps every iterate within the joint limits
+  int patience = 0;  ///< iterations that must bring the error down by a tenth, or the solve of a goal ends; 0: never
 };
 
 /// The bodies and dofs that move a frame, from the root out: found once, used in every solve.

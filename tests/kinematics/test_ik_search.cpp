@@ -75,10 +75,13 @@ TEST(IkSearch, GivesEachTargetItsOwnAnswer) {
   Panda panda;
   const std::vector<Transform<double>> targets = panda.reachable(37);
   const IkSolutions all = search_ik(panda.robot.model, panda.robot.arm.hand, targets, panda.neutral);
-  const IkSolutions some =
-      search_ik(panda.robot.model, panda.robot.arm.hand, std::span(targets).first(5), panda.neutral);
-  EXPECT_EQ(std::vector<double>(all.q.begin(), all.q.begin() + 5 * kJoints), some.q);
-  EXPECT_EQ(std::vector<int>(all.attempts.begin(), all.attempts.begin() + 5), some.attempts);
+  for (const std::size_t n : {2u, 5u, 36u}) {  // the first attempts of two are made in scalars
+    const IkSolutions some =
+        search_ik(panda.robot.model, panda.robot.arm.hand, std::span(targets).first(n), panda.neutral);
+    const auto rows = static_cast<std::ptrdiff_t>(n);
+    EXPECT_EQ(std::vector<double>(all.q.begin(), all.q.begin() + rows * kJoints), some.q);
+    EXPECT_EQ(std::vector<int>(all.attempts.begin(), all.attempts.begin() + rows), some.attempts);
+  }
 }
 
 TEST(IkSearch, SaysHowFarOffAnUnreachableTargetIs) {
@@ -98,7 +101,7 @@ TEST(IkSearch, SaysHowFarOffAnUnreachableTargetIs) {
 /// both errors but missed a tolerance: what one attempt after another finds in scalars decides.
 TEST(IkSearch, EndsWithTheFirstAttemptThatReaches) {
   constexpr int n = 3000;
-  constexpr IkSearchSettings settings{.ik = {.rotation_tolerance = 1.0}, .restarts = 8};
+  constexpr IkSearchSettings settings{.ik = {.rotation_tolerance = 1.0, .patience = 3}, .restarts = 8};
   Panda panda;
   const Tree<float> tree(panda.robot.model);
   const ParamsStorage<float> params(panda.robot.model);
@@ -113,8 +116,8 @@ TEST(IkSearch, EndsWithTheFirstAttemptThatReaches) {
       RandomStream random(settings.seed, static_cast<std::uint32_t>(i), static_cast<std::uint64_t>(attempts));
       for (const std::size_t dof : panda.robot.arm.chain.dofs)
         if (attempts > 0) q[dof] = random.uniform(params.lower[dof], params.upper[dof]);
-      reached = solve_ik(tree, params, panda.robot.arm.chain, settings.ik, broadcast<float>(targets[i]), q.data(), ws)
-                    .success;
+      const IkTarget<float> target{broadcast<float>(targets[i]), Vec3<float>::zero()};
+      reached = solve_goal(tree, params, panda.robot.arm.chain, settings.ik, IkGoal{}, target, q.data(), ws).success;
       ++attempts;
     }
     EXPECT_EQ(found.attempts[i], attempts) << "target " << i;

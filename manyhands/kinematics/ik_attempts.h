@@ -1,0 +1,164 @@
+// Attempts of inverse kinematics in lanes: one a lane, the next begins where one ends.
+#pragma once
+
+#include <array>
+#include <numbers>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "manyhands/kinematics/ik_goals.h"
+#include "manyhands/kinematics/ik_schedule.h"
+#include "manyhands/kinematics/ik_search.h"
+#include "manyhands/math/control_flow.h"
+#include "manyhands/math/philox.h"
+
+namespace manyhands::internal {
+
+/// What is asked, and the best that each target has so far.
+struct IkQuestion {
+  const Tree<float>& tree;
+  const Params<float>& params;
+  const IkChain& chain;
+  const IkGoal& goal;
+  IkSettings ik;  ///< of attempts
+  std::span<const IkTarget<double>> targets;
+  std::span<const double> start;  ///< (nq)
+  std::uint64_t seed;
+
+  IkSolutions& found;
+  std::span<double> nearest;  ///< (n) squared error of the best attempt
+};
+
+/// Makes the attempts of a schedule. What one finds depends on its target and round only: not on T, nor on its lane.
+template <Number T>
+class IkAttempts {
+ public:
+  IkAttempts(const IkQuestion& question, IkSchedule schedule)
+      : asked_(question),
+        schedule_(std::move(schedule)),
+        ws_(asked_.tree),
+        solve_(asked_.tree, asked_.params, asked_.chain, asked_.ik, asked_.goal, target_, q_.data(), ws_) {}
+
+  IkAttempts(const IkAttempts&) = delete;
+  IkAttempts& operator=(const IkAttempts&) = delete;
+
+  void run() {
+    for (std::size_t j = 0; j < q_.size(); ++j) q_[j] = constant<T>(asked_.start[j]);
+    for (fill_lanes(); any(running()); fill_lanes()) iterate();
+  }
+
+ private:
+  static constexpr int W = width_v<T>;
+  static constexpr float kHeadStart = 8;  // iterations of an attempt before free lanes run the next of the same target
+
+  struct Lane {
+    IkAttempt attempt;
+    bool runs = false;
+  };
+
+  [[nodiscard]] mask_t<T> running() const { return mask_t<T>(runs_ > constant<T>(0)); }
+
+  /// One iteration of all attempts; those that end are judged.
+  void iterate() {
+    solve_.look();
+    const mask_t<T> reached = solve_.reached(), goes_further(iterations_ < constant<T>(asked_.ik.max_iterations));
+    mask_t<T> active(running() & goes_further);
+    if (asked_.goal.posture.empty()) active = mask_t<T>(active & !reached);  // what is left is the refinement's
+    const T error2 = solve_.error2();
+    const mask_t<T> ended(running() & !solve_.step(active));
+    iterations_ = iterations_ + constant<T>(1);
+    for_lanes<T>(ended, [&](int k) { end(k, static_cast<double>(lane(error2, k)), lane(reached, k)); });
+  }
+
+  void end(int k, double error2, bool reached) {
+    const IkAttempt attempt = lanes_[at(k)].attempt;
+    const bool success = solve_.take_kept(k) || reached;
+    const std::size_t i = attempt.target;
+    stop(k);
+    schedule_.end(attempt, success);
+    IkSolutions& found = asked_.found;
+    if (success ? schedule_.winner(i) != attempt.round : found.success[i] != 0 || !(error2 < asked_.nearest[i])) return;
+    asked_.nearest[i] = error2;
+    found.success[i] = success;
+    if (success) found.attempts[i] = attempt.round + 1;
+    for (std::size_t j = 0; j < q_.size(); ++j) found.q[i * q_.size() + j] = static_cast<double>(lane(q_[j], k));
+  }
+
+  /// Gives every free lane an attempt, as far as there are any.
+  void fill_lanes() {
+    candidates_.clear();
+    for (int k = 0; k < W; ++k) {
+      const Lane& its = lanes_[at(k)];
+      if (its.runs && schedule_.is_late(its.attempt)) {
+        schedule_.end(its.attempt, false);
+        stop(k);
+      } else if (its.runs && lane(iterations_, k) >= kHeadStart) {
+        candidates_.push_back(its.attempt);
+      }
+    }
+    for (int k = 0; k < W; ++k) {
+      if (lanes_[at(k)].runs) continue;
+      if (const std::optional<IkAttempt> next = schedule_.next(candidates_)) begin(k, *next);
+    }
+  }
+
+  void begin(int k, const IkAttempt& attempt) {
+    lanes_[at(k)] = {attempt, true};
+    set_lane(runs_, k, 1.0f);
+    set_lane(iterations_, k, 0.0f);
+    set_target(k, asked_.targets[attempt.target]);
+    set_start(k, attempt);
+    solve_.restart(k);
+  }
+
+  void stop(int k) {
+    lanes_[at(k)].runs = false;
+    set_lane(runs_, k, 0.0f);
+  }
+
+  void set_target(int k, const IkTarget<double>& target) {
+    const auto set = [k](Vec3<T>& to, const Vec3<double>& wide) {
+      const Vec3<float> from = broadcast<float>(wide);
+      set_lane(to.x, k, from.x);
+      set_lane(to.y, k, from.y);
+      set_lane(to.z, k, from.z);
+    };
+    set(target_.X_WF.R.x, target.X_WF.R.x);
+    set(target_.X_WF.R.y, target.X_WF.R.y);
+    set(target_.X_WF.R.z, target.X_WF.R.z);
+    set(target_.X_WF.p, target.X_WF.p);
+    set(target_.toward, target.toward);
+  }
+
+  void set_start(int k, const IkAttempt& attempt) {
+    RandomStream random(asked_.seed, static_cast<std::uint32_t>(attempt.target),
+                        static_cast<std::uint64_t>(attempt.round));
+    for (const std::size_t dof : asked_.chain.dofs) {
+      const auto j = static_cast<std::size_t>(asked_.tree.dof_q[dof]);
+      const float here = static_cast<float>(asked_.start[j]);
+      set_lane(q_[j], k, attempt.round == 0 ? here : random_coordinate(dof, here, random));
+    }
+  }
+
+  [[nodiscard]] float random_coordinate(std::size_t dof, float here, RandomStream& random) const {
+    constexpr float kFar = std::numbers::pi_v<float>;  // where there is no limit [rad or m]
+    const float lower = asked_.params.lower[dof], upper = asked_.params.upper[dof];
+    const float low = is_finite(lower) ? lower : here - kFar, high = is_finite(upper) ? upper : here + kFar;
+    return random.uniform(low, high);
+  }
+
+  static std::size_t at(int k) { return static_cast<std::size_t>(k); }
+
+  const IkQuestion& asked_;
+  IkSchedule schedule_;
+  Workspace<T> ws_;
+  std::vector<T> q_ = std::vector<T>(asked_.start.size());
+  IkTarget<T> target_{Transform<T>::identity(), Vec3<T>::zero()};
+  GoalSolve<T, float> solve_;
+  std::array<Lane, static_cast<std::size_t>(W)> lanes_{};
+  T runs_ = constant<T>(0), iterations_ = constant<T>(0);
+  std::vector<IkAttempt> candidates_;
+};
+
+}  // namespace manyhands::internal
