@@ -73,7 +73,7 @@ def test_every_shipped_recipe_can_be_run() -> None:
         assert config.seed == 3
         assert config.wants_expert == ("expert" in recipe.beyond), "what it uses is stated"
         assert not config.wants_expert or env_id in expert_ids()
-    assert find_recipe("PandaFlipJoints-v3") is None
+    assert find_recipe("PandaPull-v3") is None
 
 
 def test_a_recipe_may_be_like_another(tmp_path: Path) -> None:
