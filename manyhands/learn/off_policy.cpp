@@ -38,7 +38,7 @@ void OffPolicy::learn(const Collector& worlds, const InputNormaliser& normaliser
     replay_.sample(worlds.envs(), {config_.hindsight_fraction, config_.success_terminates},
                    Random(config_.seed, Purpose::kSampling, static_cast<std::uint64_t>(gradient_steps())), minibatch_);
     halves.run([&](int half) { fill_half(normaliser, half); });
-    const UpdateStats update = agent_.update(halves, bounds);
+    const UpdateStats update = agent_.update(halves, bounds, rate_scale());
     if (!std::isfinite(update.critic_loss) || !std::isfinite(update.policy_q)) {
       throw DivergenceError("Trainer: training diverged after " + std::to_string(gradient_steps() - 1) +
                             " gradient steps (the loss is not finite); try smaller learning rates");
