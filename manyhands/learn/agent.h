@@ -53,8 +53,8 @@ class Agent {
   /// The two halves, to be filled before `update`; a half owns its columns, so each may be filled on its own thread.
   [[nodiscard]] AgentBatch& half(int index) { return halves_[static_cast<std::size_t>(index)].batch; }
 
-  /// One gradient step on both halves: critics always, policy and targets every `policy_delay` steps. Learning rates are
-  /// `rate_scale` times the config's.
+  /// One gradient step on both halves: critics always, policy and targets every `policy_delay` steps. Learning rates
+  /// are `rate_scale` times the config's.
   UpdateStats update(Halves& halves, const ValueBounds& bounds, float rate_scale = 1);
 
   [[nodiscard]] std::int64_t gradient_steps() const { return gradient_steps_; }

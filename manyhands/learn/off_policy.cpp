@@ -10,8 +10,7 @@ OffPolicy::OffPolicy(const EnvSpec& spec, int num_worlds, int input_dim, const T
       privileged_(spec, config),
       replay_(spec, config.replay_capacity, config.wants_expert() ? spec.action_dim : 0, privileged_.dim(),
               config.replay_folder),
-      minibatch_(replay_.make_minibatch(config.batch_size,
-                                          {config.return_steps, static_cast<float>(config.gamma)})),
+      minibatch_(replay_.make_minibatch(config.batch_size, {config.return_steps, static_cast<float>(config.gamma)})),
       agent_(input_dim, spec.action_dim, config, privileged_.dim()),
       exploration_(agent_.actor(), config, 0, num_worlds) {}
 

@@ -24,7 +24,8 @@ def rate_at(learning_rate: float | Schedule, left: float) -> float:
     except (TypeError, ValueError) as error:
         raise ValueError(f"learning_rate is {rate!r}, expected a number, or a function that gives one") from error
     if not (math.isfinite(number) and number >= 0):
-        raise ValueError(f"learning_rate is {number}{_where(learning_rate, left)}, expected a finite number, at least 0")
+        where = _where(learning_rate, left)
+        raise ValueError(f"learning_rate is {number}{where}, expected a finite number, at least 0")
     return number
 
 
