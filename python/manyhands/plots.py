@@ -115,8 +115,10 @@ def plot_step_response(
     draw = _by_ending(out, _step_png, _step_html)
     t = np.asarray(time, np.float64)
     measured = {
-        f"{name}: {_measures(step_response(t, values, set_point, start=start, tolerance=tolerance))}":
-        np.asarray(values) for name, values in responses.items()
+        f"{name}: {_measures(step_response(t, values, set_point, start=start, tolerance=tolerance))}": np.asarray(
+            values
+        )
+        for name, values in responses.items()
     }
     if not measured:
         raise ValueError("there are no responses to draw")

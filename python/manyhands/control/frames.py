@@ -1,15 +1,17 @@
 """Control of a frame: what it does to joints."""
 
 from collections.abc import Sequence
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import Model
-from manyhands._core import control as _core
+from manyhands._core import control as _control
 from manyhands.arguments import FloatArray, finite_rows, float_arrays
 from manyhands.control.joints import positive
+
+_core: Any = _control  # its rows are unpacked, which overloads do not take
 
 Array = NDArray[np.float64]
 Direction: TypeAlias = Literal["motion", "force", "free"]

@@ -6,8 +6,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import Model
-from manyhands._core import control as _core
+from manyhands._core import control as _control
 from manyhands.arguments import FloatArray, finite_rows, float_arrays
+
+_core: Any = _control  # its rows are unpacked, which overloads do not take
 
 Array = NDArray[np.float64]
 

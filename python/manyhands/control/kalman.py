@@ -1,11 +1,15 @@
 """State estimation."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from manyhands._core import control as _core
+from manyhands._core import control as _control
 from manyhands.arguments import finite_rows
 from manyhands.control.joints import positive
+
+_core: Any = _control  # its rows are unpacked, which overloads do not take
 
 Array = NDArray[np.float64]
 

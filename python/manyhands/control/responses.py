@@ -1,13 +1,15 @@
 """How good a response is, how far a loop is from instability, and gains to begin with."""
 
 import math
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from manyhands._core import control as _core
+from manyhands._core import control as _control
 from manyhands.arguments import finite_rows
+
+_core: Any = _control  # its rows are unpacked, which overloads do not take
 
 
 class StepResponse(NamedTuple):
