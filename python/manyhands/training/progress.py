@@ -17,9 +17,9 @@ def _speed(row: Row) -> float:
     return row.env_steps / max(row.seconds, 1e-9)
 
 
-def _seconds_left(row: Row, max_env_steps: int) -> float:
-    """Until the step limit, at the mean speed: training ends earlier if the task is solved."""
-    return max(max_env_steps - row.env_steps, 0) / max(_speed(row), 1.0)
+def _seconds_left(row: Row, env_steps: int) -> float:
+    """Until so many steps, at the mean speed."""
+    return max(env_steps - row.env_steps, 0) / max(_speed(row), 1.0)
 
 
 def _clock(seconds: float) -> str:
@@ -44,8 +44,17 @@ class _Figures(ProgressColumn):
 class TrainingProgress:
     """Context manager; `update` after each piece of training."""
 
-    def __init__(self, console: Console, env_id: str, max_env_steps: int, workers: int | None = None) -> None:
+    def __init__(
+        self,
+        console: Console,
+        env_id: str,
+        max_env_steps: int,
+        expected_steps: int | None = None,
+        workers: int | None = None,
+    ) -> None:
+        """expected_steps: in how many the task is known to be solved, None if it is not."""
         self._console = console
+        self._expected = 0 if expected_steps is None else min(expected_steps, max_env_steps)
         self._workers = "" if workers is None else f" of {workers} {'worker' if workers == 1 else 'workers'}"
         self._limit = max_env_steps
         self._bar: Progress | None = None
@@ -53,14 +62,17 @@ class TrainingProgress:
         if console.is_terminal:
             columns = (SpinnerColumn(), TextColumn("[bold]{task.description}"), BarColumn(12), _Figures())
             self._bar = Progress(*columns, console=console)
-            self._task = self._bar.add_task(env_id, total=max_env_steps, figures="starting")
+            self._task = self._bar.add_task(env_id, total=self._expected or max_env_steps, figures="starting")
 
     def update(self, row: Row) -> None:
         """Shows where training stands."""
         speed = f"{_speed(row):,.0f} steps/s{self._workers}"
-        left = f"≤ {_clock(_seconds_left(row, self._limit))} left"
+        in_time = row.env_steps <= self._expected
+        total = self._expected if in_time else self._limit  # where training ends at the latest
+        left = f"{'about' if in_time else '≤'} {_clock(_seconds_left(row, total))} left"
         if self._bar is not None:
-            self._bar.update(self._task, completed=row.env_steps, figures=f"{speed}  success {_success(row)}  {left}")
+            figures = f"{speed}  success {_success(row)}  {left}"
+            self._bar.update(self._task, completed=row.env_steps, total=total, figures=figures)
         elif time.monotonic() - self._last_line >= _SECONDS_BETWEEN_LINES:
             self._last_line = time.monotonic()
             self._console.print(
