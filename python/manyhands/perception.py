@@ -4,7 +4,7 @@ Points are (n, 3) [m] in any frame. Those that are not finite, as cameras give w
 nothing. Wrong shapes raise ValueError.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -47,7 +47,7 @@ def find_plane(
     """The plane with most points within threshold [m]: a table or a floor (random sample consensus, Fischler and
     Bolles, 1981, then least squares). None if it has less than least_share of the points. `points[~plane.inliers]` is
     what stands on it."""
-    found = _core.find_plane(_points("points", points), threshold, int(iterations), int(seed), least_share)
+    found: Any = _core.find_plane(_points("points", points), threshold, int(iterations), int(seed), least_share)
     return None if found is None else Plane(*found)
 
 

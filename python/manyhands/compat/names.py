@@ -27,7 +27,8 @@ def install_as(*names: str) -> None:
     name, as pybullet_utils.bullet_client, does too. Call it before anything imports these names.
 
     names: of "pybullet", "pybullet_data", "pybullet_utils", "panda_gym", "gym" and "ManipulaPy"; all six if none is
-    given. Nothing is imported yet. Raises ValueError on another name, and ImportError if one has been imported from elsewhere.
+    given. Nothing is imported yet. Raises ValueError on another name, and ImportError if one has been imported from
+    elsewhere.
     """
     names = names or tuple(NAMES)
     for name in names:

@@ -191,7 +191,7 @@ class ManipulatorController:
         return q_d - q, v_d - v
 
     def _integrate(self, e: Array, dt: float, i_clamp: float | None) -> Array:
-        if i_clamp is not None and not (np.isscalar(i_clamp) and math.isfinite(i_clamp) and i_clamp > 0):
+        if i_clamp is not None and not (np.ndim(i_clamp) == 0 and math.isfinite(i_clamp) and i_clamp > 0):
             raise ValueError(f"i_clamp is {i_clamp}; expected one finite number above 0")
         if self.eint is None or np.shape(self.eint) != e.shape:
             if self.eint is not None:
@@ -200,6 +200,7 @@ class ManipulatorController:
         self.eint = self.eint + e * dt
         if i_clamp is not None:
             self.eint = np.clip(self.eint, -i_clamp, i_clamp)
+        assert self.eint is not None
         return self.eint
 
     # ---- estimation --------------------------------------------------------------------------------------------
@@ -340,7 +341,10 @@ class ManipulatorController:
         """The gain of proportional control, swept up from 0.01 by a tenth, at which the arm's error grows, and the
         period with which it then swings: (gain, period, gains tried, errors over time for each)."""
         theta0, goal = np.asarray(thetalist, np.float64), np.asarray(desired_joint_angles, np.float64)
-        gain, gains, histories, least = 0.01, [], [], math.inf
+        gain, least = 0.01, math.inf
+        gains: list[float] = []
+        histories: list[Any] = []
+        errors = np.zeros((0, len(goal)))
         while gain < 1000:
             errors = self._swing(theta0, goal, gain, dt, max_steps)
             gains.append(gain)

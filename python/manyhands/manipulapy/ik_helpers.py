@@ -2,15 +2,12 @@
 
 from collections import deque
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from manyhands.manipulapy.utils import logm, rotation_matrix_to_euler_angles
-
-if TYPE_CHECKING:
-    from manyhands.manipulapy.kinematics import SerialManipulator
 
 Array = NDArray[np.float64]
 Limits: TypeAlias = Sequence[tuple[float | None, float | None]]
@@ -66,7 +63,7 @@ def random_in_limits(joint_limits: Limits) -> Array:
 def midpoint_of_limits(joint_limits: Limits) -> Array:
     """Between the limits; 0 where one is open."""
     bounds = limit_array(joint_limits, np.inf)
-    finite = np.isfinite(bounds).all(1)
+    finite: Any = np.isfinite(bounds).all(1)
     return np.where(finite, np.where(finite[:, None], bounds, 0.0).mean(1), 0.0)
 
 
@@ -131,7 +128,3 @@ def adaptive_multi_start_ik(
             return theta, True, total, strategy
     assert best is not None
     return best[0], False, total, best[3]
-
-
-def manipulator_limits(arm: "SerialManipulator") -> Limits:
-    return arm.joint_limits

@@ -100,8 +100,11 @@ class TrajectoryPlanning:
         return self._within(planning.Sample(*(x.reshape(N, B, n).swapaxes(0, 1) for x in flat)))
 
     def _within(self, sampled: planning.Sample) -> dict[str, Array]:
-        low, high = self.joint_limits.T if len(self.joint_limits) == sampled.q.shape[-1] else (-np.inf, np.inf)
-        positions = np.clip(sampled.q, low, high)
+        if len(self.joint_limits) != sampled.q.shape[-1]:
+            raise ValueError(
+                f"there are {sampled.q.shape[-1]} joints; the planner has limits of {len(self.joint_limits)}"
+            )
+        positions = np.clip(sampled.q, self.joint_limits[:, 0], self.joint_limits[:, 1])
         held = positions != sampled.q
         return {
             "positions": positions.astype(np.float32),
@@ -141,8 +144,9 @@ class TrajectoryPlanning:
         Ftip: ArrayLike | None = None,
     ) -> Array:
         """Joint forces (N, n) float32 within the limits, of N states."""
-        rows = (thetalist_trajectory, dthetalist_trajectory, ddthetalist_trajectory)
-        tau = self.dynamics.inverse_dynamics(*(np.asarray(x, np.float64) for x in rows), gravity_vector, Ftip)
+        given = (thetalist_trajectory, dthetalist_trajectory, ddthetalist_trajectory)
+        q, v, a = (np.asarray(x, np.float64) for x in given)
+        tau = self.dynamics.inverse_dynamics(q, v, a, gravity_vector, Ftip)
         return np.clip(tau, self.torque_limits[:, 0], self.torque_limits[:, 1]).astype(np.float32)
 
     def forward_dynamics_trajectory(

@@ -50,7 +50,7 @@ class Perception:
 
     def compute_stereo_disparity(self, left_img: ArrayLike, right_img: ArrayLike) -> Array:
         """Of two pictures; see `Vision.compute_disparity`."""
-        return self.vision.compute_disparity(*self.vision.rectify_stereo_images(left_img, right_img))
+        return self.vision.compute_disparity(left_img, right_img)
 
     def get_stereo_point_cloud(self, left_img: ArrayLike, right_img: ArrayLike) -> Array:
         """Of two pictures; empty where stereo is off."""

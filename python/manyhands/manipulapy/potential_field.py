@@ -64,8 +64,8 @@ class CollisionChecker:
         self.robot = URDF.load(urdf_path, load_meshes=load_meshes, backend=backend)
         self.excluded = build_link_adjacency(self.robot)
         self._world = World(self.robot.model)
-        for first, second in itertools.combinations(sorted(self.convex_hulls), 2):
-            self._world.set_collision(first, second, frozenset((first, second)) not in self.excluded)
+        pairs = itertools.combinations(sorted(self.convex_hulls), 2)
+        self._pairs = [pair for pair in pairs if frozenset(pair) not in self.excluded]
 
     @property
     def convex_hulls(self) -> dict[str, list[str]]:
@@ -79,4 +79,5 @@ class CollisionChecker:
     def check_collision(self, thetalist: "ArrayLike | Mapping[str, float]") -> bool:
         """Whether two links that are not neighbours touch at these angles, in order or by name."""
         self._world.q = self.robot.configuration(thetalist)
-        return any(found.phi < -_TOUCHING for found in self._world.near_links(_TOUCHING))
+        distances = (self._world.distance(*pair) for pair in self._pairs)
+        return any(found is not None and found.phi < -_TOUCHING for found in distances)

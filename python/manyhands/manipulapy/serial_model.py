@@ -1,5 +1,7 @@
 """An arm that is known as screws and inertias, as a `Model` of manyhands: its dynamics are C++ then."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -64,7 +66,7 @@ def _joint_of(k: int, screw: Array) -> tuple[Array, Array, str]:
     raise ValueError(f"screw {k} is {screw}; expected a unit turn or a unit shift, angular part first")
 
 
-def _inertial(k: int, inertias: list[Array] | None, centres: list[Array] | None, origin: Array) -> dict[str, object]:
+def _inertial(k: int, inertias: list[Array] | None, centres: list[Array] | None, origin: Array) -> dict[str, Any]:
     """Mass, centre and inertia of link k, whose frame is at `origin` with the axes of space, at home."""
     if inertias is None:
         return {"mass": 1.0, "inertia": np.eye(3)}

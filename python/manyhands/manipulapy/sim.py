@@ -119,7 +119,7 @@ class Simulation:
         """Connects if need be, and builds the scene anew: floor and robot, nothing else."""
         if self.physics_client is None:
             self.physics_client, self._owns_client = self._connect(), True
-        client = self._client
+        client = self.client
         p.resetSimulation(physicsClientId=client)
         p.setAdditionalSearchPath(pybullet_data.getDataPath(), physicsClientId=client)
         p.setGravity(0, 0, _GRAVITY, physicsClientId=client)
@@ -128,8 +128,9 @@ class Simulation:
         self.joint_params, self.reset_button, self.trajectory_body_ids = [], None, []
         self.gravity_param = self.time_step_param = None
         self.plane_id = p.loadURDF("plane.urdf", physicsClientId=client)
-        self._load_robot()
+        self.robot_id = self._load_robot()
         _open[client] = [self.plane_id, self.robot_id]
+        self._look_at_joints()
 
     def connect_simulation(self) -> None:
         """Connects if need be, and builds the scene anew."""
@@ -164,25 +165,26 @@ class Simulation:
             return p.connect(p.DIRECT)
 
     @property
-    def _client(self) -> int:
+    def client(self) -> int:
+        """The client. Raises RuntimeError when the simulation is closed."""
         if self.physics_client is None:
             raise RuntimeError("the simulation is closed; call connect_simulation() or make another one")
         return self.physics_client
 
-    def _load_robot(self) -> None:
+    def _load_robot(self) -> int:
         flags = p.URDF_USE_SELF_COLLISION if self.enable_self_collision else 0
         try:
-            self.robot_id = p.loadURDF(
-                self.urdf_file_path, useFixedBase=True, flags=flags, physicsClientId=self._client
-            )
+            return p.loadURDF(self.urdf_file_path, useFixedBase=True, flags=flags, physicsClientId=self.client)
         except p.error as reason:
             if not Path(self.urdf_file_path).is_file():
                 raise RobotFileError(f"there is no robot file {self.urdf_file_path!r}: {reason}") from reason
             raise
-        infos = [p.getJointInfo(self.robot_id, k, physicsClientId=self._client) for k in range(self._num_joints())]
+
+    def _look_at_joints(self) -> None:
+        infos = [p.getJointInfo(self.robot_id, k, physicsClientId=self.client) for k in range(self._num_joints())]
         self.non_fixed_joints = [info[0] for info in infos if info[2] != p.JOINT_FIXED]
         self._links = {info[12].decode(): info[0] for info in infos}
-        self._links.setdefault(p.getBodyInfo(self.robot_id, physicsClientId=self._client)[0].decode(), -1)
+        self._links.setdefault(p.getBodyInfo(self.robot_id, physicsClientId=self.client)[0].decode(), -1)
         self.home_position = np.zeros(len(self.non_fixed_joints))
         self._tip = self._links.get(self._tip_name(), len(infos) - 1)
         if len(self.joint_limits) != len(self.non_fixed_joints):
@@ -194,7 +196,7 @@ class Simulation:
             self._disable_pairs()
 
     def _num_joints(self) -> int:
-        return p.getNumJoints(self.robot_id, physicsClientId=self._client)
+        return p.getNumJoints(self.robot_id, physicsClientId=self.client)
 
     def _tip_name(self) -> str:
         """The end effector, the same as that of `initialize_robot`."""
@@ -207,7 +209,7 @@ class Simulation:
         for first, second in self.disable_pairs or ():
             if first in self._links and second in self._links:
                 links = self._links[first], self._links[second]
-                p.setCollisionFilterPair(self.robot_id, self.robot_id, *links, 0, physicsClientId=self._client)
+                p.setCollisionFilterPair(self.robot_id, self.robot_id, *links, 0, physicsClientId=self.client)
             else:
                 missing = first if first not in self._links else second
                 self.logger.warning(
@@ -256,7 +258,7 @@ class Simulation:
             p.POSITION_CONTROL,
             targetPositions=[float(x) for x in np.asarray(joint_positions, np.float64)],
             forces=self._forces() if forces is None else list(forces),
-            physicsClientId=self._client,
+            physicsClientId=self.client,
         )
 
     def _forces(self) -> list[float]:
@@ -266,7 +268,7 @@ class Simulation:
         return [float(x) for x in (np.abs(given).max(axis=1) if given.ndim == 2 else given)]
 
     def _joint_states(self) -> list[Any]:
-        return p.getJointStates(self.robot_id, self.non_fixed_joints, physicsClientId=self._client)
+        return p.getJointStates(self.robot_id, self.non_fixed_joints, physicsClientId=self.client)
 
     def get_joint_positions(self) -> Array:
         """(n,)"""
@@ -289,7 +291,7 @@ class Simulation:
         """One step, with gravity and time step as their sliders are, if there are any."""
         if self.gravity_param is not None:
             self.update_simulation_parameters()
-        p.stepSimulation(physicsClientId=self._client)
+        p.stepSimulation(physicsClientId=self.client)
         self.on_step()
 
     def on_step(self) -> None:
@@ -314,8 +316,8 @@ class Simulation:
     def end_effector_position(self) -> Place:
         """Where the end effector is now."""
         if self._tip < 0:
-            return p.getBasePositionAndOrientation(self.robot_id, physicsClientId=self._client)[0]
-        state = p.getLinkState(self.robot_id, self._tip, computeForwardKinematics=True, physicsClientId=self._client)
+            return p.getBasePositionAndOrientation(self.robot_id, physicsClientId=self.client)[0]
+        state = p.getLinkState(self.robot_id, self._tip, computeForwardKinematics=True, physicsClientId=self.client)
         return tuple(state[4])
 
     # ---- trajectories ------------------------------------------------------------------------------------------
@@ -427,8 +429,8 @@ class Simulation:
         if self.gravity_param is None or self.time_step_param is None:
             raise AttributeError("there are no sliders of gravity and time step; call add_additional_parameters first")
         self.time_step = self._sliders.read(self.time_step_param)
-        p.setGravity(0, 0, self._sliders.read(self.gravity_param), physicsClientId=self._client)
-        p.setTimeStep(self.time_step, physicsClientId=self._client)
+        p.setGravity(0, 0, self._sliders.read(self.gravity_param), physicsClientId=self.client)
+        p.setTimeStep(self.time_step, physicsClientId=self.client)
 
     def _clicks(self) -> float:
         return 0.0 if self.reset_button is None else self._sliders.read(self.reset_button)
@@ -482,7 +484,7 @@ class Simulation:
         if self.robot_id is None:
             self.logger.warning("there is no robot")
             return []
-        points = p.getContactPoints(self.robot_id, self.robot_id, physicsClientId=self._client)
+        points = p.getContactPoints(self.robot_id, self.robot_id, physicsClientId=self.client)
         found = [(int(point[3]), int(point[4]), tuple(point[5])) for point in points]
         for first, second, place in found:
             self.logger.warning("links %d and %d touch at %s", first, second, place)
@@ -498,7 +500,7 @@ class Simulation:
         if len(places) < 2:
             self.logger.warning("a way of %d places is not drawn", len(places))
             return []
-        segments, balls = draw_trail(self._client, places, line_width, [1, 0, 0] if color is None else list(color))
+        segments, balls = draw_trail(self.client, places, line_width, [1, 0, 0] if color is None else list(color))
         self.trajectory_body_ids = segments + balls
         return segments
 
@@ -510,7 +512,7 @@ class Simulation:
 
     def _remove(self, body: int) -> None:
         try:
-            p.removeBody(body, physicsClientId=self._client)
+            p.removeBody(body, physicsClientId=self.client)
         except (p.error, RuntimeError) as reason:
             self.logger.warning("body %d of the way cannot be removed: %s", body, reason)
 

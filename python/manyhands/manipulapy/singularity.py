@@ -21,7 +21,7 @@ class Singularity:
         self.serial_manipulator = serial_manipulator
 
     def _lengths(self, thetalist: ArrayLike) -> Array:
-        return np.linalg.svd(self.serial_manipulator.jacobian(thetalist), compute_uv=False)
+        return np.asarray(np.linalg.svd(self.serial_manipulator.jacobian(thetalist), compute_uv=False), np.float64)
 
     def singularity_analysis(self, thetalist: ArrayLike) -> bool:
         """Whether the smallest singular value of the Jacobian is below 1e-4."""
@@ -52,7 +52,6 @@ class Singularity:
         for rows, colour, name in ((linear, "b", "Linear velocity"), (J[:3], "r", "Angular velocity")):
             self._draw(ax, rows, colour, name)
         ax.set(xlabel="x", ylabel="y", zlabel="z", title="Manipulability")
-        ax.legend(handles=[plt.Line2D([], [], color=c, label=n) for c, n in (("b", "linear"), ("r", "angular"))])
         if shows:
             plt.show()
         return ax

@@ -1,8 +1,11 @@
 """Sliders and buttons of a client: on its page where it has one, else kept in software, so that programs set them."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-import manyhands.pybullet as p
+import manyhands.pybullet
+from manyhands._core import pybullet_gui
+
+p: Any = manyhands.pybullet  # its stubs take the types of defaults for those of arguments
 
 
 class _Slider(NamedTuple):
@@ -41,7 +44,7 @@ class Sliders:
         if number in self._values:
             self._values[number] = value
         else:
-            p._set_parameter(self._client, number, value)
+            pybullet_gui.set_parameter(self._client, number, value)
 
     def press(self, number: int) -> None:
         """Clicks a button."""

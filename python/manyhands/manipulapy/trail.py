@@ -1,11 +1,14 @@
 """The way of an end effector, drawn as geometry that cameras see and bodies do not touch."""
 
 import itertools
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-import manyhands.pybullet as p
+import manyhands.pybullet
+
+p: Any = manyhands.pybullet  # its stubs take the types of defaults for those of arguments
 
 Array = NDArray[np.float64]
 

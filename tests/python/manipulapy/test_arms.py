@@ -54,7 +54,7 @@ def test_screws_are_the_model(arm: URDFToSerialManipulator) -> None:
     full_v, full_a = np.zeros_like(rows), np.zeros_like(rows)
     full_v[:, at], full_a[:, at] = v, a
     expected = dynamics.rnea(model, rows, full_v, full_a)[:, at]
-    found = np.stack([arm.dynamics.inverse_dynamics(*row, G, NONE) for row in zip(q, v, a, strict=True)])
+    found = np.stack([arm.dynamics.inverse_dynamics(q[k], v[k], a[k], G, NONE) for k in range(20)])
     np.testing.assert_allclose(found, expected, atol=1e-10)
 
 
@@ -169,9 +169,12 @@ def test_trajectories(xarm: URDFToSerialManipulator) -> None:
     assert (held["velocities"][-1] == 0).all() and (held["velocities"][45] == 0).all()
     with pytest.raises(ValueError, match="method"):
         planner.joint_trajectory(start, end, 1.0, 10, 4)
-    tau = planner.inverse_dynamics_trajectory(*found.values())
+    rows = found["positions"], found["velocities"], found["accelerations"]
+    tau = planner.inverse_dynamics_trajectory(*rows)
     assert tau.shape == (101, 6) and np.abs(tau).max() <= 30
-    np.testing.assert_allclose(tau[50], xarm.dynamics.inverse_dynamics(*(x[50] for x in found.values()), G), atol=1e-4)
+    np.testing.assert_allclose(
+        tau[50], xarm.dynamics.inverse_dynamics(rows[0][50], rows[1][50], rows[2][50], G), atol=1e-4
+    )
     fallen = planner.forward_dynamics_trajectory(start, start, np.zeros((20, 6)), G, np.zeros((20, 6)), 0.01, 4)
     np.testing.assert_array_equal(fallen["positions"][0], 0)
     assert fallen["positions"].shape == (20, 6)

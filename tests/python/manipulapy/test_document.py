@@ -1,5 +1,5 @@
-"""The examples of ManipulaPy's page about its simulation as people type them: with the imports changed, and in a process
-under `install_as` with nothing changed.
+"""The examples of ManipulaPy's page about its simulation as people type them: with the imports changed, and in a
+process under `install_as` with nothing changed.
 
 What a page leaves to its reader is a robot.urdf, and somebody who moves sliders and presses the button: `people` does.
 """
@@ -184,7 +184,7 @@ def ours(block: str) -> str:
     return block.replace("from ManipulaPy.", "from manyhands.manipulapy.")
 
 
-class Enough(Exception):
+class Enough(Exception):  # noqa: N818
     """Ends a loop of the page that never ends."""
 
 
@@ -329,7 +329,7 @@ def test_all_of_the_page_in_one_program(tmp_path: Path, changed: bool) -> None:
         manyhands.install_as("ManipulaPy")
         from ManipulaPy.sim import Simulation
         steps = iter(range(10**6))
-        class Enough(Exception): pass
+        class Enough(Exception):  # noqa: N818 pass
         def people(self):
             step = next(steps)
             if self.reset_button is not None and step % 40 == 39: self.press_reset()

@@ -48,9 +48,9 @@ def test_points_that_are_nowhere_are_noise() -> None:
     points[3] = np.inf
     assert perception.dbscan(points, 0.1, 3).tolist() == [0, 0, -1, -1, 0]
     assert perception.dbscan(np.zeros((0, 3)), 0.1).tolist() == []
-    for nonsense in ({"reach": 0}, {"reach": np.nan}, {"reach": 1, "min_samples": 0}):
+    for reach, least in ((0.0, 3), (np.nan, 3), (1.0, 0)):
         with pytest.raises(ValueError, match="expected"):
-            perception.dbscan(points, **nonsense)
+            perception.dbscan(points, reach, least)
     with pytest.raises(ValueError, match="shape"):
         perception.dbscan(np.zeros((5, 2)), 1)
 

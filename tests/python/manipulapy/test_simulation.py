@@ -1,6 +1,7 @@
 """What `Simulation` promises beyond its page's examples."""
 
 import logging
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -48,19 +49,19 @@ def test_a_given_client_is_used_and_kept() -> None:
 
 
 def test_gravity_and_step_are_set(sim: Simulation) -> None:
-    engine = p.getPhysicsEngineParameters(physicsClientId=sim.physics_client)
+    engine = p.getPhysicsEngineParameters(physicsClientId=sim.client)
     assert engine["gravityAccelerationZ"] == -9.81 and engine["fixedTimeStep"] == 0.01
 
 
 def test_stepping_keeps_the_world(sim: Simulation) -> None:
     sim.step_simulation()
-    assert p.getNumBodies(physicsClientId=sim.physics_client) == 2
+    assert p.getNumBodies(physicsClientId=sim.client) == 2
 
 
 def test_connecting_again_builds_the_scene_again(sim: Simulation) -> None:
     sim.run_trajectory([[0.3] * 6] * 20)
     sim.connect_simulation()
-    assert p.getNumBodies(physicsClientId=sim.physics_client) == 2
+    assert p.getNumBodies(physicsClientId=sim.client) == 2
     assert np.abs(sim.get_joint_positions()).max() == 0
 
 
@@ -83,16 +84,16 @@ def test_what_run_controller_refuses(sim: Simulation) -> None:
         sim.run_trajectory([])
     with pytest.raises(TypeError):
         sim.run_controller([[0.0] * 6], 1, 2, 3, 4, 5)  # type: ignore[call-arg]
-    place = sim.run_controller(([0.01 * k] * 6 for k in range(30)))
+    place = sim.run_controller([0.01 * k] * 6 for k in range(30))
     assert len(place) == 3
 
 
 def test_rows_are_paced_by_the_clock(monkeypatch: pytest.MonkeyPatch, sim: Simulation) -> None:
     slept: list[float] = []
-    monkeypatch.setattr(sim_module.time, "sleep", slept.append)
+    monkeypatch.setattr(time, "sleep", slept.append)
     sim.real_time_factor = 2.0
     sim.run_trajectory([[0.0] * 6] * 10)
-    assert 0 < sum(slept) and max(slept) <= 0.01 / 2 * 10
+    assert sum(slept) > 0 and max(slept) <= 0.01 / 2 * 10
     slept.clear()
     sim.real_time_factor = 0
     sim.run_trajectory([[0.0] * 6] * 10)
@@ -148,14 +149,14 @@ def test_sliders_of_gravity_and_time(sim: Simulation) -> None:
     sim.set_parameter(sim.gravity_param, -1.6)
     sim.set_parameter(sim.time_step_param, 0.02)
     sim.step_simulation()
-    engine = p.getPhysicsEngineParameters(physicsClientId=sim.physics_client)
+    engine = p.getPhysicsEngineParameters(physicsClientId=sim.client)
     assert engine["gravityAccelerationZ"] == -1.6 and engine["fixedTimeStep"] == 0.02 == sim.time_step
     with pytest.raises(ValueError, match="-20"):
         sim.set_parameter(sim.gravity_param, -100)
 
 
 def test_sliders_begin_within_their_range() -> None:
-    sim = Simulation(get_robot_urdf("xarm6"), [(0.5, 1.0)] + SIX[1:], real_time_factor=0)
+    sim = Simulation(get_robot_urdf("xarm6"), [(0.5, 1.0), *SIX[1:]], real_time_factor=0)
     sim.add_joint_parameters()
     sim.add_joint_parameters()
     assert sim.get_joint_parameters() == [0.5, 0, 0, 0, 0, 0]
@@ -169,7 +170,7 @@ def test_settling_takes_a_time(sim: Simulation) -> None:
 
 
 def test_the_way_is_seen_and_not_touched(sim: Simulation) -> None:
-    client = sim.physics_client
+    client = sim.client
     way = [[0.3, y, 0.3] for y in np.linspace(-0.2, 0.2, 20)]
     bodies = sim.plot_trajectory(way, line_width=2.5, color=(0, 1, 0))
     assert len(bodies) == 19 and len(sim.trajectory_body_ids) == 24
@@ -192,8 +193,8 @@ def test_self_collision_and_pairs() -> None:
             get_robot_urdf("xarm6"), SIX, enable_self_collision=True, disable_pairs=pairs, real_time_factor=0
         )
         for k, angle in zip(sim.non_fixed_joints, folded, strict=True):
-            p.resetJointState(sim.robot_id, k, angle, physicsClientId=sim.physics_client)
-        p.performCollisionDetection(physicsClientId=sim.physics_client)
+            p.resetJointState(sim.robot_id, k, angle, physicsClientId=sim.client)
+        p.performCollisionDetection(physicsClientId=sim.client)
         touching[name] = sim.check_collisions()
         sim.close_simulation()
     assert all(isinstance(a, int) and isinstance(b, int) and len(place) == 3 for a, b, place in touching["all"])
