@@ -52,7 +52,7 @@ class ManipulatorController:
         e, rate = self._errors(thetalistd, dthetalistd, thetalist, dthetalist)
         eint = self._integrate(e, dt, i_clamp)
         wanted = np.asarray(ddthetalistd) + np.asarray(Kp) * e + np.asarray(Ki) * eint + np.asarray(Kd) * rate
-        return self.dynamics.inverse_dynamics(thetalist, dthetalist, wanted, g)
+        return self.dynamics.inverse_dynamics(thetalist, dthetalist, wanted, g, np.zeros(6))
 
     def pid_control(
         self,

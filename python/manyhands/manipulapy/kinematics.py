@@ -8,14 +8,15 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from manyhands import Model, kinematics
+from manyhands import Model
+from manyhands._core import kinematics as _kinematics
 from manyhands._core.kinematics import ScrewChain
 from manyhands.manipulapy import utils
 from manyhands.manipulapy.ik_helpers import (
     IKInitialGuessCache,
     Limits,
-    clipped,
     extrapolate_from_current,
+    limit_array,
     midpoint_of_limits,
     random_in_limits,
     workspace_heuristic_guess,
@@ -24,6 +25,9 @@ from manyhands.manipulapy.serial_model import TIP, serial_model
 
 Array = NDArray[np.float64]
 Frame = Literal["space", "body"]
+
+_core: Any = _kinematics  # its arrays are all of one type
+_AXIS, _NOWHERE, _NO_POSTURE = (0.0, 0.0, 1.0), np.zeros((1, 3)), np.zeros(0)
 
 __all__ = ["SerialManipulator", "TracIKSolver", "trac_ik_solve"]
 
@@ -65,10 +69,19 @@ class SerialManipulator:
         self.b_list = utils.extract_r_list(self.B_list) if b_list is None else np.asarray(b_list, np.float64)
         self.G_list = G_list
         n = self.S_list.shape[1]
-        self.joint_limits: Limits = [(None, None)] * n if joint_limits is None else list(joint_limits)
+        self.joint_limits = [(None, None)] * n if joint_limits is None else joint_limits
         self.joint_positions, self.joint_velocities = np.zeros(n), np.zeros(n)
         self._chain = ScrewChain(np.ascontiguousarray(self.M_list), np.ascontiguousarray(self.S_list))
-        self._model: Model | None = None
+
+    @property
+    def joint_limits(self) -> Limits:
+        """(low, high) of each joint; None is none."""
+        return self._limits
+
+    @joint_limits.setter
+    def joint_limits(self, limits: Limits) -> None:
+        self._limits, self._model = list(limits), None
+        self._low, self._high = limit_array(limits, np.inf).T
 
     @property
     def model(self) -> Model:
@@ -81,13 +94,13 @@ class SerialManipulator:
         """The pose (4, 4) of the end effector. Both forms of the product say the same; a shorter list moves the first
         joints only."""
         if frame not in ("space", "body"):
-            raise ValueError(f"Invalid frame {frame!r}: choose 'space' or 'body'")
+            raise ValueError(f"Invalid frame specified: {frame!r}; choose 'space' or 'body'")
         return self._chain.pose(np.asarray(thetalist, np.float64))
 
     def jacobian(self, thetalist: ArrayLike, frame: Frame = "space") -> Array:
         """(6, n), angular first, in the space or the body form."""
         if frame not in ("space", "body"):
-            raise ValueError(f"Invalid frame {frame!r}: choose 'space' or 'body'")
+            raise ValueError(f"Invalid frame specified: {frame!r}; choose 'space' or 'body'")
         return self._chain.jacobian(np.asarray(thetalist, np.float64), frame == "body")
 
     def end_effector_pose(self, thetalist: ArrayLike) -> Array:
@@ -133,7 +146,7 @@ class SerialManipulator:
         max_iterations 0 returns the start. plot_residuals writes png_name: errors after each attempt.
         """
         del damping, step_cap, adaptive_tuning, backtracking
-        start = clipped(thetalist0, self.joint_limits)
+        start = self._within(thetalist0)
         goal = np.asarray(T_desired, np.float64)
         if max_iterations < 1:
             return start, self._errors(start, goal, eomg, ev), 0
@@ -143,8 +156,8 @@ class SerialManipulator:
         for restarts in (0, 30):
             found = self._solve(goal, start, eomg, ev, restarts, weight_position, weight_orientation)
             attempts += 1 + restarts
-            theta, success = found.q, bool(found.success)
-            errors.append((float(found.rotation_error), float(found.position_error)))
+            theta, success = found[:2]
+            errors.append(found[2:])
             if success:
                 break
         if plot_residuals:
@@ -241,20 +254,34 @@ class SerialManipulator:
 
     def _solve(
         self, goal: Array, start: ArrayLike, eomg: float, ev: float, restarts: int, position: float, rotation: float
-    ) -> kinematics.IkResult:
-        p, r = kinematics.pose(goal)
-        return kinematics.inverse(
+    ) -> tuple[Array, bool, float, float]:
+        """Angles, success, and the errors [rad, m] that remain; as `manyhands.kinematics.inverse`, without its checks,
+        which take longer than a solve from nearby."""
+        if goal.shape != (4, 4) or not np.isfinite(goal).all():
+            raise ValueError(f"T_desired must be a finite pose (4, 4), but is {goal}")
+        q, success, far, turned = _core.search(
             self.model,
             TIP,
-            position=p,
-            quaternion=r,
-            start=start,
-            restarts=restarts,
-            position_tolerance=ev,
-            rotation_tolerance=eomg,
+            goal[None, :3, 3],
+            _core.quaternions(goal[:3, :3].reshape(1, 9)),
+            _NOWHERE,
+            np.asarray(start, np.float64),
+            orientation="full",
+            axis=_AXIS,
             position_weight=position,
             rotation_weight=rotation,
+            posture=_NO_POSTURE,
+            restarts=restarts,
+            seed=0,
+            respect_limits=True,
+            position_tolerance=ev,
+            rotation_tolerance=eomg,
         )
+        return q[0], bool(success[0]), float(turned[0]), float(far[0])
+
+    def _within(self, theta: ArrayLike) -> Array:
+        """Angles within the limits."""
+        return np.minimum(np.maximum(np.asarray(theta, np.float64), self._low), self._high)
 
     def _errors(self, theta: Array, goal: Array, eomg: float, ev: float) -> bool:
         here = self.forward_kinematics(theta)
@@ -283,11 +310,10 @@ class TracIKSolver:
         arm, begin = self.manipulator, time.perf_counter()
         goal = np.asarray(T_desired, np.float64)
         guess = workspace_heuristic_guess(goal, arm.S_list.shape[1], arm.joint_limits) if theta0 is None else theta0
-        start: Array = clipped(guess, arm.joint_limits)
+        start = arm._within(guess)
         theta, success = start, False
         for restarts in (0, 10, 30, 100):
-            found = arm._solve(goal, start, self.eomg, self.ev, restarts, 1.0, 1.0)
-            theta, success = found.q, bool(found.success)
+            theta, success, _, _ = arm._solve(goal, start, self.eomg, self.ev, restarts, 1.0, 1.0)
             if success or time.perf_counter() - begin > self.timeout:
                 break
         return theta, success, time.perf_counter() - begin

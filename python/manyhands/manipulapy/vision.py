@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 import manyhands.pybullet as p
 from manyhands.manipulapy import sim
-from manyhands.manipulapy.sliders import Sliders
+from manyhands.manipulapy.sim.sliders import Sliders
 from manyhands.manipulapy.utils import euler_to_rotation_matrix
 
 OPENCV_AVAILABLE = find_spec("cv2") is not None

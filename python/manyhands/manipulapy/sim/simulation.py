@@ -19,8 +19,8 @@ from manyhands.manipulapy.control import ManipulatorController
 from manyhands.manipulapy.dynamics import ManipulatorDynamics
 from manyhands.manipulapy.kinematics import SerialManipulator
 from manyhands.manipulapy.path_planning import TrajectoryPlanning
-from manyhands.manipulapy.sliders import Sliders
-from manyhands.manipulapy.trail import draw_trail
+from manyhands.manipulapy.sim.sliders import Sliders
+from manyhands.manipulapy.sim.trail import draw_trail
 from manyhands.manipulapy.urdf import URDF
 from manyhands.manipulapy.urdf_processor import URDFToSerialManipulator
 
@@ -129,7 +129,7 @@ class Simulation:
         self.gravity_param = self.time_step_param = None
         self.plane_id = p.loadURDF("plane.urdf", physicsClientId=client)
         self.robot_id = self._load_robot()
-        _open[client] = [self.plane_id, self.robot_id]
+        _open[client] = [body for body in (self.plane_id, self.robot_id) if body is not None]
         self._look_at_joints()
 
     def connect_simulation(self) -> None:
