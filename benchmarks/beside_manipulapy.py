@@ -1,8 +1,8 @@
 """Times ManipulaPy's functions here and there, in turns: `python -m benchmarks.beside_manipulapy --python PATH`.
 
-PATH is the Python of an environment in which ManipulaPy is installed; both sides read the same robot file, this project's
-xArm6. Each side is a process of its own that runs what it is told, so that neither disturbs the other; processor time, the
-least of several rounds.
+PATH is the Python of an environment in which ManipulaPy is installed; both sides read the same robot file, this
+project's xArm6. Each side is a process of its own that runs what it is told, so that neither disturbs the other;
+processor time, the least of several rounds.
 """
 
 import argparse

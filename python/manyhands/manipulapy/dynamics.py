@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from manyhands import Model
 from manyhands import dynamics as _dynamics
+from manyhands._core import Model
 from manyhands.manipulapy.kinematics import SerialManipulator
 from manyhands.manipulapy.serial_model import serial_model
 

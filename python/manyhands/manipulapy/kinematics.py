@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from manyhands import Model
+from manyhands._core import Model
 from manyhands._core import kinematics as _kinematics
 from manyhands._core.kinematics import ScrewChain
 from manyhands.manipulapy import utils

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from manyhands import World
+from manyhands._core import World
 from manyhands._core import planning as _planning
 from manyhands.manipulapy.urdf import URDF
 

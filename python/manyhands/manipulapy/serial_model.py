@@ -5,7 +5,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from manyhands import Model, ModelBuilder, kinematics
+from manyhands import kinematics
+from manyhands._core import Model, ModelBuilder
 
 Array = NDArray[np.float64]
 

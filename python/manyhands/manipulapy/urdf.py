@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from manyhands import Joint, Link, Model, kinematics, load_urdf
 from manyhands import dynamics as _dynamics
+from manyhands import kinematics
+from manyhands._core import Joint, Link, Model, load_urdf
 from manyhands.manipulapy.utils import TransInv, adjoint_transform
 
 if TYPE_CHECKING:

@@ -190,7 +190,8 @@ class URDFToSerialManipulator:
         del use_collision
         import time
 
-        from manyhands import World, view
+        from manyhands._core import World
+        from manyhands.viewer import view
 
         rows = self._rows(cfg_trajectory)
         world = World(self.robot.model)

@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 from typing import Any
 
-from manyhands import asset_path
+from manyhands._core import asset_path
 
 _XARM = {"manufacturer": "UFACTORY", "dof": 6, "file": "bullet/xarm/xarm6_robot.urdf"}
 _UR5E = {"manufacturer": "Universal Robots", "dof": 6, "file": "bullet/universal/ur5e.urdf"}
