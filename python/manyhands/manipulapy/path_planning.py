@@ -19,6 +19,7 @@ Rows = NDArray[np.float64]
 logger = logging.getLogger(__name__)
 
 _STEP, _MOST_STEPS = 0.01, 10
+_ROUGH = 0.01  # how far a matrix may be from a rotation
 
 
 class TrajectoryPlanning:
@@ -117,7 +118,7 @@ class TrajectoryPlanning:
     ) -> dict[str, Array]:
         """{"positions", "velocities", "accelerations"} (N, 3) of the origin on a straight line, and "orientations"
         (N, 3, 3), which turn evenly about one axis."""
-        position, quaternion = kinematics.pose(np.stack([Xstart, Xend]))
+        position, quaternion = kinematics.pose(np.stack([_rigid(Xstart), _rigid(Xend)]))
         law = _law(Tf, method, np.array([[0.0], [1.0]]))
         found = planning.cartesian(position, quaternion, law).sample(_times(Tf, N))
         return {
@@ -258,7 +259,7 @@ class TrajectoryPlanning:
         stats = dict(self.performance_stats)
         calls = stats["cpu_calls"]
         stats["avg_cpu_time"] = stats["total_cpu_time"] / calls if calls else 0.0
-        stats["avg_gpu_time"] = 0.0
+        stats["avg_gpu_time"] = stats["gpu_usage_percent"] = 0.0
         return stats
 
     def reset_performance_stats(self) -> None:
@@ -291,6 +292,32 @@ def create_optimized_planner(
     """`TrajectoryPlanning` by another name."""
     options.pop("gpu_memory_mb", None)
     return TrajectoryPlanning(serial_manipulator, urdf_path, dynamics, joint_limits, torque_limits, **options)
+
+
+def compare_implementations(
+    serial_manipulator: SerialManipulator,
+    urdf_path: str,
+    dynamics: ManipulatorDynamics,
+    joint_limits: Any,
+    test_params: dict[str, Any] | None = None,
+) -> dict[str, Any]:
+    """Times a trajectory of N points; there is one implementation, so the speedup is 1."""
+    planner = TrajectoryPlanning(serial_manipulator, urdf_path, dynamics, joint_limits)
+    n = len(planner.joint_limits)
+    given = {"thetastart": np.zeros(n), "thetaend": np.full(n, 0.5), "Tf": 2.0, "N": 1000, "method": 5}
+    begin = time.perf_counter()
+    found = planner.joint_trajectory(**{**given, **(test_params or {})})
+    seconds = time.perf_counter() - begin
+    return {"cpu": {"time": seconds, "result": found, "stats": planner.get_performance_stats()}, "speedup": 1.0}
+
+
+def _rigid(T: ArrayLike) -> Rows:
+    """A pose (4, 4) whose rotation is one to the last digit; programs write them with fewer."""
+    pose = np.array(T, np.float64)
+    u, _, vt = np.linalg.svd(pose[:3, :3])
+    if np.abs(u @ vt - pose[:3, :3]).max() < _ROUGH:
+        pose[:3, :3] = u @ vt
+    return pose
 
 
 def _times(Tf: float, N: int) -> Rows:

@@ -31,10 +31,16 @@ class Perception:
     ) -> tuple[Array, NDArray[np.int32]]:
         """Points (N, 3) of obstacles in the world [m], one of step² pixels, and their clusters (N,), -1 of noise.
         Floors and robots are no obstacles. Without any both are empty."""
-        points = self.vision.obstacle_points(camera_index, depth_threshold, step)
+        none = np.zeros((0, 3), np.float32), np.zeros(0, np.int32)
+        rgb, depth = self.vision.capture_image(camera_index)
+        if depth is None or rgb is None:
+            return none
+        points, _ = self.vision.detect_obstacles(
+            depth, rgb, depth_threshold=depth_threshold, camera_index=camera_index, step=step
+        )
         if len(points) == 0:
             self.logger.info("camera %d sees no obstacle", camera_index)
-            return np.zeros((0, 3), np.float32), np.zeros(0, np.int32)
+            return none
         labels, _ = self.cluster_obstacles(points, eps, min_samples)
         return points, labels
 
@@ -50,7 +56,10 @@ class Perception:
 
     def compute_stereo_disparity(self, left_img: ArrayLike, right_img: ArrayLike) -> Array:
         """Of two pictures; see `Vision.compute_disparity`."""
-        return self.vision.compute_disparity(left_img, right_img)
+        if not self.vision.stereo_enabled:
+            raise RuntimeError("stereo is off: pictures of two cameras are not matched here")
+        left, right = self.vision.rectify_stereo_images(left_img, right_img)
+        return self.vision.compute_disparity(left, right)
 
     def get_stereo_point_cloud(self, left_img: ArrayLike, right_img: ArrayLike) -> Array:
         """Of two pictures; empty where stereo is off."""

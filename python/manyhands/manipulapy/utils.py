@@ -128,20 +128,32 @@ def extract_r_list(S_list: ArrayLike | None) -> Array:
 
 
 def extract_omega_list(S_list: ArrayLike | None) -> Array:
-    """The angular parts (3, n) of screw axes (6, n)."""
-    return np.zeros((3, 0)) if S_list is None else np.asarray(S_list, np.float64)[:3]
+    """The angular parts (n, 3) of screw axes, rows (n, 6) or columns (6, n); six of them count as rows."""
+    if S_list is None:
+        return np.zeros((0, 3))
+    S = np.asarray(S_list, np.float64)
+    return S[:, :3] if S.shape[1] == 6 else S[:3].T
 
 
 def extract_screw_list(omega_list: ArrayLike, r_list: ArrayLike) -> Array:
-    """Screw axes (6, n) of joints that turn about omega (3, n) through the points r, (3, n) or (n, 3)."""
-    omega, r = np.asarray(omega_list, np.float64), np.asarray(r_list, np.float64)
-    if omega.ndim != 2 or omega.shape[0] != 3:
-        raise ValueError(f"omega_list has shape {omega.shape}; expected (3, n)")
-    if r.shape != omega.shape:
-        r = r.T
-    if r.shape != omega.shape:
-        raise ValueError(f"r_list has shape {np.shape(r_list)}; expected {omega.shape} or {omega.T.shape}")
+    """Screw axes (6, n) of joints that turn about omega (3, n) through the points r, (3, n) or (n, 3); one of either
+    goes with all of the other."""
+    omega = _columns("omega_list", omega_list)
+    r = np.asarray(r_list, np.float64)
+    r = _columns("r_list", r.T if r.ndim == 2 and r.shape != omega.shape and r.shape[1] == 3 else r)
+    if omega.shape[1] != r.shape[1] and 1 not in (omega.shape[1], r.shape[1]):
+        raise ValueError(f"there are {omega.shape[1]} axes and {r.shape[1]} points; expected as many, or one")
+    omega, r = np.broadcast_arrays(omega, r)
     return np.vstack([omega, -np.cross(omega.T, r.T).T])
+
+
+def _columns(name: str, values: ArrayLike) -> Array:
+    """(3, n) of that, or of (3,)."""
+    array = np.asarray(values, np.float64)
+    array = array[:, None] if array.shape == (3,) else array
+    if array.ndim != 2 or array.shape[0] != 3:
+        raise ValueError(f"{name} has shape {np.shape(values)}; expected (3, n)")
+    return array
 
 
 def CubicTimeScaling(Tf: float, t: float) -> float:

@@ -60,9 +60,11 @@ class Vision:
         self.physics_client = sim.newest_client() if physics_client is None else physics_client
         self.use_pybullet_debug, self.stereo_enabled = use_pybullet_debug, False
         if stereo_configs is not None:
+            _check_stereo(stereo_configs)
             _no_stereo()
         given = camera_configs if camera_configs is not None else [{"name": "camera", "translation": [2.0, 0.0, 1.0]}]
         self.cameras = {k: _camera(config) for k, config in enumerate(given)}
+        self._last: dict[int, dict[str, Any]] = {}
         self.sliders: Sliders | None = None
         self.slider_ids: dict[str, int] = {}
         if use_pybullet_debug:
@@ -87,13 +89,17 @@ class Vision:
     def capture_image(self, camera_index: int = 0) -> tuple[Any, Any]:
         """Colours (height, width, 3) and depth along the camera's axis (height, width) float32 [m]; (None, None) of a
         camera that is not there."""
-        found = self._capture(camera_index)
-        return (None, None) if found is None else (found["rgb"], found["depth"])
-
-    def _capture(self, camera_index: int) -> dict[str, Any] | None:
         if camera_index not in self.cameras:
             self.logger.error("there is no camera %r; there are %s", camera_index, list(self.cameras))
-            return None
+            return None, None
+        try:
+            found = self._last[camera_index] = self._capture(camera_index)
+        except p.error as reason:
+            self.logger.error("camera %r sees nothing: %s", camera_index, reason)
+            return None, None
+        return found["rgb"], found["depth"]
+
+    def _capture(self, camera_index: int) -> dict[str, Any]:
         view, fov, near, far, width, height = self._view(camera_index)
         projection = p.computeProjectionMatrixFOV(fov, width / height, near, far)
         _, _, rgba, buffer, bodies = p.getCameraImage(
@@ -128,23 +134,32 @@ class Vision:
 
     # ---- obstacles ---------------------------------------------------------------------------------------------
 
-    def obstacle_points(
-        self, camera_index: int = 0, depth_threshold: float = 5.0, step: int = 2
-    ) -> NDArray[np.float32]:
+    def detect_obstacles(
+        self,
+        depth_image: ArrayLike | None,
+        rgb_image: ArrayLike | None,
+        depth_threshold: float = 5.0,
+        camera_index: int = 0,
+        step: int = 5,
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Points (N, 3) in the world [m] of every step-th pixel of every step-th row that shows an obstacle nearer than
-        depth_threshold [m]: a body that is neither floor nor robot, and that can be touched."""
-        found = self._capture(camera_index)
-        if found is None:
-            return np.zeros((0, 3), np.float32)
-        rows, columns = np.mgrid[0 : found["depth"].shape[0] : step, 0 : found["depth"].shape[1] : step]
-        depth, bodies = found["depth"][rows, columns].astype(np.float64), found["bodies"][rows, columns]
-        wanted = np.isin(bodies, self._obstacles()) & (depth < depth_threshold)
-        height, width = found["depth"].shape
+        depth_threshold [m]: a body that is neither floor nor robot, and that can be touched. And the direction in which
+        each lies about z from the camera (N,) [degrees]. The picture is that of the last capture_image; others give none."""
+        none = np.zeros((0, 3), np.float32), np.zeros(0, np.float32)
+        found, depth = self._last.get(camera_index), np.asarray([] if depth_image is None else depth_image)
+        if found is None or rgb_image is None or depth.squeeze().shape != found["depth"].shape:
+            return none
+        depth = depth.reshape(found["depth"].shape).astype(np.float64)
+        height, width = depth.shape
+        rows, columns = np.mgrid[0:height:step, 0:width:step]
+        near = depth[rows, columns]
+        wanted = np.isin(found["bodies"][rows, columns], self._obstacles()) & (near > 0) & (near < depth_threshold)
         x = (columns[wanted] + 0.5 - width / 2) / found["focus"]
         y = (rows[wanted] + 0.5 - height / 2) / found["focus"]
-        seen = np.stack([x, y, np.ones_like(x)], axis=1) * depth[wanted][:, None]
-        X = found["X_WC"]
-        return (seen @ X[:3, :3].T + X[:3, 3]).astype(np.float32)
+        seen = np.stack([x, y, np.ones_like(x)], axis=1) * near[wanted][:, None]
+        way = seen @ found["X_WC"][:3, :3].T
+        points = way + found["X_WC"][:3, 3]
+        return points.astype(np.float32), np.degrees(np.arctan2(way[:, 1], way[:, 0])).astype(np.float32)
 
     def _obstacles(self) -> list[int]:
         """Bodies with a shape that collides: no floor, and no arm that stands fixed."""
@@ -163,32 +178,6 @@ class Vision:
                 found.append(body)
         return found
 
-    def detect_obstacles(
-        self,
-        depth_image: ArrayLike | None,
-        rgb_image: ArrayLike | None,
-        depth_threshold: float = 5.0,
-        camera_index: int = 0,
-        step: int = 5,
-    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """Of every obstacle that the camera sees now: the middle of its visible points (N, 3) in the world [m], and the
-        direction in which it lies about z from the camera (N,) [degrees]. Pictures that are None or empty give none."""
-        none = np.zeros((0, 3), np.float32), np.zeros(0, np.float32)
-        if depth_image is None or rgb_image is None or np.size(depth_image) == 0 or np.size(rgb_image) == 0:
-            return none
-        found = self._capture(camera_index)
-        if found is None:
-            return none
-        from manyhands.perception import dbscan
-
-        points = self.obstacle_points(camera_index, depth_threshold, step)
-        if len(points) == 0:
-            return none
-        labels = dbscan(points, 0.1, 1)
-        middle = np.array([np.median(points[labels == k], axis=0) for k in range(labels.max() + 1)], np.float32)
-        way = middle - found["X_WC"][:3, 3]
-        return middle, np.degrees(np.arctan2(way[:, 1], way[:, 0])).astype(np.float32)
-
     # ---- stereo ------------------------------------------------------------------------------------------------
 
     def compute_stereo_rectification_maps(self, image_size: tuple[int, int] = (640, 480)) -> None:
@@ -196,11 +185,11 @@ class Vision:
         del image_size
         self.logger.warning("stereo is off")
 
-    def rectify_stereo_images(self, left_img: ArrayLike, right_img: ArrayLike) -> NoReturn:
+    def rectify_stereo_images(self, left_img: ArrayLike, right_img: ArrayLike) -> Any:
         del left_img, right_img
         _no_stereo()
 
-    def compute_disparity(self, left_rectified: ArrayLike, right_rectified: ArrayLike) -> NoReturn:
+    def compute_disparity(self, left_rectified: ArrayLike, right_rectified: ArrayLike) -> Any:
         del left_rectified, right_rectified
         _no_stereo()
 
@@ -214,6 +203,13 @@ class Vision:
 
     def release(self) -> None:
         """Lets the cameras go: rendered ones hold nothing."""
+
+
+def _check_stereo(configs: Sequence[dict[str, Any]]) -> None:
+    for config in configs:
+        for key in ("intrinsic_matrix", "distortion_coeffs", "translation", "rotation"):
+            if key not in config:
+                raise ValueError(f"a stereo camera has no {key!r}")
 
 
 def _no_stereo() -> NoReturn:
