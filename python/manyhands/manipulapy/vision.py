@@ -144,7 +144,8 @@ class Vision:
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Points (N, 3) in the world [m] of every step-th pixel of every step-th row that shows an obstacle nearer than
         depth_threshold [m]: a body that is neither floor nor robot, and that can be touched. And the direction in which
-        each lies about z from the camera (N,) [degrees]. The picture is that of the last capture_image; others give none."""
+        each lies about z from the camera (N,) [degrees]. The picture is that of the last capture_image; others
+        give none."""
         none = np.zeros((0, 3), np.float32), np.zeros(0, np.float32)
         found, depth = self._last.get(camera_index), np.asarray([] if depth_image is None else depth_image)
         if found is None or rgb_image is None or depth.squeeze().shape != found["depth"].shape:

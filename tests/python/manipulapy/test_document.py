@@ -329,7 +329,7 @@ def test_all_of_the_page_in_one_program(tmp_path: Path, changed: bool) -> None:
         manyhands.install_as("ManipulaPy")
         from ManipulaPy.sim import Simulation
         steps = iter(range(10**6))
-        class Enough(Exception):  # noqa: N818 pass
+        class Enough(Exception): pass
         def people(self):
             step = next(steps)
             if self.reset_button is not None and step % 40 == 39: self.press_reset()
