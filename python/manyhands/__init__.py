@@ -5,7 +5,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from manyhands import collision, dynamics, envs, kinematics, planning, world_envs
+from manyhands import collision, control, dynamics, envs, kinematics, perception, planning, world_envs
 from manyhands._core import (
     Actuator,
     Batch,
@@ -119,6 +119,7 @@ __all__ = [
     "__version__",
     "asset_path",
     "collision",
+    "control",
     "decompose",
     "decompose_model",
     "dynamics",
@@ -131,6 +132,7 @@ __all__ = [
     "load_sdf",
     "load_texture",
     "load_urdf",
+    "perception",
     "planning",
     "plots",
     "policy",
