@@ -41,6 +41,8 @@ foreach(module _core _processor)
 endforeach()
 foreach(library nanobind-static nanobind-static-abi3)
   if(TARGET ${library})
+    # nanobind's headers print, and leave it to others to include what they need for it: libc++ does not.
+    target_compile_options(${library} PUBLIC "SHELL:-include cstdio")
     set_target_properties(${library} PROPERTIES UNITY_BUILD ${MANYHANDS_UNITY} UNITY_BUILD_BATCH_SIZE 0)
   endif()
 endforeach()

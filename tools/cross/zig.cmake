@@ -10,3 +10,5 @@ set(CMAKE_FIND_USE_SYSTEM_ENVIRONMENT_PATH OFF)
 set(Eigen3_DIR /usr/share/eigen3/cmake CACHE PATH "")
 # Nothing but the modules' own functions is seen from outside, and what nobody calls is left out.
 set(CMAKE_CXX_FLAGS_INIT "-fvisibility=hidden -ffunction-sections -fdata-sections")
+# Thread-local storage as loaders of every age know it.
+set(NB_HAS_MTLS_GNU2 OFF CACHE BOOL "" FORCE)

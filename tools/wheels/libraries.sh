@@ -35,18 +35,22 @@ build() { # build SOURCE TARGETS OPTIONS...
     -DCMAKE_TOOLCHAIN_FILE="$root/tools/cross/zig.cmake" -DCMAKE_PREFIX_PATH="$prefix" \
     -DCMAKE_POSITION_INDEPENDENT_CODE=ON -DCMAKE_POLICY_VERSION_MINIMUM=3.10 -DBUILD_SHARED_LIBS=OFF "$@"
   cmake --build "build/$source" -j "$jobs" --target $targets
-  cmake --install "build/$source"
 }
 
 build_embree() {
   # Two operators that print name members that are not there: newer compilers look at them though nobody calls them.
   sed -i 's/ << "QuadraticBezierCurve.*;/;/' embree/kernels/subdiv/bezier_curve.h
   sed -i 's/return cout << "Line" << M.*/return cout;/' embree/kernels/geometry/pointi.h
+  # And what traces curves, which takes as long to compile as all the rest.
+  sed -i '/curve_intersector_virtual/d' embree/kernels/CMakeLists.txt
   local off=() part
   for part in ISA_SSE2 ISA_SSE42 ISA_AVX ISA_AVX512 ISPC_SUPPORT TUTORIALS FILTER_FUNCTION GEOMETRY_QUAD GEOMETRY_CURVE \
     GEOMETRY_SUBDIVISION GEOMETRY_USER GEOMETRY_INSTANCE GEOMETRY_GRID GEOMETRY_POINT; do off+=("-DEMBREE_$part=OFF"); done
   build embree all -DEMBREE_STATIC_LIB=ON -DEMBREE_TASKING_SYSTEM=INTERNAL -DEMBREE_MAX_ISA=NONE -DEMBREE_ISA_AVX2=ON \
-    "${off[@]}"
+    -DFLAGS_AVX2='-mf16c -mavx2 -mfma -mlzcnt -mbmi -mbmi2 -mpopcnt' "${off[@]}"
+  # Its own installation asks for manuals that Debian leaves out.
+  cp build/embree/*.a "$prefix/lib/"
+  cp -r embree/include/embree3 "$prefix/include/"
 }
 
 build_zlib() {
@@ -60,4 +64,5 @@ build_zlib
 build libpng1.6 png_static -DPNG_SHARED=OFF -DPNG_TESTS=OFF
 build pugixml all
 build qhull all
+for library in libpng1.6 pugixml qhull; do cmake --install "build/$library"; done
 build_embree

@@ -20,28 +20,29 @@ interpreter() { # interpreter 3.10
   return 1
 }
 
-options() { # options ISA: what CMake is told
-  printf '%s\n' -DCMAKE_TOOLCHAIN_FILE="$root/tools/cross/zig.cmake" -DCMAKE_PREFIX_PATH="$libraries" \
-    -DMANYHANDS_ISA="$1" -DMANYHANDS_WERROR=OFF -DCMAKE_MAKE_PROGRAM="$root/.venv/bin/ninja"
+# What CMake is told: definitions for an instruction set, each behind PREFIX.
+definitions() { # definitions ISA PREFIX
+  printf -- "$2%s\n" CMAKE_TOOLCHAIN_FILE="$root/tools/cross/zig.cmake" CMAKE_PREFIX_PATH="$libraries" \
+    MANYHANDS_ISA="$1" MANYHANDS_WERROR=OFF
 }
 
 # The package with the kernels of one instruction set.
 build_package() { # build_package VENV
-  local settings=() option
-  while read -r option; do settings+=("--config-settings=cmake.args=$option"); done < <(options x86-64-v3)
+  local settings
+  mapfile -t settings < <(definitions x86-64-v3 --config-settings=cmake.define.)
   "$1/bin/pip" wheel --quiet --no-deps --no-build-isolation --wheel-dir "$work/new" \
     --config-settings=build-dir="$work/x86-64-v3" "${settings[@]}" .
 }
 
 # The extension alone for another, put into the package.
 add_kernels() { # add_kernels ISA VENV PACKAGE
-  local build=$work/$1 python=$2/bin/python stable=()
+  local build=$work/$1 python=$2/bin/python stable=() given
   if "$python" -c 'import sys; sys.exit(sys.version_info < (3, 12))'; then
     stable=(-DSKBUILD_SABI_COMPONENT=Development.SABIModule -DSKBUILD_SABI_VERSION=3.12)
   fi
   rm -rf "$build/package"
-  mapfile -t given < <(options "$1")
-  cmake -S . -B "$build" "${given[@]}" -DCMAKE_BUILD_TYPE=Release -DMANYHANDS_PYTHON=ON -DMANYHANDS_UNITY=ON \
+  mapfile -t given < <(definitions "$1" -D)
+  cmake -S . -B "$build" "${given[@]}" -DCMAKE_MAKE_PROGRAM="$root/.venv/bin/ninja" -DCMAKE_BUILD_TYPE=Release -DMANYHANDS_PYTHON=ON -DMANYHANDS_UNITY=ON \
     -DSKBUILD=ON -DPython_EXECUTABLE="$python" "${stable[@]}" >"$work/$1.log"
   cmake --build "$build" --target _core >>"$work/$1.log"
   install -D -t "$3/manyhands/$1" "$build"/package/manyhands/_core.*
