@@ -2,6 +2,7 @@
 #include <nanobind/nanobind.h>
 
 #include "bindings/bindings.h"
+#include "bindings/control/control.h"
 #include "bindings/planning/planning.h"
 
 NB_MODULE(_core, m) {
@@ -10,6 +11,7 @@ NB_MODULE(_core, m) {
   manyhands::bind_model(m);
   manyhands::bind_dynamics(m);
   manyhands::bind_kinematics(m);
+  manyhands::bindings::bind_control(m);
   manyhands::bindings::bind_planning(m);
   manyhands::bind_collision(m);
   manyhands::bind_world(m);
