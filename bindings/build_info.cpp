@@ -6,13 +6,16 @@
 
 namespace nb = nanobind;
 
+#define MANYHANDS_TEXT_OF(number) #number
+#define MANYHANDS_TEXT(macro) MANYHANDS_TEXT_OF(macro)
+
 namespace manyhands {
 
 namespace {
 
 constexpr const char* kCompiler =
 #if defined(__clang__)
-    "Clang " __clang_version__;
+    "Clang " MANYHANDS_TEXT(__clang_major__) "." MANYHANDS_TEXT(__clang_minor__);
 #else
     "GCC " __VERSION__;
 #endif

@@ -56,7 +56,7 @@ def _facts() -> Iterator[tuple[str, str]]:
     yield "processor", f"{_processor()}: {', '.join(info.processor) or 'too old for these kernels'}"
     chosen = " (by MANYHANDS_ISA)" if os.environ.get("MANYHANDS_ISA") else ""
     yield "kernels", f"{info.isa}{chosen} of {', '.join(info.isas)}; {info.lanes} worlds in a register; {info.compiler}"
-    threads = make_env_batch("PandaReach-v3", 1024).num_threads
+    threads = Batch(World().model, 1024).num_threads
     yield "threads", f"{threads} by default, of {os.cpu_count()} processors"
 
 
