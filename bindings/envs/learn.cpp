@@ -378,6 +378,10 @@ void bind_trainer(nb::module_& m) {
           "learn", [](Trainer& trainer) { return trainer.learn(); }, Release(),
           "The gradient steps and evaluations that are due after a round. Raises DivergenceError as `advance` does.")
       .def("metrics", &Trainer::metrics, "Where training stands.")
+      .def("scale_rates", &Trainer::scale_rates, "scale"_a,
+           "From now on learning rates are `scale` times the config's: for schedules, which checkpoints know nothing "
+           "of. "
+           "Raises ValueError unless it is finite and at least 0.")
       .def("evaluate", &Trainer::evaluate, "envs"_a, "episodes"_a, "first_seed"_a, Release(),
            "Runs the policy without noise; episode k starts from seed first_seed + k, whatever the size of `envs`.")
       .def("policy", &Trainer::policy, "The deterministic policy.")

@@ -70,7 +70,7 @@ class Recorder:
         self.rows.append(row)
         self._write_csv()
         if self._events is not None:
-            self._events.add(asdict(row), row.env_steps)
+            self._events.add(row.env_steps, {f"train/{name}": value for name, value in asdict(row).items()})
         return row
 
     def _write_csv(self) -> None:
@@ -87,7 +87,7 @@ class Recorder:
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
         if self._events is not None:
-            self._events.close()
+            self._events.__exit__(kind, error, traceback)
 
 
 def _events(folder: Path) -> "Events | None":

@@ -243,7 +243,7 @@ BAD: list[tuple[Any, dict[str, Any], str]] = [
     (PPO, {"env": 3}, "env is 3, expected an id"),
     (PPO, {"batch_size": 4096}, "batch_size is 4096, but 1 worlds make 2048"),
     (PPO, {"gamma": 1.5}, "gamma is 1.5"),
-    (PPO, {"learning_rate": lambda left: left}, "learning_rate is a schedule; give a number"),
+    (PPO, {"clip_range": lambda left: left}, "clip_range is a schedule; give a number"),
     (PPO, {"policy_kwargs": {"net_arch": {"pi": [3], "vf": [4]}}}, "layers of the same sizes"),
     (PPO, {"policy_kwargs": {"activation_fn": "elu"}}, "activation_fn is 'elu', expected 'relu' or 'tanh'"),
     (PPO, {"policy_kwargs": {"ortho_init": True}}, "policy_kwargs has no 'ortho_init'"),

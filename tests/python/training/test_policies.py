@@ -11,7 +11,7 @@ import pytest
 
 import manyhands as mh
 from manyhands import cli
-from manyhands._core.envs import env_ids, make_env_batch
+from manyhands._core.envs import env_ids, make_adviser, make_env_batch
 from manyhands._core.learn import PolicyRunner, Trainer, TrainerConfig, read_policy
 from manyhands.policies import Policy, policy_ids
 from manyhands.policies.card import Card, read_card
@@ -97,6 +97,34 @@ def test_a_card_says_what_it_knows(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"card.yaml is no card of a policy: .*'none'"):
         read_card(tmp_path / "card.yaml")
     assert isinstance(card, Card)
+
+
+def test_no_two_files_hold_the_same_policy() -> None:
+    """Where training gives the same weights the cards name one file, which is of a plain task."""
+    folder = mh.policy("PandaReach").path.parent
+    named = {mh.policy(env_id).path for env_id in policy_ids()}
+    assert named == set(folder.glob("*.onnx"))
+    graphs = [onnx.load(path).graph.SerializeToString() for path in named]
+    assert len(set(graphs)) == len(graphs)
+    dense = mh.policy("PandaStackDense")
+    assert dense.path == mh.policy("PandaStack").path and dense.env_id == "PandaStackDense-v3"
+
+
+def test_imitation_alone_learns_the_same_from_both_rewards() -> None:
+    """So that what is trained with one reward ships for the other, to the bit."""
+    small = {"hidden_layers": [32, 32], "warmup_transitions": 500, "updates_per_iteration": 2}
+    trainers = []
+    for env_id in ("PandaStack-v3", "PandaStackDense-v3"):
+        recipe = find_recipe(env_id)
+        assert recipe is not None
+        config = recipe.settings(overrides=small, num_threads=1).trainer_config()
+        trainers.append(Trainer(make_env_batch(env_id, 32), None, config, make_adviser(env_id)))
+    for trainer in trainers:
+        trainer.advance(120)
+    sparse, dense = (trainer.policy() for trainer in trainers)
+    for (weight, bias), (other_weight, other_bias) in zip(sparse.layers, dense.layers, strict=True):
+        np.testing.assert_array_equal(weight, other_weight)
+        np.testing.assert_array_equal(bias, other_bias)
 
 
 def test_ids_come_with_or_without_their_version() -> None:
