@@ -102,10 +102,8 @@ def test_a_model_is_its_own_copy_and_its_pickle_the_same_to_the_last_bit() -> No
 
 @pytest.mark.parametrize("copied", [copy.deepcopy, through_pickle])
 def test_worlds_go_on_alike_when_copied_and_pickled(copied: Callable[[Any], Any]) -> None:
-    world = mh.World.from_file(mh.asset_path("panda/panda.urdf"))
-    world.set_time_step(0.004)
+    world = mh.World.from_file(mh.asset_path("panda/panda.urdf"), time_step=0.004)
     world.step(3)
-    world.set_time_step(0.002)
     world.add_plane("floor")
     world.add_box("gone", [0.1] * 3, position=[1, 1, 1])
     world.add_box("cube", [0.02] * 3, position=[0.5, 0, 0.02])
