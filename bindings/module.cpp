@@ -3,6 +3,7 @@
 
 #include "bindings/bindings.h"
 #include "bindings/control/control.h"
+#include "bindings/perception/perception.h"
 #include "bindings/planning/planning.h"
 
 NB_MODULE(_core, m) {
@@ -13,6 +14,7 @@ NB_MODULE(_core, m) {
   manyhands::bind_kinematics(m);
   manyhands::bindings::bind_control(m);
   manyhands::bindings::bind_planning(m);
+  manyhands::bindings::bind_perception(m);
   manyhands::bind_collision(m);
   manyhands::bind_world(m);
   manyhands::bind_batch_worlds(m);

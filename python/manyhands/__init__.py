@@ -8,7 +8,7 @@ from manyhands.isa import VERSION, BuildInfo, build_info
 
 # isort: split
 # The build of the extension is chosen.
-from manyhands import collision, dynamics, envs, kinematics, planning, world_envs
+from manyhands import collision, control, dynamics, envs, kinematics, perception, planning, world_envs
 from manyhands._core import (
     Actuator,
     Batch,
@@ -121,6 +121,7 @@ __all__ = [
     "asset_path",
     "build_info",
     "collision",
+    "control",
     "decompose",
     "decompose_model",
     "dynamics",
@@ -133,6 +134,7 @@ __all__ = [
     "load_sdf",
     "load_texture",
     "load_urdf",
+    "perception",
     "planning",
     "plots",
     "policy",

@@ -1,6 +1,7 @@
 """Pictures of recorded runs, of trajectories and of workspaces, with one call."""
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -101,7 +102,7 @@ def _trajectory_panels(
 
 def plot_step_response(
     time: ArrayLike,
-    responses: dict[str, ArrayLike],
+    responses: Mapping[str, ArrayLike],
     set_point: float,
     out: str | Path,
     *,

@@ -136,7 +136,7 @@ def test_nonsense_is_refused(panda: mh.Model) -> None:
     with pytest.raises(KeyError):
         control.impedance(panda, "no such link", q, q, [0, 0, 0], [0, 0, 0, 1])
     with pytest.raises(ValueError, match="'push'"):
-        control.operational_space(panda, "panda_hand", q, q, [0, 0, 0], [0, 0, 0, 1], directions=["push"] * 6)
+        control.operational_space(panda, "panda_hand", q, q, [0, 0, 0], [0, 0, 0, 1], directions=["push"] * 6)  # type: ignore[list-item]
     with pytest.raises(ValueError, match="boundary"):
         control.sliding_mode(panda, q, q, q, q, q, slope=1, kd=1, robust=1, boundary=0)
     with pytest.raises(ValueError, match="dt"):
