@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
-.PHONY: help train policies test asan tsan bench accuracy realfiles scripted absurd interop wheels goldens lint format build clean
+.PHONY: help train policies test asan tsan bench accuracy realfiles scripted absurd interop wheels lint format build clean
 
 TASK ?= PandaReach
 SEED ?= 0
@@ -60,10 +60,6 @@ interop: $(VENV)/.core $(VENV)/.installed  ## Stable-Baselines3, RL Zoo, panda-g
 
 wheels: $(VENV)/.core $(VENV)/.wheels  ## Wheels for Linux on x86-64, into dist/: Python 3.10, 3.11, and one from 3.12 on
 	tools/wheels/make.sh
-
-goldens: $(VENV)/.cpp $(VENV)/.wheels  ## The golden tests by GCC and Clang, for AVX2, AVX-512 and ARM (emulated): PLATFORMS=gcc-armv8
-	@tools/setup.sh system g++-aarch64-linux-gnu qemu-user
-	tools/goldens.sh $(PLATFORMS)
 
 lint: $(VENV)/.test $(VENV)/.installed  ## All checks that run no program, with clang-tidy (slow)
 	tools/lint.sh --tidy
