@@ -14,7 +14,6 @@ import argparse
 import json
 import sys
 import tempfile
-from dataclasses import replace
 from pathlib import Path
 
 import onnx
@@ -52,20 +51,16 @@ def done_runs(folder: Path) -> list[RunFolder]:
     return [run for success, run in sorted(done, key=lambda one: -(one[0] or 0)) if success is not None]
 
 
-def trains_alike(trained: str, env_id: str, recipe: Recipe) -> bool:
-    """Whether the ids differ in a reward that is not learned from."""
-    plain, other = (name.replace("Dense", "") for name in (trained, env_id))
-    return plain == other and recipe.trainer.get("algorithm") == "DAgger"
-
-
 def require_recipe(run: RunFolder, env_id: str) -> Recipe:
-    """The recipe by which a run was made. Raises ValueError if it was made by other settings."""
-    recipe, settings = find_recipe(env_id), run.read_settings()
+    """The recipe by which a run was made. Raises ValueError if it was made by other settings, or for another id; the
+    dense reward may be missing, which a policy does not see."""
+    settings = run.read_settings()
+    recipe = find_recipe(settings.env_id)
     if recipe is None:
-        raise ValueError(f"there is no recipe for {env_id}: policies that ship are trained by one")
+        raise ValueError(f"there is no recipe for {settings.env_id}: policies that ship are trained by one")
+    if env_id.replace("Dense", "") != settings.env_id.replace("Dense", ""):
+        raise ValueError(f"{run.path} was trained for {settings.env_id}, not for {env_id}")
     wanted = recipe.settings(seed=settings.seed, num_threads=settings.num_threads)
-    if trains_alike(settings.env_id, env_id, recipe):
-        wanted = replace(wanted, env_id=settings.env_id)
     if settings != wanted:
         raise ValueError(f"{run.path} was trained by {settings}, which is not what its recipe says: {wanted}")
     return recipe

@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from manyhands.learn.course import Schedule
 from manyhands.learn.model import Model
 from manyhands.learn.worlds import AnyEnv
@@ -26,6 +28,8 @@ def network(policy: str, policy_kwargs: PolicyArguments, layers: list[int], acti
         if not shapes or any(one != shapes[0] for one in shapes):
             raise ValueError(f"net_arch is {shape!r}, but policy and critics have layers of the same sizes here")
         shape = shapes[0]
+    if isinstance(shape, str) or not all(isinstance(units, int | np.integer) for units in shape):
+        raise ValueError(f"net_arch is {shape!r}, expected the units of each layer, for example [256, 256]")
     chosen = given.pop("activation_fn", activation)
     name = (chosen if isinstance(chosen, str) else getattr(chosen, "__name__", str(chosen))).lower()
     if name not in ("relu", "tanh"):
@@ -169,16 +173,25 @@ class SAC(Model):
             "num_critics": 2,
             "exploration_noise": 0.0,
             **_temperature(ent_coef),
-            "target_entropy": 0.0 if target_entropy == "auto" else float(target_entropy),
+            "target_entropy": _target_entropy(target_entropy),
             **shared,
             **network(policy, policy_kwargs, [256, 256], "relu"),
             **self._own_settings(**more),
         }
         super().__init__(env, settings, n_envs, num_threads, seed, verbose, learning_rate, tensorboard_log)
 
-    def _own_settings(self) -> dict[str, Any]:
-        """Settings of a kin of SAC."""
+    def _own_settings(self, **more: Any) -> dict[str, Any]:
+        """Settings of a kin of SAC. Raises TypeError on arguments that there are none of."""
+        if more:
+            raise TypeError(f"{type(self).__name__} has no argument {', '.join(more)}")
         return {}
+
+
+def _target_entropy(target_entropy: float | str) -> float:
+    try:
+        return 0.0 if target_entropy == "auto" else float(target_entropy)
+    except ValueError as error:
+        raise ValueError(f"target_entropy is {target_entropy!r}, expected a number or 'auto'") from error
 
 
 def _temperature(ent_coef: float | str) -> dict[str, Any]:
@@ -196,9 +209,9 @@ class TQC(SAC):
     arguments: top_quantiles_to_drop_per_net, n_quantiles, n_critics."""
 
     def _own_settings(
-        self, top_quantiles_to_drop_per_net: int = 2, n_quantiles: int = 25, n_critics: int = 2
+        self, top_quantiles_to_drop_per_net: int = 2, n_quantiles: int = 25, n_critics: int = 2, **more: Any
     ) -> dict[str, Any]:
-        return {
+        return super()._own_settings(**more) | {
             "num_critics": n_critics,
             "num_quantiles": n_quantiles,
             "dropped_quantiles": top_quantiles_to_drop_per_net,

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
 
+import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
@@ -65,6 +66,7 @@ class Model:
         if not self.has_goals:
             self._settings["hindsight_fraction"] = 0.0
         if "replay_capacity" in settings:
+            whole_number("buffer_size", settings["replay_capacity"], 1)
             self._settings["replay_capacity"] = max(settings["replay_capacity"], batch.spec.max_episode_steps)
         self._trainer = Trainer(batch, None, self._config(num_threads))
 
@@ -297,6 +299,8 @@ def evaluate_policy(
 ) -> tuple[float, float]:
     """Mean and standard deviation of the return over episodes of one Gymnasium environment, from seed `seed` on."""
     whole_number("n_eval_episodes", n_eval_episodes, 1, 2**31)
+    if not isinstance(env, gymnasium.Env):
+        raise TypeError(f"env is {env!r}, expected one Gymnasium environment, as gymnasium.make gives it")
     returns: list[float] = []
     for episode in range(n_eval_episodes):
         observation, _ = env.reset(seed=seed + episode)

@@ -20,9 +20,9 @@ class Bar:
         self._progress = Progress(*columns, console=console)
         self._task = self._progress.add_task(name, total=total, figures="starting")
 
-    def show(self, completed: int, figures: str) -> None:
+    def show(self, completed: int, total: int, figures: str) -> None:
         """How much of the total is done, and what stands beside it."""
-        self._progress.update(self._task, completed=completed, figures=figures)
+        self._progress.update(self._task, completed=completed, total=total, figures=figures)
 
     def start(self) -> None:
         self._progress.start()

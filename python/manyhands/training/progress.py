@@ -18,9 +18,9 @@ def _speed(row: Row) -> float:
     return row.env_steps / max(row.seconds, 1e-9)
 
 
-def _seconds_left(row: Row, max_env_steps: int) -> float:
-    """Until the step limit, at the mean speed: training ends earlier if the task is solved."""
-    return max(max_env_steps - row.env_steps, 0) / max(_speed(row), 1.0)
+def _seconds_left(row: Row, env_steps: int) -> float:
+    """Until so many steps, at the mean speed."""
+    return max(env_steps - row.env_steps, 0) / max(_speed(row), 1.0)
 
 
 def _clock(seconds: float) -> str:
@@ -37,28 +37,39 @@ def _success(row: Row) -> str:
     return f"{_percent(row.success_rate)}, without exploration {evaluated}"
 
 
-def _bar(console: Console, env_id: str, max_env_steps: int) -> "Bar":
+def _bar(console: Console, env_id: str, total: int) -> "Bar":
     from manyhands.training.bar import Bar
 
-    return Bar(console, env_id, max_env_steps)
+    return Bar(console, env_id, total)
 
 
 class TrainingProgress:
     """Context manager; `update` after each piece of training."""
 
-    def __init__(self, console: Console, env_id: str, max_env_steps: int, workers: int | None = None) -> None:
+    def __init__(
+        self,
+        console: Console,
+        env_id: str,
+        max_env_steps: int,
+        expected_steps: int | None = None,
+        workers: int | None = None,
+    ) -> None:
+        """expected_steps: in how many the task is known to be solved, None if it is not."""
         self._console = console
+        self._expected = 0 if expected_steps is None else min(expected_steps, max_env_steps)
         self._workers = "" if workers is None else f" of {workers} {'worker' if workers == 1 else 'workers'}"
         self._limit = max_env_steps
-        self._bar = _bar(console, env_id, max_env_steps) if console.is_terminal else None
+        self._bar = _bar(console, env_id, self._expected or max_env_steps) if console.is_terminal else None
         self._last_line = 0.0
 
     def update(self, row: Row) -> None:
         """Shows where training stands."""
         speed = f"{_speed(row):,.0f} steps/s{self._workers}"
-        left = f"≤ {_clock(_seconds_left(row, self._limit))} left"
+        in_time = row.env_steps <= self._expected
+        total = self._expected if in_time else self._limit  # where training ends at the latest
+        left = f"{'about' if in_time else '≤'} {_clock(_seconds_left(row, total))} left"
         if self._bar is not None:
-            self._bar.show(row.env_steps, f"{speed}  success {_success(row)}  {left}")
+            self._bar.show(row.env_steps, total, f"{speed}  success {_success(row)}  {left}")
         elif time.monotonic() - self._last_line >= _SECONDS_BETWEEN_LINES:
             self._last_line = time.monotonic()
             self._console.print(

@@ -18,6 +18,7 @@ from manyhands.training.evaluation import Evaluation
 from manyhands.training.optional import has
 from manyhands.training.progress import TrainingProgress
 from manyhands.training.randomization import run_randomized
+from manyhands.training.recipe import expected
 from manyhands.training.recorder import Recorder
 from manyhands.training.run_folder import RunFolder
 from manyhands.training.settings import FIRST_EVALUATION_SEED, TrainSettings, shares_of
@@ -101,7 +102,9 @@ class TrainingRun:
         piece = 1
         last_checkpoint = time.monotonic()
         settings = self.settings
-        with TrainingProgress(console, settings.env_id, settings.max_env_steps, settings.workers) as progress:
+        known = expected(settings)
+        steps = None if known is None else known.env_steps
+        with TrainingProgress(console, settings.env_id, settings.max_env_steps, steps, settings.workers) as progress:
             advance = self._advancer(progress, interrupts)
             while (left := self._iterations_left()) > 0 and not interrupts.requested:
                 begin = time.perf_counter()
