@@ -8,6 +8,7 @@
 
 NB_MODULE(_core, m) {
   m.doc() = "The C++ library behind the manyhands package.";
+  manyhands::bind_build_info(m);
   manyhands::bind_model(m);
   manyhands::bind_dynamics(m);
   manyhands::bind_kinematics(m);

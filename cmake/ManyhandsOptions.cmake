@@ -11,6 +11,11 @@ option(MANYHANDS_PYTHON "Build the Python extension" OFF)
 
 set(MANYHANDS_ISA native CACHE STRING "Instruction set the library is built for")
 set_property(CACHE MANYHANDS_ISA PROPERTY STRINGS native x86-64-v3 x86-64-v4 armv8)
+set(in_checkout OFF)
+if(PROJECT_IS_TOP_LEVEL AND EXISTS "${PROJECT_SOURCE_DIR}/.git")
+  set(in_checkout ON)
+endif()
+option(MANYHANDS_WERROR "Warnings are errors: for who works on the library, not for who uses it" ${in_checkout})
 option(MANYHANDS_UNITY "Compile the files of a folder together: half the work of a first build, more of a second" OFF)
 set(MANYHANDS_TEST_FILES "" CACHE STRING "Regular expression: only the C++ tests in these files")
 set(MANYHANDS_TEST_FILES_LEFT_OUT "" CACHE STRING "Regular expression: not the C++ tests in these files")
@@ -58,7 +63,8 @@ endif()
 # What our own targets are compiled with besides.
 add_library(manyhands_options INTERFACE)
 target_link_libraries(manyhands_options INTERFACE manyhands_flags)
-target_compile_options(manyhands_options INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror)
+target_compile_options(manyhands_options INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wshadow
+                                                   $<$<BOOL:${MANYHANDS_WERROR}>:-Werror>)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # Lanes wider than the processor's registers go to inlined functions only: no calling convention is at stake.
   target_compile_options(manyhands_options INTERFACE -Wno-psabi)

@@ -105,6 +105,13 @@ class Policy:
                 f"long, expected {its}"
             )
 
+    def __getstate__(self) -> dict[str, Any]:
+        return {"path": self.path, "arrays": self.arrays}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        self._runner = PolicyRunner(self.arrays)
+
     def __repr__(self) -> str:
         return f"<manyhands.policies.Policy of {self.env_id}: {self.path}>"
 

@@ -3,12 +3,13 @@
 import math
 import time
 from types import TracebackType
+from typing import TYPE_CHECKING
 
-from rich.console import Console
-from rich.progress import BarColumn, Progress, ProgressColumn, SpinnerColumn, Task, TextColumn
-from rich.text import Text
-
+from manyhands.training.console import Console
 from manyhands.training.recorder import Row
+
+if TYPE_CHECKING:
+    from manyhands.training.bar import Bar
 
 _SECONDS_BETWEEN_LINES = 2.0
 
@@ -36,9 +37,10 @@ def _success(row: Row) -> str:
     return f"{_percent(row.success_rate)}, without exploration {evaluated}"
 
 
-class _Figures(ProgressColumn):
-    def render(self, task: Task) -> Text:
-        return Text(task.fields["figures"], no_wrap=True)
+def _bar(console: Console, env_id: str, total: int) -> "Bar":
+    from manyhands.training.bar import Bar
+
+    return Bar(console, env_id, total)
 
 
 class TrainingProgress:
@@ -57,12 +59,8 @@ class TrainingProgress:
         self._expected = 0 if expected_steps is None else min(expected_steps, max_env_steps)
         self._workers = "" if workers is None else f" of {workers} {'worker' if workers == 1 else 'workers'}"
         self._limit = max_env_steps
-        self._bar: Progress | None = None
+        self._bar = _bar(console, env_id, self._expected or max_env_steps) if console.is_terminal else None
         self._last_line = 0.0
-        if console.is_terminal:
-            columns = (SpinnerColumn(), TextColumn("[bold]{task.description}"), BarColumn(12), _Figures())
-            self._bar = Progress(*columns, console=console)
-            self._task = self._bar.add_task(env_id, total=self._expected or max_env_steps, figures="starting")
 
     def update(self, row: Row) -> None:
         """Shows where training stands."""
@@ -71,8 +69,7 @@ class TrainingProgress:
         total = self._expected if in_time else self._limit  # where training ends at the latest
         left = f"{'about' if in_time else '≤'} {_clock(_seconds_left(row, total))} left"
         if self._bar is not None:
-            figures = f"{speed}  success {_success(row)}  {left}"
-            self._bar.update(self._task, completed=row.env_steps, total=total, figures=figures)
+            self._bar.show(row.env_steps, total, f"{speed}  success {_success(row)}  {left}")
         elif time.monotonic() - self._last_line >= _SECONDS_BETWEEN_LINES:
             self._last_line = time.monotonic()
             self._console.print(

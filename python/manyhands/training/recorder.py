@@ -1,15 +1,20 @@
-"""Records the course of a training: metrics.csv and TensorBoard events."""
+"""Records the course of a training: metrics.csv and, where TensorBoard is installed, its events."""
 
 import csv
 import io
 import math
 from dataclasses import asdict, dataclass, fields
+from pathlib import Path
 from types import TracebackType
+from typing import TYPE_CHECKING
 
 from manyhands._core.learn import TrainMetrics
 from manyhands.files import write_text
-from manyhands.training.events import Events
+from manyhands.training.optional import has
 from manyhands.training.run_folder import RunFolder
+
+if TYPE_CHECKING:
+    from manyhands.training.events import Events
 
 
 @dataclass(frozen=True)
@@ -38,7 +43,7 @@ class Recorder:
         self._folder = folder
         self._num_envs = num_envs
         self.rows = [row for row in read_rows(folder) if row.iterations <= resume_at] if resume_at else []
-        self._events = Events(folder.path)
+        self._events = _events(folder.path)
 
     @property
     def seconds(self) -> float:
@@ -64,7 +69,8 @@ class Recorder:
         )
         self.rows.append(row)
         self._write_csv()
-        self._events.add(row.env_steps, {f"train/{name}": value for name, value in asdict(row).items()})
+        if self._events is not None:
+            self._events.add(row.env_steps, {f"train/{name}": value for name, value in asdict(row).items()})
         return row
 
     def _write_csv(self) -> None:
@@ -80,7 +86,16 @@ class Recorder:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
-        self._events.__exit__(kind, error, traceback)
+        if self._events is not None:
+            self._events.__exit__(kind, error, traceback)
+
+
+def _events(folder: Path) -> "Events | None":
+    if not has("tensorboard"):
+        return None
+    from manyhands.training.events import Events
+
+    return Events(folder)
 
 
 def read_rows(folder: RunFolder) -> list[Row]:
