@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
-.PHONY: help train policies test asan tsan bench accuracy realfiles scripted absurd interop lint format build clean
+.PHONY: help train policies test asan tsan bench accuracy realfiles scripted absurd interop wheels lint format build clean
 
 TASK ?= PandaReach
 SEED ?= 0
@@ -58,6 +58,9 @@ absurd: $(VENV)/.test $(VENV)/.installed  ## 10,000 random scenes without reason
 interop: $(VENV)/.core $(VENV)/.installed  ## Stable-Baselines3, RL Zoo, panda-gym, Minari, LeRobot and Ray beside our package, in an environment of their own (5 GB)
 	tools/interop.sh
 
+wheels: $(VENV)/.core $(VENV)/.wheels  ## Wheels for Linux on x86-64, into dist/: Python 3.10, 3.11, and one from 3.12 on
+	tools/wheels/make.sh
+
 lint: $(VENV)/.test $(VENV)/.installed  ## All checks that run no program, with clang-tidy (slow)
 	tools/lint.sh --tidy
 
@@ -91,6 +94,10 @@ $(VENV)/.core: $(VENV)/.build pyproject.toml
 $(VENV)/.test: $(VENV)/.core $(VENV)/.cpp pyproject.toml
 	@tools/setup.sh python test dev
 	@tools/setup.sh browser
+	@touch $@
+
+$(VENV)/.wheels: $(VENV)/.build pyproject.toml
+	@tools/setup.sh python wheels
 	@touch $@
 
 $(VENV)/.installed: $(VENV)/.build $(SOURCES)

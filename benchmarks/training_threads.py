@@ -16,7 +16,6 @@ from collections.abc import Iterator
 from manyhands._core.envs import make_adviser, make_env_batch
 from manyhands._core.learn import Trainer
 from manyhands.training.recipe import find_recipe
-from manyhands.training.settings import TrainSettings
 
 ITERATIONS = {"PandaReach-v3": 60, "PandaPush-v3": 60, "PandaFlip-v3": 128}
 
@@ -24,7 +23,8 @@ ITERATIONS = {"PandaReach-v3": 60, "PandaPush-v3": 60, "PandaFlip-v3": 128}
 def steps_per_second(env_id: str, num_threads: int) -> float:
     """Of all worlds, learning included, over the first iterations of the shipped recipe."""
     recipe = find_recipe(env_id)
-    settings = TrainSettings(env_id, num_envs=recipe.num_envs, num_threads=num_threads, overrides=recipe.trainer)
+    assert recipe is not None
+    settings = recipe.settings(num_threads=num_threads)
     config = settings.trainer_config()
     envs = make_env_batch(env_id, settings.num_envs, num_threads=num_threads)
     trainer = Trainer(envs, None, config, make_adviser(env_id) if config.wants_expert else None)

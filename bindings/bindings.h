@@ -7,6 +7,7 @@
 
 namespace manyhands {
 
+void bind_build_info(nanobind::module_& m);
 void bind_model(nanobind::module_& m);
 void bind_dynamics(nanobind::module_& m);      // after bind_model
 void bind_kinematics(nanobind::module_& m);    // after bind_model
@@ -45,14 +46,6 @@ void copy_as_itself(Bound& bound) {
       .def(
           "__deepcopy__", [itself](const nanobind::object& self, const nanobind::object&) { return itself(self); },
           nanobind::arg("memo"));
-}
-
-/// Makes pickling fail with a message that says what to do instead.
-template <class Bound>
-void refuse_pickle(Bound& bound, const char* instead) {
-  bound.def(
-      "__getstate__", [instead](nanobind::handle) -> nanobind::object { throw nanobind::type_error(instead); },
-      nanobind::sig("def __getstate__(self) -> typing.NoReturn"));
 }
 
 }  // namespace manyhands

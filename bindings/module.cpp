@@ -2,14 +2,19 @@
 #include <nanobind/nanobind.h>
 
 #include "bindings/bindings.h"
+#include "bindings/control/control.h"
+#include "bindings/perception/perception.h"
 #include "bindings/planning/planning.h"
 
 NB_MODULE(_core, m) {
   m.doc() = "The C++ library behind the manyhands package.";
+  manyhands::bind_build_info(m);
   manyhands::bind_model(m);
   manyhands::bind_dynamics(m);
   manyhands::bind_kinematics(m);
+  manyhands::bindings::bind_control(m);
   manyhands::bindings::bind_planning(m);
+  manyhands::bindings::bind_perception(m);
   manyhands::bind_collision(m);
   manyhands::bind_world(m);
   manyhands::bind_batch_worlds(m);

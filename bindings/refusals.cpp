@@ -16,9 +16,9 @@ namespace {
 constexpr std::size_t kMostKinds = 8;  // nanobind calls functions in six ways, by the kinds of their arguments
 std::array<vectorcallfunc, kMostKinds> nanobinds_calls{};
 
+/// Behind the head of nanobind's objects: the stable ABI does not tell the type's offset.
 vectorcallfunc& call_of(PyObject* function) {
-  return *reinterpret_cast<vectorcallfunc*>(reinterpret_cast<char*>(function) +
-                                            Py_TYPE(function)->tp_vectorcall_offset);
+  return *reinterpret_cast<vectorcallfunc*>(reinterpret_cast<char*>(function) + sizeof(PyVarObject));
 }
 
 /// How many of `args` came by position; nanobind keeps marks in the upper bits of that number.

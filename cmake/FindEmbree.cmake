@@ -18,4 +18,10 @@ if(Embree_FOUND AND NOT TARGET Embree::embree)
   add_library(Embree::embree UNKNOWN IMPORTED)
   set_target_properties(Embree::embree PROPERTIES IMPORTED_LOCATION "${Embree_LIBRARY}"
                                                   INTERFACE_INCLUDE_DIRECTORIES "${Embree_INCLUDE_DIR}")
+  if(Embree_LIBRARY MATCHES "[.]a$")  # comes in parts
+    cmake_path(GET Embree_LIBRARY PARENT_PATH folder)
+    set(parts embree_avx2 lexers tasking simd math sys)
+    list(TRANSFORM parts REPLACE "(.+)" "${folder}/lib\\1.a")
+    set_target_properties(Embree::embree PROPERTIES INTERFACE_LINK_LIBRARIES "${parts}")
+  endif()
 endif()

@@ -22,3 +22,9 @@ if(missing_packages)
   message(FATAL_ERROR "System packages are missing. Install them and configure again:\n"
                       "    apt-get update && apt-get install -y${missing_packages}\n")
 endif()
+
+# As a shared library, as distributions have it, or as a static one.
+set(qhull_library Qhull::qhull_r)
+if(NOT TARGET Qhull::qhull_r)
+  set(qhull_library Qhull::qhullstatic_r)
+endif()

@@ -3,7 +3,7 @@
 The tables `| folder | holds | may use |` are the law. A layer may use itself, what its third column names, and what
 those may use in turn. A name that ends in `.h` allows that one header; `<name>` allows a third-party library to this
 layer alone. `everything` lifts all limits. In Python, imports inside functions and for type checkers count as all do;
-`manyhands._core` and the package's required dependencies are free.
+`manyhands._core`, `manyhands._processor` and the package's required dependencies are free.
 """
 
 import ast
@@ -17,6 +17,7 @@ from pathlib import Path
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)')
 STANDARD = re.compile(r"^[a-z_0-9]+$")  # <vector>, <cmath>: neither dot nor slash
 ROW = re.compile(r"^\| `(manyhands/[\w/]+|bindings|python/[\w/.]+)` \|[^|\n]*\|([^|\n]*)\|", re.MULTILINE)
+EXTENSIONS = ("manyhands._core", "manyhands._processor")
 FREE = {*sys.stdlib_module_names, "gymnasium", "numpy", "typing_extensions"}  # to Python
 
 
@@ -128,7 +129,7 @@ def file_of(module: str, name: str, root: Path) -> str | None:
 
 def import_complaint(module: str, file: str | None, layer: Layer, table: dict[str, Layer]) -> str | None:
     """What is wrong with an import of `module`, which is `file`, in a file of `layer`, or None."""
-    if layer.unlimited or module == "manyhands._core" or module.startswith("manyhands._core."):
+    if layer.unlimited or module in EXTENSIONS or module.startswith("manyhands._core."):
         return None
     if file is None:
         package = module.partition(".")[0]

@@ -16,6 +16,8 @@ import sys
 import tempfile
 from pathlib import Path
 
+import onnx
+
 from manyhands._core.learn import read_policy
 from manyhands.cli import main as manyhands
 from manyhands.env_names import resolve_env_id
@@ -50,14 +52,37 @@ def done_runs(folder: Path) -> list[RunFolder]:
 
 
 def require_recipe(run: RunFolder, env_id: str) -> Recipe:
-    """The recipe by which a run was made. Raises ValueError if it was made by other settings."""
-    recipe, settings = find_recipe(env_id), run.read_settings()
+    """The recipe by which a run was made. Raises ValueError if it was made by other settings, or for another id; the
+    dense reward may be missing, which a policy does not see."""
+    settings = run.read_settings()
+    recipe = find_recipe(settings.env_id)
     if recipe is None:
-        raise ValueError(f"there is no recipe for {env_id}: policies that ship are trained by one")
+        raise ValueError(f"there is no recipe for {settings.env_id}: policies that ship are trained by one")
+    if env_id.replace("Dense", "") != settings.env_id.replace("Dense", ""):
+        raise ValueError(f"{run.path} was trained for {settings.env_id}, not for {env_id}")
     wanted = recipe.settings(seed=settings.seed, num_threads=settings.num_threads)
     if settings != wanted:
         raise ValueError(f"{run.path} was trained by {settings}, which is not what its recipe says: {wanted}")
     return recipe
+
+
+def shared_file(model: onnx.ModelProto, env_id: str) -> str | None:
+    """The file of another id that holds the same graph, weights and all, if there is one."""
+    for card in map(read_card, sorted(POLICIES.glob("*.yaml"))):
+        if card.file != f"{env_id}.onnx" and onnx.load(POLICIES / card.file).graph == model.graph:
+            return card.file
+    return None
+
+
+def write_file(model: onnx.ModelProto, env_id: str) -> str:
+    """The name of the file that holds the policy of `env_id`: its own, or one that is there already."""
+    own = POLICIES / f"{env_id}.onnx"
+    file = shared_file(model, env_id)
+    if file is None:
+        save_model(model, own)
+        return own.name
+    own.unlink(missing_ok=True)
+    return file
 
 
 def package(folder: Path, env_id: str) -> Card:
@@ -67,17 +92,16 @@ def package(folder: Path, env_id: str) -> Card:
         raise ValueError(f"{folder} holds no run of {env_id} that is done")
     run = runs[0]
     recipe, row = require_recipe(run, env_id), read_rows(run)[-1]
-    path = POLICIES / f"{env_id}.onnx"
-    by_float = Policy(run.policy).evaluate(episodes=EPISODES, first_seed=FIRST_SEED)
+    by_float = Policy(run.policy).evaluate(env_id, episodes=EPISODES, first_seed=FIRST_SEED)
     with tempfile.TemporaryDirectory() as place:
         small = Path(place) / "half.onnx"
         save_model(to_onnx(read_policy(run.policy), env_id, half=True), small)
-        by_half = Policy(small).evaluate(episodes=EPISODES, first_seed=FIRST_SEED)
+        by_half = Policy(small).evaluate(env_id, episodes=EPISODES, first_seed=FIRST_SEED)
     half = by_half.success_rate >= by_float.success_rate - MOST_LOST
-    save_model(to_onnx(read_policy(run.policy), env_id, half=half), path)
     measured = by_half if half else by_float
     card = Card(
         environment=env_id,
+        file=write_file(to_onnx(read_policy(run.policy), env_id, half=half), env_id),
         success=round(measured.success_rate, 4),
         success_float32=round(by_float.success_rate, 4),
         episodes=EPISODES,
@@ -92,7 +116,7 @@ def package(folder: Path, env_id: str) -> Card:
         env_steps=row.env_steps,
         version=json.loads(run.config.read_text())["versions"]["manyhands"],
     )
-    card.save(path.with_suffix(".yaml"))
+    card.save(POLICIES / f"{env_id}.yaml")
     return card
 
 

@@ -6,6 +6,7 @@
 
 #include "bindings/arrays.h"
 #include "bindings/dynamics/kinematics.h"
+#include "bindings/dynamics/rows.h"
 #include "bindings/model/python_model.h"
 
 namespace nb = nanobind;
@@ -150,9 +151,76 @@ nb::tuple product(const Array<double, 1>& position, const Array<double, 1>& quat
   return nb::make_tuple(copied(p.data(), {theta.shape(0), 3}), copied(r.data(), {theta.shape(0), 4}));
 }
 
+ScrewChain chain_of(const Array<double, 2>& T, const Array<double, 2>& axes) {
+  if (T.shape(0) != 4 || T.shape(1) != 4 || axes.shape(0) != 6)
+    throw std::invalid_argument("expected a home (4, 4) and axes (6, n)");
+  const auto row = [&](std::size_t i) { return vector_at(&T(i, 0)); };
+  std::vector<Motion<double>> columns;
+  for (std::size_t k = 0; k < axes.shape(1); ++k)
+    columns.push_back({{axes(0, k), axes(1, k), axes(2, k)}, {axes(3, k), axes(4, k), axes(5, k)}});
+  return {{transpose(Mat3<double>{row(0), row(1), row(2)}), {T(0, 3), T(1, 3), T(2, 3)}}, columns};
+}
+
+/// How many rows theta has, and how long they are.
+struct Turns {
+  explicit Turns(const bindings::Input<double>& theta)
+      : batch{theta.ndim() == 2 ? theta.shape(0) : 1, theta.ndim() == 1}, columns(theta.shape(theta.ndim() - 1)) {
+    if (theta.ndim() > 2) throw std::invalid_argument("theta must have the shape (k,) or (n, k)");
+    bindings::require_finite("theta", theta);
+  }
+  bindings::Batch batch;
+  std::size_t columns;
+};
+
+bindings::Output<double> chain_pose(const ScrewChain& chain, const bindings::Input<double>& theta) {
+  const Turns turns(theta);
+  bindings::Result<double> found(turns.batch, {4, 4});
+  double* to = found.span().data();
+  for (std::size_t i = 0; i < turns.batch.n; ++i) {
+    const Transform<double> X = chain.pose(std::span(theta.data() + i * turns.columns, turns.columns));
+    for (const double x : {X.R.x.x, X.R.y.x, X.R.z.x, X.p.x, X.R.x.y, X.R.y.y, X.R.z.y, X.p.y, X.R.x.z, X.R.y.z,
+                           X.R.z.z, X.p.z, 0.0, 0.0, 0.0, 1.0})
+      *to++ = x;
+  }
+  return found.array();
+}
+
+bindings::Output<double> chain_jacobian(const ScrewChain& chain, const bindings::Input<double>& theta, bool in_body) {
+  const Turns turns(theta);
+  const std::size_t n = turns.columns;
+  bindings::Result<double> found(turns.batch, {6, n});
+  for (std::size_t i = 0; i < turns.batch.n; ++i) {
+    const std::vector<Motion<double>> J = chain.jacobian(std::span(theta.data() + i * n, n), in_body);
+    double* const to = found.span().data() + 6 * n * i;
+    for (std::size_t k = 0; k < n; ++k) {
+      const Motion<double>& m = J[k];
+      const std::array<double, 6> column{m.w.x, m.w.y, m.w.z, m.v.x, m.v.y, m.v.z};
+      for (std::size_t r = 0; r < 6; ++r) to[r * n + k] = column[r];
+    }
+  }
+  return found.array();
+}
+
+void bind_chain(nb::module_& m) {
+  const std::string array = "numpy.typing.NDArray[numpy.float64]";
+  nb::class_<ScrewChain>(m, "ScrewChain", "An arm as screws: home (4, 4), axes (6, n) in the space form.")
+      .def(
+          "__init__",
+          [](ScrewChain* self, const Array<double, 2>& home, const Array<double, 2>& axes) {
+            new (self) ScrewChain(chain_of(home, axes));
+          },
+          "home"_a, "axes"_a)
+      .def("pose", &chain_pose, "theta"_a, nb::sig(("def pose(self, theta: " + array + ") -> " + array).c_str()),
+           "(..., 4, 4) of theta (..., k): of the first k screws.")
+      .def("jacobian", &chain_jacobian, "theta"_a, "in_body"_a = false,
+           nb::sig(("def jacobian(self, theta: " + array + ", in_body: bool = False) -> " + array).c_str()),
+           "(..., 6, k), in the space form or the body form.");
+}
+
 }  // namespace
 
 void bindings::bind_screws(nb::module_& m) {
+  bind_chain(m);
   m.def("exp3", &exp3, "rotation"_a);
   m.def("log3", &log3, "quaternion"_a);
   m.def("exp6", &exp6_rows, "twist"_a);

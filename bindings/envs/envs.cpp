@@ -95,6 +95,11 @@ nb::object compute_reward(const EnvBatch& envs, const Array<float, 2>& achieved,
 
 void bind_spec(nb::module_& m) {
   nb::class_<EnvSpec>(m, "EnvSpec", "What an environment id means: sizes and limits.")
+      .def("__repr__",
+           [](const EnvSpec& spec) {
+             return "<EnvSpec of '" + spec.id + "': " + std::to_string(spec.observation_dim) + " observations, " +
+                    std::to_string(spec.goal_dim) + " goals, " + std::to_string(spec.action_dim) + " actions>";
+           })
       .def_ro("id", &EnvSpec::id)
       .def_ro("observation_dim", &EnvSpec::observation_dim)
       .def_ro("robot_dim", &EnvSpec::robot_dim,
@@ -111,6 +116,10 @@ void bind_batch(nb::module_& m) {
                        "n worlds of one environment, stepped together; arrays are float32, rows are worlds.")
       .def_prop_ro("spec", &EnvBatch::spec, nb::rv_policy::reference_internal)
       .def_prop_ro("num_envs", &EnvBatch::num_envs)
+      .def("__repr__",
+           [](const EnvBatch& envs) {
+             return "<" + std::to_string(envs.num_envs()) + " worlds of '" + envs.spec().id + "'>";
+           })
       .def(
           "reset",
           [](EnvBatch& envs, const Bytes& mask, const Seeds& seeds) {

@@ -54,9 +54,11 @@ void bind_experts(nb::module_& m) {
            "The ids that `make_expert` knows: every task under control of the end effector or the joints.");
   envs.def("make_expert", &make_expert, "id"_a,
            "The expert of the environment `id`. Raises ValueError on an id without one.");
-  envs.def("make_adviser", &make_adviser, "id"_a,
-           "An expert that remembers nothing, so that a policy can follow its advice: the environment's, but of Flip "
-           "another, which solves less. Raises ValueError as make_expert.");
+  envs.def(
+      "make_adviser", &make_adviser, "id"_a,
+      "An expert whose advice a policy can follow: it acts by what is observed and remembers nothing. That is the "
+      "environment's, but of Flip and under control of the joints another, which solves less. Raises ValueError as "
+      "make_expert.");
 }
 
 }  // namespace manyhands

@@ -17,9 +17,11 @@
 
 #include "bindings/arrays.h"
 #include "bindings/bindings.h"
+#include "bindings/pickling.h"
 #include "manyhands/envs/env_batch.h"
 #include "manyhands/envs/experts/expert.h"
 #include "manyhands/learn/archive.h"
+#include "manyhands/learn/policy_archive.h"
 #include "manyhands/learn/share.h"
 #include "manyhands/learn/trainer.h"
 #include "manyhands/learn/trainer_config.h"
@@ -215,6 +217,11 @@ void bind_results(nb::module_& m) {
       .def_ro("evaluate_seconds", &TrainMetrics::evaluate_seconds);
 
   nb::class_<EvalResult>(m, "EvalResult", "Means over the episodes of an evaluation.")
+      .def("__repr__",
+           [](const EvalResult& result) {
+             return "<EvalResult: success " + std::to_string(100 * result.success_rate) + " % of " +
+                    std::to_string(result.episodes) + " episodes>";
+           })
       .def_ro("episodes", &EvalResult::episodes)
       .def_ro("success_rate", &EvalResult::success_rate, "Success at the last step of the episode.")
       .def_ro("mean_return", &EvalResult::mean_return, "Undiscounted.")
@@ -248,13 +255,20 @@ nb::list eyes(const Policy& policy) {
 }
 
 void bind_policy(nb::module_& m) {
-  nb::class_<Policy>(
+  auto bound = nb::class_<Policy>(
       m, "Policy",
       "The deterministic policy as arrays: y = W_L act(... act(W_1 z + b_1) ...) + b_L, of which `output` makes an "
       "action: tanh(y), clip(y, -1, 1) or the index of the largest; with z = clip((x - mean) * scale, -clip, clip) and "
       "x = [observation, desired_goal, desired_goal - "
       "achieved_goal, the rotation between a cube's pose and its goal and the cube's moments if there is one, "
-      "observation[i:i+3] - observation[k:k+3] for each pair of differences].")
+      "observation[i:i+3] - observation[k:k+3] for each pair of differences].");
+  bindings::pickle_by_fields(bound, [](const Policy& self) { self.validate(); });
+  bound
+      .def("__repr__",
+           [](const Policy& self) {
+             return "<Policy of '" + self.env_id + "': " + std::to_string(self.observation_dim) + " observations, " +
+                    std::to_string(self.action_dim) + " actions>";
+           })
       .def_ro("env_id", &Policy::env_id, "The environment it was learned in; empty if that is not known.")
       .def_ro("observation_dim", &Policy::observation_dim)
       .def_ro("goal_dim", &Policy::goal_dim)
@@ -364,6 +378,10 @@ void bind_trainer(nb::module_& m) {
           "learn", [](Trainer& trainer) { return trainer.learn(); }, Release(),
           "The gradient steps and evaluations that are due after a round. Raises DivergenceError as `advance` does.")
       .def("metrics", &Trainer::metrics, "Where training stands.")
+      .def("scale_rates", &Trainer::scale_rates, "scale"_a,
+           "From now on learning rates are `scale` times the config's: for schedules, which checkpoints know nothing "
+           "of. "
+           "Raises ValueError unless it is finite and at least 0.")
       .def("evaluate", &Trainer::evaluate, "envs"_a, "episodes"_a, "first_seed"_a, Release(),
            "Runs the policy without noise; episode k starts from seed first_seed + k, whatever the size of `envs`.")
       .def("policy", &Trainer::policy, "The deterministic policy.")

@@ -13,11 +13,13 @@
 #include "bindings/model/load_warning.h"
 #include "bindings/model/model_values.h"
 #include "bindings/model/python_model.h"
+#include "bindings/pickling.h"
 #include "manyhands/base/assets.h"
 #include "manyhands/model/fingerprint.h"
 #include "manyhands/model/io/mjcf/mjcf.h"
 #include "manyhands/model/io/sdf/sdf.h"
 #include "manyhands/model/io/urdf/urdf.h"
+#include "manyhands/model/model_archive.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -171,10 +173,9 @@ void bind_model_class(nb::module_& m) {
                std::to_string(self.model->nq()) + ", nv " + std::to_string(self.model->nv()) + ">";
       });
   copy_as_itself(model);
-  refuse_pickle(
-      model,
-      "a Model cannot be pickled: load its file, or build it, where it is needed. Copies within a program are "
-      "the model itself, which never changes");
+  bindings::pickle_by(
+      model, [](const PythonModel& self) { return archived(*self.model); },
+      [](std::span<const std::uint8_t> bytes) { return std::make_shared<const Model>(unarchived(bytes)); });
 }
 
 using PythonLoaded = std::pair<std::unique_ptr<PythonModel>, LoadReport>;

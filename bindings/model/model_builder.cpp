@@ -70,6 +70,11 @@ nb::class_<ModelBuilder> bind_tree(nb::module_& m) {
                                   "Raises ValueError on what "
                                   "cannot be part of a model, KeyError on unknown links.")
       .def(nb::init<std::string>(), "name"_a = "model")
+      .def("__repr__",
+           [](const ModelBuilder& self) {
+             return "<ModelBuilder: " + std::to_string(self.links().size() - 1) + " links, " +
+                    std::to_string(self.joints().size()) + " joints>";
+           })
       .def(
           "add_link",
           [](ModelBuilder& self, const std::string& name, double mass, const Numbers3& com, const Matrix3& inertia,

@@ -225,6 +225,11 @@ void bind_geom(nb::module_& m) {
           "(n, 3) indices of vertices, counter-clockwise seen from outside.");
 
   nb::class_<HeightField>(m, "HeightField", "Heights on a grid in the xy plane, centred on its geom's origin.")
+      .def("__repr__",
+           [](const HeightField& field) {
+             return "<HeightField of " + std::to_string(field.rows) + " x " + std::to_string(field.columns) +
+                    " heights>";
+           })
       .def_ro("dx", &HeightField::dx, "Spacing along x [m].")
       .def_ro("dy", &HeightField::dy, "Spacing along y [m].")
       .def_prop_ro(

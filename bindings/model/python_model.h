@@ -8,6 +8,8 @@
 
 namespace manyhands {
 
+struct ControlPools;
+
 struct PythonModel {
   explicit PythonModel(Model m) : PythonModel(std::make_shared<const Model>(std::move(m))) {}
   explicit PythonModel(std::shared_ptr<const Model> m) : model(std::move(m)), doubles(*model), floats(*model) {}
@@ -24,6 +26,7 @@ struct PythonModel {
   std::shared_ptr<const Model> model;
   DynamicsPool<double> doubles;
   DynamicsPool<float> floats;
+  std::shared_ptr<ControlPools> control;  ///< made by the first call of a controller
 };
 
 }  // namespace manyhands

@@ -9,6 +9,7 @@
 #include "bindings/arrays.h"
 #include "bindings/model/python_model.h"
 #include "manyhands/planning/cartesian.h"
+#include "manyhands/planning/potential_field.h"
 #include "manyhands/planning/spline.h"
 #include "manyhands/planning/time_optimal.h"
 
@@ -72,6 +73,15 @@ Trajectory fastest(const Trajectory& path, const Limits& velocity, const Limits&
   return time_optimal(path, limits, {intervals, start_speed, end_speed});
 }
 
+/// Both potentials, and the gradient (k) of their sum.
+nb::tuple field_at(double attractive_gain, double repulsive_gain, double influence, const Array<double, 1>& q,
+                   const Array<double, 1>& goal, const Array<double, 2>& obstacles) {
+  const PotentialField field{attractive_gain, repulsive_gain, influence};
+  const Numbers slope = field.gradient(as_span(q), as_span(goal), as_span(obstacles));
+  return nb::make_tuple(field.attractive(as_span(q), as_span(goal)), field.repulsive(as_span(q), as_span(obstacles)),
+                        copied(slope.data(), {slope.size()}));
+}
+
 void bind_trajectories(nb::module_& m) {
   nb::class_<Trajectory>(m, "Trajectory")
       .def(
@@ -131,6 +141,8 @@ void bindings::bind_planning(nb::module_& m) {
         return spline(as_span(times), waypoints_of(waypoints), degree, as_span(ends));
       },
       "times"_a, "waypoints"_a, "degree"_a, "ends"_a);
+  planning.def("potential_field", &field_at, "attractive_gain"_a, "repulsive_gain"_a, "influence"_a, "q"_a, "goal"_a,
+               "obstacles"_a);
   planning.def("time_optimal", &fastest, "path"_a, "velocity"_a.none(), "acceleration"_a.none(), "torque"_a.none(),
                "model"_a.none(), "intervals"_a, "start_speed"_a, "end_speed"_a);
 }

@@ -171,6 +171,17 @@ void bind_picture(nb::module_& m) {
   bind_array(picture, "normals", &PythonPicture::normals, "float32",
              "(height, width, 3) unit, in the world; 0 where nothing is.");
   picture
+      .def("__repr__",
+           [](const PythonPicture& self) {
+             const Camera& camera = self.cameras.front();
+             std::string text = self.is_one ? "<Picture" : "<" + std::to_string(self.cameras.size()) + " pictures";
+             text += " of " + std::to_string(camera.width) + " x " + std::to_string(camera.height) + " pixels:";
+             if (!self.colour.is_none()) text += " colour";
+             if (!self.depth.is_none()) text += " depth";
+             if (!self.segmentation.is_none()) text += " segmentation";
+             if (!self.normals.is_none()) text += " normals";
+             return text + ">";
+           })
       .def_prop_ro("bodies", &bodies_of, nb::sig("def bodies(self) -> numpy.typing.NDArray[numpy.int32]"),
                    "(height, width) index of the link by which the robot or thing stands in the world: alike for all "
                    "links of one robot; -1 where nothing is.")
@@ -221,6 +232,7 @@ void bind_renderer(nb::module_& m) {
           },
           "model"_a, "num_threads"_a = 0,
           "num_threads: 0 takes the variable MANYHANDS_THREADS, or as many as the machine has cores.")
+      .def("__repr__", [](const Renderer& self) { return "<Renderer of '" + self.scene().model().name() + "'>"; })
       .def(
           "render",
           [](Renderer& self, const bindings::Numbers& q, const Cameras& camera,

@@ -7,11 +7,19 @@
 
 #include "bindings/bindings.h"
 #include "bindings/model/model_values.h"
+#include "bindings/pickling.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
 
 namespace manyhands {
+
+template <class Archive, class T>
+  requires std::same_as<std::remove_const_t<T>, Camera>
+void visit_fields(Archive& archive, T& camera) {
+  auto& [width, height, fx, fy, cx, cy, orthographic, near, far, frame, X_FC] = camera;
+  archive(width, height, fx, fy, cx, cy, orthographic, near, far, frame, X_FC);
+}
 
 namespace {
 
@@ -51,7 +59,14 @@ void bind_camera(nb::module_& m) {
       "A camera without distortion; its frame is the optical one: x to the right, y down, z forward. "
       "Immutable: what moves it gives another.");
   copy_as_itself(bound);
+  bindings::pickle_by_fields(bound, &require_camera);
   bound
+      .def("__repr__",
+           [](const Camera& self) {
+             return "<Camera of " + std::to_string(self.width) + " x " + std::to_string(self.height) + " pixels" +
+                    (self.orthographic ? ", orthographic" : "") +
+                    (self.frame.empty() ? "" : ", on '" + self.frame + "'") + ">";
+           })
       .def_static("perspective", &perspective_camera, "width"_a, "height"_a, "fov_y"_a,
                   "One that sees `fov_y` [rad] from top to bottom, at the world's origin. Raises ValueError unless 0 < "
                   "fov_y < pi and width and height lie between 1 and 16384.")
@@ -121,7 +136,14 @@ void bind_look(nb::module_& m) {
   auto bound =
       nb::class_<Look>(m, "Look", "How a scene is lit, and what is behind it. Colours are red, green, blue, 0 to 1.");
   copy_as_itself(bound);
+  bindings::pickle_by_fields(bound, &require_look);
   bound
+      .def("__repr__",
+           [](const Look& self) {
+             return "<Look: " + std::to_string(self.shadow_rays) +
+                    (self.shadows ? " shadow rays" : " shadow rays, off") + ", " + std::to_string(self.antialiasing) +
+                    " x " + std::to_string(self.antialiasing) + " samples>";
+           })
       .def(
           "__init__",
           [](Look* self, const Numbers3& light, float sun, float ambient, bool shadows, int shadow_rays,
@@ -150,7 +172,14 @@ void bind_look(nb::module_& m) {
       .def_prop_ro(
           "light", [](const Look& self) { return bindings::vector3(self.light); },
           nb::sig(bindings::returns_array("light").c_str()), "(3)");
-  nb::class_<Mark>(m, "Mark", "A shape drawn over a picture that is no part of the world: in colour only.")
+  auto bound_mark =
+      nb::class_<Mark>(m, "Mark", "A shape drawn over a picture that is no part of the world: in colour only.");
+  bindings::pickle_by_fields(bound_mark, [](const Mark& self) { (void)item_of(self.shape); });
+  bound_mark
+      .def("__repr__",
+           [](const Mark& self) {
+             return std::string("<Mark: ") + bindings::name_of(self.shape.type, bindings::kShapes) + ">";
+           })
       .def(
           "__init__",
           [](Mark* self, const std::string& shape, const std::vector<double>& size, const Numbers3& position,

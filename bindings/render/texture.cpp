@@ -1,5 +1,6 @@
 // manyhands._core.render.Texture: images on surfaces.
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/variant.h>
 
@@ -7,6 +8,7 @@
 
 #include "bindings/arrays.h"
 #include "bindings/bindings.h"
+#include "bindings/pickling.h"
 #include "bindings/render/render.h"
 #include "bindings/vectors.h"
 
@@ -107,6 +109,19 @@ void bind_texture(nb::module_& m) {
           },
           "first"_a, "second"_a, "seed"_a = 0, "repeat"_a = 1.0f,
           nb::sig(signature("noise", "seed: int = 0, ").c_str()), "Clouds between two colours (3), 0 to 1.")
+      .def("__getstate__",
+           [](const Texture& self) { return nb::make_tuple(bindings::as_bytes(self.image->archived()), self.repeat); })
+      .def(
+          "__setstate__",
+          [](Texture& self, const std::pair<nb::bytes, std::array<float, 2>>& state) {
+            new (&self) Texture(texture_of(Image::unarchived(bindings::as_bytes(state.first)), state.second));
+          },
+          "state"_a)
+      .def("__repr__",
+           [](const Texture& self) {
+             return "<Texture of " + std::to_string(self.image->width()) + " x " +
+                    std::to_string(self.image->height()) + " pixels>";
+           })
       .def_ro("repeat", &Texture::repeat, "How often, along its width and its height.")
       .def_prop_ro(
           "size", [](const Texture& self) { return std::array{self.image->width(), self.image->height()}; },

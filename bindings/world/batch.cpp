@@ -8,6 +8,7 @@
 #include "bindings/arrays.h"
 #include "bindings/bindings.h"
 #include "bindings/model/python_model.h"
+#include "bindings/pickling.h"
 #include "manyhands/physics/contact/contact_solver.h"
 
 namespace nb = nanobind;
@@ -336,9 +337,13 @@ void bind_batch_worlds(nb::module_& m) {
   bind_state(batch);
   bind_bodies(batch);
   bind_parameters(batch);
-  refuse_pickle(batch,
-                "a Batch cannot be copied or pickled: make another of the same model, with as many worlds, and give "
-                "its restore what snapshot() gives here");
+  batch.def("__repr__", [](const Batch& self) {
+    return "<Batch of " + std::to_string(self.num_worlds()) + (self.num_worlds() == 1 ? " world" : " worlds") +
+           " of '" + self.model().name() + "': nq " + std::to_string(self.model().nq()) + ", nv " +
+           std::to_string(self.model().nv()) + ", " + std::to_string(self.lanes()) + " lanes, " +
+           std::to_string(self.num_threads()) + (self.num_threads() == 1 ? " thread>" : " threads>");
+  });
+  bindings::pickle_by(batch, &Batch::archived, &Batch::unarchived);
 }
 
 }  // namespace manyhands

@@ -16,6 +16,7 @@
 #include "bindings/model/load_warning.h"
 #include "bindings/model/model_values.h"
 #include "bindings/model/python_model.h"
+#include "bindings/pickling.h"
 #include "bindings/world/world_parts.h"
 #include "manyhands/physics/contact/contact_solver.h"
 
@@ -279,6 +280,7 @@ void bind_world(nb::module_& m) {
       "length, "
       "a number that is not finite, or a quaternion not of unit length; names that are not there raise KeyError.");
   bind_making(world);
+  bindings::pickle_by(world, &World::archived, &World::unarchived);
   world
       .def(
           "step", [](World& self, int n) { step_in_pieces(self, n, 1000); }, "n"_a = 1,
@@ -312,9 +314,6 @@ void bind_world(nb::module_& m) {
   bind_world_contacts(m, world);
   bind_world_queries(m, world);
   bind_world_parts(world);
-  refuse_pickle(world,
-                "a World cannot be pickled: build it from its files where it is needed, and give its restore what "
-                "snapshot() gives here; World.copy() copies it within a program");
 }
 
 }  // namespace manyhands

@@ -130,6 +130,11 @@ void bind_hits(nb::module_& m) {
       .def("__repr__",
            [](const NamedHit& h) { return "<RayHit '" + h.geom + "' at " + std::to_string(h.hit.distance) + " m>"; });
   nb::class_<RayHits>(m, "RayHits", "The first geom on each of n rays.")
+      .def("__repr__",
+           [](const RayHits& h) {
+             const auto hits = std::ranges::count_if(h.link, [](const auto& link) { return link.has_value(); });
+             return "<RayHits: " + std::to_string(hits) + " of " + std::to_string(h.link.size()) + " rays>";
+           })
       .def_ro("link", &RayHits::link, "(n) None for a miss.")
       .def_ro("geom", &RayHits::geom, "(n) None for a miss.")
       .def_prop_ro(

@@ -1,11 +1,11 @@
 #include "manyhands/base/memory_block.h"
 
 #include <fcntl.h>
-#include <stdlib.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdlib>
 #include <new>
 #include <string>
 #include <system_error>

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "manyhands/math/vec3.h"
+#include "manyhands/control/impedance.h"
 
 namespace manyhands {
 
@@ -34,14 +34,6 @@ inline constexpr std::array<std::pair<const char*, ArmControl>, 6> kArmControls{
 
 /// Throws std::invalid_argument, which lists the names, on an unknown one.
 [[nodiscard]] ArmControl arm_control(const std::string& name);
-
-/// The spring and damper between the hand and its goal under ArmControl::kImpedance.
-struct Impedance {
-  double stiffness = 1000;           ///< [N/m]
-  double damping = 100;              ///< [N s/m]
-  double rotational_stiffness = 50;  ///< [N m/rad]
-  double rotational_damping = 2;     ///< [N m s/rad]
-};
 
 /// What tasks must know of an arm besides its URDF. Its joints are named in the order of actions, fingers last.
 struct ArmSpec {

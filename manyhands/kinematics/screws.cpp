@@ -99,4 +99,25 @@ Transform<double> product_of_exponentials(const ScrewAxes& screws, std::span<con
   return screws.form == JacobianForm::kBody ? X : X * screws.home;
 }
 
+Transform<double> ScrewChain::pose(std::span<const double> theta) const {
+  if (theta.size() > axes_.size()) require_length("theta", theta, axes_.size());
+  Transform<double> X = Transform<double>::identity();
+  for (std::size_t k = 0; k < theta.size(); ++k) X = X * exp6(theta[k] * axes_[k]);
+  return X * home_;
+}
+
+std::vector<Motion<double>> ScrewChain::jacobian(std::span<const double> theta, bool in_body) const {
+  if (theta.size() > axes_.size()) require_length("theta", theta, axes_.size());
+  Transform<double> X = Transform<double>::identity();
+  std::vector<Motion<double>> columns;
+  for (std::size_t k = 0; k < theta.size(); ++k) {
+    columns.push_back(transformed(X, axes_[k]));
+    X = X * exp6(theta[k] * axes_[k]);
+  }
+  if (!in_body) return columns;
+  const Transform<double> X_FW = inverse(X * home_);
+  for (Motion<double>& column : columns) column = transformed(X_FW, column);
+  return columns;
+}
+
 }  // namespace manyhands

@@ -35,4 +35,23 @@ struct ScrewAxes {
 /// Throws std::invalid_argument if theta has not one number for each axis.
 [[nodiscard]] Transform<double> product_of_exponentials(const ScrewAxes& screws, std::span<const double> theta);
 
+/// What screws alone say of an arm whose joints turn one after the other: no model is needed. Fast, for calls one by
+/// one.
+class ScrewChain {
+ public:
+  /// `axes` in the space form. The frame is at `home` where theta = 0.
+  ScrewChain(const Transform<double>& home, std::vector<Motion<double>> axes) : home_(home), axes_(std::move(axes)) {}
+
+  [[nodiscard]] std::size_t size() const { return axes_.size(); }
+  /// exp6(S_1 theta_1) ... exp6(S_k theta_k) home, of as many screws as theta has numbers, at most all.
+  /// Throws std::invalid_argument if it has more.
+  [[nodiscard]] Transform<double> pose(std::span<const double> theta) const;
+  /// The columns of the space Jacobian; with `in_body` those of the body Jacobian.
+  [[nodiscard]] std::vector<Motion<double>> jacobian(std::span<const double> theta, bool in_body) const;
+
+ private:
+  Transform<double> home_;
+  std::vector<Motion<double>> axes_;
+};
+
 }  // namespace manyhands

@@ -37,10 +37,11 @@ Agent::Agent(int state_dim, int action_dim, const TrainerConfig& config, int pri
 
 float Agent::temperature() const { return soft() ? std::exp(log_temperature_[0]) : 0.0f; }
 
-UpdateStats Agent::update(Halves& halves, const ValueBounds& bounds) {
+UpdateStats Agent::update(Halves& halves, const ValueBounds& bounds, float rate_scale) {
   const bool policy = (gradient_steps_ + 1) % config_.policy_delay == 0;
-  if (has_critics()) update_critics(halves, bounds, policy);
-  if (policy) update_policy(halves);
+  const float rates = rate_scale * config_.rate_scale(gradient_steps_);
+  if (has_critics()) update_critics(halves, bounds, rates, policy);
+  if (policy) update_policy(halves, rates);
   ++gradient_steps_;
 
   const double n = config_.batch_size;
@@ -53,8 +54,8 @@ UpdateStats Agent::update(Halves& halves, const ValueBounds& bounds) {
   return stats;
 }
 
-void Agent::update_critics(Halves& halves, const ValueBounds& bounds, bool targets_follow) {
-  critics_.begin_step(config_.rate_scale(gradient_steps_));
+void Agent::update_critics(Halves& halves, const ValueBounds& bounds, float rate_scale, bool targets_follow) {
+  critics_.begin_step(rate_scale);
   const std::array tapes = {&halves_[0].critics, &halves_[1].critics};
   halves.run([&](int i) {
     Half& half = halves_[static_cast<std::size_t>(i)];
@@ -65,11 +66,11 @@ void Agent::update_critics(Halves& halves, const ValueBounds& bounds, bool targe
   halves.run([&](int part) { critics_.apply(part, tapes, targets_follow); });
 }
 
-void Agent::update_policy(Halves& halves) {
-  actor_optimiser_.begin_step(config_.rate_scale(gradient_steps_));
+void Agent::update_policy(Halves& halves, float rate_scale) {
+  actor_optimiser_.begin_step(rate_scale);
   halves.run([&](int i) { compute_actor_gradient(halves_[static_cast<std::size_t>(i)], i); });
   halves.run([&](int part) { apply_actor(part); });
-  if (soft() && config_.learned_temperature) follow_entropy();
+  if (soft() && config_.learned_temperature) follow_entropy(rate_scale);
 }
 
 /// y = r + gamma (Q'(s', a') - temperature log pi(a'|s')), within the bounds of a return, to which a soft value with
@@ -161,11 +162,11 @@ void Agent::apply_actor(int part) {
 }
 
 /// Raises the temperature where the entropy is below its target, by a step along -log(temperature) (log pi + target).
-void Agent::follow_entropy() {
+void Agent::follow_entropy(float rate_scale) {
   const double log_probability = (halves_[0].log_probability_sum + halves_[1].log_probability_sum) / config_.batch_size;
   const Vector<float> gradient =
       Vector<float>::Constant(1, -(static_cast<float>(log_probability) + config_.target_entropy));
-  temperature_optimiser_.begin_step();
+  temperature_optimiser_.begin_step(rate_scale);
   temperature_optimiser_.apply(log_temperature_, gradient, 0, 1);
 }
 

@@ -53,8 +53,9 @@ class Agent {
   /// The two halves, to be filled before `update`; a half owns its columns, so each may be filled on its own thread.
   [[nodiscard]] AgentBatch& half(int index) { return halves_[static_cast<std::size_t>(index)].batch; }
 
-  /// One gradient step on both halves: critics always, policy and targets every `policy_delay` steps.
-  UpdateStats update(Halves& halves, const ValueBounds& bounds);
+  /// One gradient step on both halves: critics always, policy and targets every `policy_delay` steps. Learning rates
+  /// are `rate_scale` times the config's.
+  UpdateStats update(Halves& halves, const ValueBounds& bounds, float rate_scale = 1);
 
   [[nodiscard]] std::int64_t gradient_steps() const { return gradient_steps_; }
   [[nodiscard]] float temperature() const;
@@ -77,8 +78,8 @@ class Agent {
 
   [[nodiscard]] bool soft() const { return config_.algorithm == Algorithm::kSac; }
   [[nodiscard]] bool has_critics() const { return config_.algorithm != Algorithm::kDagger; }
-  void update_critics(Halves& halves, const ValueBounds& bounds, bool targets_follow);
-  void update_policy(Halves& halves);
+  void update_critics(Halves& halves, const ValueBounds& bounds, float rate_scale, bool targets_follow);
+  void update_policy(Halves& halves, float rate_scale);
   void compute_targets(Half& half, int index, const ValueBounds& bounds) const;
   void choose_next_action(Half& half, int index) const;
   void compute_actor_gradient(Half& half, int index) const;
@@ -86,7 +87,7 @@ class Agent {
   void climb_value(Half& half, const Matrix<float>& action, float weight) const;
   void clone_expert(Half& half) const;
   void apply_actor(int part);
-  void follow_entropy();
+  void follow_entropy(float rate_scale);
 
   TrainerConfig config_;
   int state_dim_;

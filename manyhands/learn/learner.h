@@ -53,9 +53,18 @@ class Learner {
   /// Takes the gradient steps that are due.
   virtual void learn(const Collector& worlds, const InputNormaliser& normaliser, Halves& halves, LearnStats& stats) = 0;
 
+  /// From now on learning rates are `scale` times the config's.
+  void scale_rates(float scale) { rate_scale_ = scale; }
+
   /// All that `load` needs to go on exactly. Without the replay an off-policy learner begins to fill it anew.
   virtual void save(ArchiveWriter& out, bool with_replay) const = 0;
   virtual void load(ArchiveReader& in) = 0;
+
+ protected:
+  [[nodiscard]] float rate_scale() const { return rate_scale_; }
+
+ private:
+  float rate_scale_ = 1;
 };
 
 /// The learner that `config.algorithm` names, for the worlds of `envs`, which it may look at, and a network input of

@@ -10,8 +10,7 @@ OffPolicy::OffPolicy(const EnvSpec& spec, int num_worlds, int input_dim, const T
       privileged_(spec, config),
       replay_(spec, config.replay_capacity, config.wants_expert() ? spec.action_dim : 0, privileged_.dim(),
               config.replay_folder),
-      minibatch_(replay_.make_minibatch(config.batch_size,
-                                          {config.return_steps, static_cast<float>(config.gamma)})),
+      minibatch_(replay_.make_minibatch(config.batch_size, {config.return_steps, static_cast<float>(config.gamma)})),
       agent_(input_dim, spec.action_dim, config, privileged_.dim()),
       exploration_(agent_.actor(), config, 0, num_worlds) {}
 
@@ -38,7 +37,7 @@ void OffPolicy::learn(const Collector& worlds, const InputNormaliser& normaliser
     replay_.sample(worlds.envs(), {config_.hindsight_fraction, config_.success_terminates},
                    Random(config_.seed, Purpose::kSampling, static_cast<std::uint64_t>(gradient_steps())), minibatch_);
     halves.run([&](int half) { fill_half(normaliser, half); });
-    const UpdateStats update = agent_.update(halves, bounds);
+    const UpdateStats update = agent_.update(halves, bounds, rate_scale());
     if (!std::isfinite(update.critic_loss) || !std::isfinite(update.policy_q)) {
       throw DivergenceError("Trainer: training diverged after " + std::to_string(gradient_steps() - 1) +
                             " gradient steps (the loss is not finite); try smaller learning rates");

@@ -122,8 +122,8 @@ void PictureCloning::learn(const Collector& /*worlds*/, const InputNormaliser& n
   if (warming_up()) return;
   for (int i = 0; i < config_.updates_per_iteration; ++i) {
     halves.run([&](int half) { compute_gradient(normaliser, half); });
-    const float rate_scale = config_.rate_scale(gradient_steps());
-    for (Adam<float>& optimiser : optimisers_) optimiser.begin_step(rate_scale);
+    const float rates = rate_scale() * config_.rate_scale(gradient_steps());
+    for (Adam<float>& optimiser : optimisers_) optimiser.begin_step(rates);
     halves.run([&](int part) { apply(part); });
     if (!std::isfinite(halves_[0].loss + halves_[1].loss)) {
       throw std::runtime_error("Trainer: training diverged after " + std::to_string(gradient_steps() - 1) +

@@ -210,8 +210,8 @@ void Ppo::step(Halves& halves) {
   sum.log_std_gradient += other.log_std_gradient;
   const double norm = std::sqrt(squares[0] + squares[1] + static_cast<double>(sum.log_std_gradient.squaredNorm()));
   const auto scale = static_cast<float>(std::min(1.0, static_cast<double>(config_.max_gradient_norm) / (norm + 1e-6)));
-  const float rate_scale = config_.rate_scale(gradient_steps());
-  for (Adam<float>* adam : {&actor_optimiser_, &value_optimiser_, &log_std_optimiser_}) adam->begin_step(rate_scale);
+  const float rates = rate_scale() * config_.rate_scale(gradient_steps());
+  for (Adam<float>* adam : {&actor_optimiser_, &value_optimiser_, &log_std_optimiser_}) adam->begin_step(rates);
   halves.run([&](int part) {
     for_part(part, [&](Vector<float>& gradient, Vector<float>&, Vector<float>& parameters, Adam<float>& adam, int begin,
                        int end) {

@@ -92,7 +92,9 @@ class ReplayBuffer {
   void load(ArchiveReader& in);
 
  private:
-  [[nodiscard]] const float* row(std::size_t at) const { return data_.as<float>() + at * static_cast<std::size_t>(row_); }
+  [[nodiscard]] const float* row(std::size_t at) const {
+    return data_.as<float>() + at * static_cast<std::size_t>(row_);
+  }
   [[nodiscard]] const float* next_achieved(std::size_t at) const;
   [[nodiscard]] std::size_t later(std::size_t at, std::uint32_t steps) const;
   void copy(std::size_t at, int column, Minibatch& batch) const;

@@ -66,6 +66,14 @@ TrainMetrics Trainer::advance(int iterations) {
   return report(stats);
 }
 
+void Trainer::scale_rates(float scale) {
+  if (!(scale >= 0 && std::isfinite(scale))) {
+    throw std::invalid_argument("Trainer: learning rates cannot be " + std::to_string(scale) +
+                                " times what they were, expected a finite number that is not negative");
+  }
+  learner_->scale_rates(scale);
+}
+
 TrainMetrics Trainer::report(const LearnStats& stats) {
   metrics_.critic_loss = stats.critic_loss / std::max(stats.steps, 1);
   metrics_.q_mean = stats.q / std::max(stats.steps, 1);

@@ -70,6 +70,10 @@ class Trainer {
 
   [[nodiscard]] TrainMetrics metrics() const { return metrics_; }
 
+  /// From now on learning rates are `scale` times the config's: for schedules, which checkpoints know nothing of.
+  /// Throws std::invalid_argument unless it is finite and at least 0.
+  void scale_rates(float scale);
+
   /// Runs the noise-free policy for `episodes` episodes; episode k is the same whatever the size of `envs`: it starts
   /// from seed first_seed + k. Throws std::invalid_argument if `envs` is another kind of environment.
   [[nodiscard]] EvalResult evaluate(EnvBatch& envs, int episodes, std::uint64_t first_seed) const;

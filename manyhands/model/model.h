@@ -136,6 +136,7 @@ class Model {
 
  private:
   friend class ModelBuilder;
+  friend class ModelArchive;
   friend class ModelEdit;
 
   using NameIndex = std::map<std::string, int, std::less<>>;

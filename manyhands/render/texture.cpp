@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "manyhands/base/bytes.h"
 #include "manyhands/math/philox.h"
 
 namespace manyhands {
@@ -133,6 +134,25 @@ Image::Image(int width, int height, std::span<const std::uint8_t> rgb) {
     if (grid.width == 1 && grid.height == 1) break;
     grid = transposed(half_width(transposed(half_width(grid))));
   }
+}
+
+std::vector<std::uint8_t> Image::archived() const {
+  ByteWriter out;
+  out(levels_.size());
+  for (const Level& level : levels_) out(level.width, level.height, level.pixels);
+  return out.finish();
+}
+
+std::shared_ptr<const Image> Image::unarchived(std::span<const std::uint8_t> bytes) {
+  ByteReader in(bytes);
+  std::size_t levels = 0;
+  in(levels);
+  const std::shared_ptr<Image> image(new Image);
+  for (; levels > 0; --levels) {
+    Level& level = image->levels_.emplace_back();
+    in(level.width, level.height, level.pixels);
+  }
+  return image;
 }
 
 Lanes4 Image::mean_at(float u, float v, float pixels) const {

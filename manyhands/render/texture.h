@@ -21,6 +21,11 @@ class Image {
   /// and height lie between 1 and 4096 and `rgb` has as many numbers.
   Image(int width, int height, std::span<const std::uint8_t> rgb);
 
+  /// For another process of the same build.
+  [[nodiscard]] std::vector<std::uint8_t> archived() const;
+  /// Throws std::invalid_argument on damaged bytes.
+  [[nodiscard]] static std::shared_ptr<const Image> unarchived(std::span<const std::uint8_t> bytes);
+
   [[nodiscard]] int width() const { return levels_[0].width; }
   [[nodiscard]] int height() const { return levels_[0].height; }
 
@@ -29,6 +34,8 @@ class Image {
   [[nodiscard]] Lanes4 mean_at(float u, float v, float pixels) const;
 
  private:
+  Image() = default;
+
   /// The image at half the size of the one before.
   struct Level {
     int width, height;

@@ -1,11 +1,14 @@
 """Robot manipulation: thousands of arms simulated at once on an ordinary CPU, and policies learned from them."""
 
 from importlib import import_module
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from manyhands import collision, dynamics, envs, kinematics, planning, world_envs
+from manyhands.isa import VERSION, BuildInfo, build_info
+
+# isort: split
+# The build of the extension is chosen.
+from manyhands import collision, control, dynamics, envs, kinematics, perception, planning, world_envs
 from manyhands._core import (
     Actuator,
     Batch,
@@ -59,10 +62,7 @@ if TYPE_CHECKING:
 
     from manyhands import plots, recording, video
 
-try:
-    __version__ = version("manyhands")
-except PackageNotFoundError:  # run from a source tree
-    __version__ = "0"
+__version__ = VERSION
 
 _assets = Path(__file__).parent / "assets"
 if _assets.is_dir():
@@ -83,6 +83,7 @@ if not TYPE_CHECKING:  # a type checker knows all names as it is
 __all__ = [
     "Actuator",
     "Batch",
+    "BuildInfo",
     "Camera",
     "Compliance",
     "Contact",
@@ -118,7 +119,9 @@ __all__ = [
     "World",
     "__version__",
     "asset_path",
+    "build_info",
     "collision",
+    "control",
     "decompose",
     "decompose_model",
     "dynamics",
@@ -131,6 +134,7 @@ __all__ = [
     "load_sdf",
     "load_texture",
     "load_urdf",
+    "perception",
     "planning",
     "plots",
     "policy",

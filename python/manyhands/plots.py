@@ -1,6 +1,7 @@
 """Pictures of recorded runs, of trajectories and of workspaces, with one call."""
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -8,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import Model
+from manyhands.control.responses import StepResponse, step_response
 from manyhands.dynamics import rnea
 from manyhands.extras import needs
 from manyhands.files import replacing
@@ -96,6 +98,41 @@ def _trajectory_panels(
     if model is not None:
         drawn.append(Panel("Joint forces", "N m, N", names, rnea(model, *found), torque))
     return drawn
+
+
+def plot_step_response(
+    time: ArrayLike,
+    responses: Mapping[str, ArrayLike],
+    set_point: float,
+    out: str | Path,
+    *,
+    start: float | None = None,
+    tolerance: float = 0.02,
+) -> Path:
+    """Draws responses (n,) to a step over time (n,) [s], by their names, with the set point, the band of `tolerance`
+    about it, and rise time, overshoot and settling time in the legend. A PNG or an HTML page, as `plot`; raises as it
+    does, and as `step_response`."""
+    out = Path(out)
+    draw = _by_ending(out, _step_png, _step_html)
+    t = np.asarray(time, np.float64)
+    measured = {
+        f"{name}: {_measures(step_response(t, values, set_point, start=start, tolerance=tolerance))}": np.asarray(
+            values
+        )
+        for name, values in responses.items()
+    }
+    if not measured:
+        raise ValueError("there are no responses to draw")
+    begin = float(next(iter(measured.values()))[0]) if start is None else start
+    with needs("plots", "a plot"), replacing(out) as temporary:
+        draw(t, measured, set_point, abs(set_point - begin) * tolerance, temporary)
+    return out
+
+
+def _measures(found: StepResponse) -> str:
+    settled = f"settles in {found.settling_time:.3g} s" if math.isfinite(found.settling_time) else "does not settle"
+    risen = f"rises in {found.rise_time:.3g} s" if math.isfinite(found.rise_time) else "does not rise"
+    return f"{risen}, overshoots by {found.overshoot:.1%}, {settled}"
 
 
 def plot_workspace(found: Workspace, out: str | Path) -> Path:
@@ -205,6 +242,32 @@ def _html(time: Array, drawn: list[Panel], out: Path) -> None:
             figure.add_hline(limit, line=dashes, row=k // columns + 1, col=k % columns + 1)  # type: ignore[arg-type]
     figure.update_xaxes(title_text="t [s]", matches="x")
     figure.update_layout(height=max(320 * rows, 420), template="plotly_white", margin={"t": 50, "b": 30})
+    figure.write_html(out, include_plotlyjs=True)
+
+
+def _step_png(time: Array, responses: dict[str, Array], set_point: float, band: float, out: Path) -> None:
+    import matplotlib.figure
+
+    figure = matplotlib.figure.Figure(figsize=(9, 4.5), layout="constrained")
+    axis = figure.add_subplot()
+    axis.axhspan(set_point - band, set_point + band, color="0.9")
+    axis.axhline(set_point, color="0.4", linewidth=0.8, linestyle="--")
+    for (name, values), colour in zip(responses.items(), PALETTE, strict=False):
+        axis.plot(time, values, linewidth=1.4, label=name, color=colour)
+    axis.set(title="Step response", xlabel="t [s]")
+    axis.grid(alpha=0.3)
+    axis.legend(fontsize="small", loc="lower right")
+    figure.savefig(out, dpi=120)
+
+
+def _step_html(time: Array, responses: dict[str, Array], set_point: float, band: float, out: Path) -> None:
+    from plotly.graph_objects import Figure, Scatter
+
+    lines = [Scatter(x=time, y=values, name=name, mode="lines") for name, values in responses.items()]
+    figure = Figure(lines)
+    figure.add_hrect(set_point - band, set_point + band, line_width=0, fillcolor="black", opacity=0.08)
+    figure.add_hline(set_point, line={"width": 1, "dash": "dash"})
+    figure.update_layout(title="Step response", xaxis_title="t [s]", template="plotly_white", legend={"y": -0.2})
     figure.write_html(out, include_plotlyjs=True)
 
 

@@ -36,7 +36,7 @@ struct Driven {
       std::ranges::fill_n(state.tau(), model.nv(), 0.0);
       drive_arm(arm, system.tree, params, action.data(), state, ws.dynamics);
       forward_kinematics(system.tree, state.q(), ws.dynamics);
-      internal::add_hand_force(arm, push, ws.dynamics, state.tau());
+      add_frame_force(arm.chain.dofs, hand_in_tree(arm, ws.dynamics), push, ws.dynamics, state.tau());
       step(system, params, kStep, state, ws);
     }
   }

@@ -117,9 +117,9 @@ TEST(MakeAdviser, RemembersNothingAndSolvesFlipMostly) {
 /// A policy sees no joints, so its adviser has nothing but rows to go by: none of the batch's own state.
 TEST(MakeAdviser, DrivesJointsByWhatIsSeen) {
   constexpr int n = 100;
-  for (const Task& task : {Task{"PandaReachJoints-v3", 0.99}, Task{"PandaPushJoints-v3", 0.95},
-                           Task{"PandaPickAndPlaceJoints-v3", 0.99}, Task{"PandaStackJoints-v3", 0.94},
-                           Task{"PandaSlideJoints-v3", 0.4}, Task{"PandaFlipJoints-v3", 0.5}}) {
+  for (const Task& task :
+       {Task{"PandaReachJoints-v3", 0.99}, Task{"PandaPushJoints-v3", 0.95}, Task{"PandaPickAndPlaceJoints-v3", 0.99},
+        Task{"PandaStackJoints-v3", 0.94}, Task{"PandaSlideJoints-v3", 0.4}, Task{"PandaFlipJoints-v3", 0.5}}) {
     const auto envs = make_env_batch(task.id, n);
     const auto adviser = make_adviser(task.id);
     const auto failures = std::ranges::count(play(*envs, *adviser, 7000), 0);

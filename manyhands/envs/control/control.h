@@ -7,6 +7,7 @@
 // their velocity is damped by 1 N m s/rad. Fingers are moved by motors always.
 #pragma once
 
+#include "manyhands/control/pid.h"
 #include "manyhands/envs/control/impedance.h"
 #include "manyhands/physics/dynamics/rnea.h"
 
@@ -86,13 +87,16 @@ void drive_arm(const Arm& arm, const Tree<real_t<T>>& tree, const Params<P>& par
   T* tau = state.tau();
   for (const std::size_t i : arm.joints) tau[i] = ws.bias[i];
   if (arm.control == ArmControl::kImpedance) {
-    internal::add_hand_force(arm, internal::spring_force(arm, goal, ws), ws, tau);
+    const Transform<T> X_WF = frame_pose(arm.chain.body, broadcast<R>(arm.chain.X_BF), ws);
+    const std::size_t b = arm.chain.body.index();
+    const Motion<T> V = at_point(ws.V[b], X_WF.p - ws.p_WO[b]);
+    add_frame_force(arm.chain.dofs, hand_in_tree(arm, ws), impedance_force(arm.impedance, goal, X_WF, V), ws, tau);
   }
   for (std::size_t k = 0; k < arm.joints.size(); ++k) {
     const T most(static_cast<R>(arm.max_force[k])), unit(static_cast<R>(0.1 * arm.max_force[k]));
     T& force = tau[arm.joints[k]];
     if (arm.control == ArmControl::kJointTorque) force = fma(unit, clamp(action[k], -one, one), force);
-    force = clamp(force, -most, most);
+    force = limited(force, most);
   }
 }
 

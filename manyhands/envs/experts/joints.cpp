@@ -18,9 +18,7 @@ JointsExpert::JointsExpert(std::unique_ptr<Expert> hand_expert)
       ws_(tree_),
       q_(static_cast<std::size_t>(panda_.model.nq())) {}
 
-int JointsExpert::action_dim() const {
-  return experts::joint_action_dim(panda_.arm, *hand_expert_);
-}
+int JointsExpert::action_dim() const { return experts::joint_action_dim(panda_.arm, *hand_expert_); }
 
 void JointsExpert::act(std::span<const float> /*observation*/, std::span<const float> /*desired_goal*/,
                        std::span<float> /*action*/) {

@@ -60,6 +60,16 @@ struct ContactProblem {
     equalities.reserve(of.equality_rows / 3);
   }
 
+  /// Takes out contacts and equality constraints; what joints ask for stays.
+  void clear_constraints() {
+    patches.clear();
+    points.clear();
+    torsions.clear();
+    equalities.clear();
+    rows.clear();
+    std::fill_n(joints.constrained.begin(), tree->nv, constant<T>(0));
+  }
+
   [[nodiscard]] const T* M() const { return dynamics->M.data(); }
   [[nodiscard]] bool only_joints() const { return points.empty() && equalities.empty(); }
 

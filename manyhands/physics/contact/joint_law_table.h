@@ -155,7 +155,7 @@ MANYHANDS_INLINE T first_drive_state(T last, T last_dv, std::size_t i, const Joi
   const T place = first_state(select(rested, target, old.place), last_dv, i, laws);
   const T against = select(laws.stop[i] > zero, rubs, select(laws.stop[i] < zero, -rubs, zero));
   const T offset = select(old.push == zero, against, old.push * rubs);
-  const auto rests = rested | (offset == zero), at_limit = abs(place) > constant<T>(1);
+  const mask_t<T> rests = rested | (offset == zero), at_limit = abs(place) > constant<T>(1);
   const T rubbing = select(at_limit, place, select(rests, stuck, place + offset));
   return select(laws.friction[i] > zero, rubbing, place);
 }

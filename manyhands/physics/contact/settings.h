@@ -23,6 +23,9 @@ struct SolverTraits<double> {
   static constexpr SolverSettings kDefaults{};
   /// The least that is divided by: 1 / kSmallest is still far from overflow.
   static constexpr double kSmallest = 1e6 * std::numeric_limits<double>::min();
+  /// Whether points that a step hardly reaches are left out of it: see far_points.h. In a block of worlds each has
+  /// others.
+  static constexpr bool kLeavesOut = true;
   /// Newton's method takes over where Gauss-Seidel has a long tail. It needs double: r = 1e-7 of the effective mass.
   static constexpr bool kRefines = true;
   /// Iterations between two looks at the joints: contacts that have not converged mislead them.
@@ -53,6 +56,7 @@ template <>
 struct SolverTraits<float> {
   static constexpr SolverSettings kDefaults{.max_iterations = 10, .tolerance = 1e-6};
   static constexpr double kSmallest = 1e6 * std::numeric_limits<float>::min();
+  static constexpr bool kLeavesOut = false;
   static constexpr bool kRefines = false;
   static constexpr int kIterationsPerLook = 2;
   static constexpr int kSlideSteps = 1;
@@ -80,6 +84,8 @@ inline constexpr double kMaxMocapRecovery = 1;
 /// Surfaces this near count as touching [m], all alike. Without it the corners of a resting or gripped box, whose
 /// distances differ by microns, would take turns in carrying it: on one corner a thing turns.
 inline constexpr double kTouching = 3e-5;
+/// Points farther apart than this [m] once the step has been taken need not take part in it.
+inline constexpr double kFar = 1e-4;
 /// The most that the curvature of a path counts for in a step [m/s]: where it were more, the step is too long to
 /// follow.
 inline constexpr double kMaxArc = 0.1;
@@ -181,7 +187,8 @@ inline constexpr double kNewtonShare = 2, kLittleWork = 2e7, kFewestFactorisatio
 inline constexpr double kPointWork = 100;
 /// Iterations that reduce the logarithm of the violation by less from look to look gain too little.
 inline constexpr double kMinGain = 0.3;
-/// Iterations that reduce it by more go on until they have converged, where the violation is no longer worth it.
+/// Iterations that reduce it by more go on until they have converged, where the violation is no longer worth it, unless
+/// what overlaps is asked to part: that is not known so precisely.
 inline constexpr double kFastGain = 2;
 /// An outer step that divides the violation by less gains little.
 inline constexpr double kMinNewtonGain = 3;

@@ -1,4 +1,4 @@
-// Lends BatchDynamics objects of one model to any number of threads.
+// Lends objects with scratch of their own, of one model, to any number of threads.
 #pragma once
 
 #include <mutex>
@@ -8,44 +8,47 @@
 namespace manyhands {
 
 /// Keeps the scratch of past calls for the next: a call allocates only when more threads call at once than ever before,
-/// or with a width not used before. The model must outlive the pool.
-template <Real R>
-class DynamicsPool {
+/// or with a width not used before. An Object is made from a model and a width. The model must outlive the pool.
+template <class Object>
+class ModelPool {
  public:
-  explicit DynamicsPool(const Model& model) : model_(&model) {}
+  explicit ModelPool(const Model& model) : model_(&model) {}
 
-  /// Calls `body(dynamics)` with an object of this width that no other thread uses. Throws as BatchDynamics does.
+  /// Calls `body(object)` with one of this width that no other thread uses. Throws as making an Object does.
   template <class Body>
   void use(int width, Body&& body) {
-    BatchDynamics<R> dynamics = take(width);
-    body(dynamics);
+    Object object = take(width);
+    body(object);
     const std::scoped_lock lock(mutex_);
-    idle_.push_back({width, std::move(dynamics)});
+    idle_.push_back({width, std::move(object)});
   }
 
  private:
   struct Idle {
     int width;
-    BatchDynamics<R> dynamics;
+    Object object;
   };
 
-  BatchDynamics<R> take(int width) {
+  Object take(int width) {
     {
       const std::scoped_lock lock(mutex_);
       for (Idle& idle : idle_) {
         if (idle.width != width) continue;
         std::swap(idle, idle_.back());
-        BatchDynamics<R> dynamics = std::move(idle_.back().dynamics);
+        Object object = std::move(idle_.back().object);
         idle_.pop_back();
-        return dynamics;
+        return object;
       }
     }
-    return BatchDynamics<R>(*model_, width);
+    return Object(*model_, width);
   }
 
   const Model* model_;
   std::mutex mutex_;
   std::vector<Idle> idle_;
 };
+
+template <Real R>
+using DynamicsPool = ModelPool<BatchDynamics<R>>;
 
 }  // namespace manyhands

@@ -8,6 +8,7 @@
 #include "manyhands/math/instantiate.h"
 #include "manyhands/physics/collision/broad/pair_finder.h"
 #include "manyhands/physics/contact/assemble.h"
+#include "manyhands/physics/contact/far_points.h"
 #include "manyhands/physics/contact/warm_start.h"
 #include "manyhands/physics/dynamics/aba.h"
 #include "manyhands/physics/dynamics/crba.h"
@@ -48,6 +49,7 @@ struct StepWorkspace {
   CollisionWorkspace<T> collision;
   std::optional<PairFinder<real_t<T>>> finder;  ///< of a large world
   std::vector<real_t<T>> old_cache;             ///< scratch of a large world
+  FarPoints<real_t<T>> far_points;              ///< where steps leave some out
   ContactSolver<T> contact;
   std::vector<T> resting;  ///< (nb) 1 where something holds the body up
 };
@@ -180,6 +182,29 @@ MANYHANDS_INLINE std::span<const ColliderPair> find_touches(const Colliders<real
   return pairs;
 }
 
+/// Solves contacts, equality constraints and joints together, from where the last step ended: dv and all impulses.
+/// Begins anew where that reaches points that were left out.
+template <Number T, Number P>
+MANYHANDS_INLINE void solve_constraints(const System<real_t<T>>& system, std::span<const ColliderPair> pairs,
+                                        const Params<P>& params, real_t<T> h, const State<T>& state,
+                                        StepWorkspace<T>& ws) {
+  ContactSolver<T>& contact = ws.contact;
+  std::vector<Touch<T>>& touches = ws.collision.touches;
+  if constexpr (SolverTraits<real_t<T>>::kLeavesOut)
+    leave_out_far_points(system.tree, system.colliders, pairs, ws.dynamics, h, state.dv(), touches, ws.far_points);
+  for (;;) {
+    assemble_constraints(system.colliders, pairs, params, h, state, ws.collision, ws.dynamics, contact);
+    warm_start(contact.problem, std::span<const Touch<T>>(touches), state, contact.iterate);
+    solve(system.solver, contact);
+    if constexpr (SolverTraits<real_t<T>>::kLeavesOut) {
+      if (take_in_reached_points(system.tree, system.colliders, pairs, ws.dynamics, h, contact.iterate.dv.data(),
+                                 touches, ws.far_points))
+        continue;
+    }
+    return;
+  }
+}
+
 /// Advances the state by h [s]: semi-implicit Euler at the velocity level; contacts, motors, limits and damping are
 /// implicit.
 template <Number T, Number P>
@@ -198,14 +223,12 @@ void step(const System<real_t<T>>& system, const Params<P>& params, real_t<T> h,
   bound_tumbling(tree, T(h), ws.dynamics);
   const std::span<const ColliderPair> pairs = find_touches(colliders, params, h, state, ws);  // 2 collision
   ContactSolver<T>& contact = ws.contact;
-  assemble(tree, colliders, pairs, params, h, state, ws.collision, ws.dynamics, contact);  // 3 the constrained problem
-  const std::span<const Touch<T>> touches(ws.collision.touches);
-  warm_start(contact.problem, touches, state, contact.iterate);               // 4 its first iterate
-  solve(system.solver, contact);                                              // 5 its solution
-  store_warm_start(contact.problem, contact.iterate, state);                  // 6 where the next step begins
-  add_velocity_change(state, static_cast<std::size_t>(tree.nv));              // 7 velocities
-  integrate_configuration(tree, state.v(), T(h), state.q(), state.q_rest());  // 8 positions
-  advance_activations(tree, h, state);                                        // 9 what becomes of commands
+  assemble_joints(tree, params, h, state, ws.dynamics, contact);              // 3 the laws of joints
+  solve_constraints(system, pairs, params, h, state, ws);                     // 4 their solution, with all constraints
+  store_warm_start(contact.problem, contact.iterate, state);                  // 5 where the next step begins
+  add_velocity_change(state, static_cast<std::size_t>(tree.nv));              // 6 velocities
+  integrate_configuration(tree, state.v(), T(h), state.q(), state.q_rest());  // 7 positions
+  advance_activations(tree, h, state);                                        // 8 what becomes of commands
   correct_free_fall(tree, params, h, contact, ws.resting, state);
 }
 

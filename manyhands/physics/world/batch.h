@@ -88,6 +88,11 @@ class Batch {
   /// Throws std::invalid_argument if the snapshot is not of a batch of this size, model and time step, or holds numbers
   /// that cannot be; then nothing has changed.
   void restore(std::span<const std::uint8_t> snapshot, std::span<const std::uint8_t> mask = {});
+  /// The whole batch for another process of the same build: its model, settings of the solver and snapshot.
+  [[nodiscard]] std::vector<std::uint8_t> archived() const;
+  /// A batch that goes on with the same bits, in lanes that this build has. Throws std::invalid_argument on damaged
+  /// bytes.
+  [[nodiscard]] static Batch unarchived(std::span<const std::uint8_t> bytes);
   /// FNV-1a over the bits of what a snapshot holds of each world, in order.
   [[nodiscard]] std::uint64_t state_hash() const;
   [[nodiscard]] std::span<const std::uint8_t> flags() const;  ///< (n) see BatchFlag

@@ -142,6 +142,10 @@ class World {
   /// Throws std::invalid_argument if the snapshot is not of a world with this model and time step, or holds numbers
   /// that cannot be; then nothing has changed. What the last step found (contacts, reactions) is forgotten.
   void restore(std::span<const std::uint8_t> snapshot);
+  /// The whole world for another process of the same build: its model, report, settings of the solver and snapshot.
+  [[nodiscard]] std::vector<std::uint8_t> archived() const;
+  /// A world that goes on with the same bits. Throws std::invalid_argument on damaged bytes.
+  [[nodiscard]] static World unarchived(std::span<const std::uint8_t> bytes);
   /// Starts the clock anew and forgets the solver's warm start: what follows depends on q, v, act, forces and
   /// commands alone.
   void forget();

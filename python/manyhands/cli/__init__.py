@@ -7,9 +7,10 @@ from collections.abc import Sequence
 
 from manyhands._core.envs import env_ids, make_env_batch
 from manyhands._core.learn import CheckpointError, DivergenceError
-from manyhands.cli import clone, compare, convert, demos, evaluate, record, sweep, train, view
+from manyhands.cli import clone, compare, convert, demos, doctor, evaluate, record, sweep, train, view
 from manyhands.extras import install_extra
 from manyhands.interrupts import INTERRUPTED
+from manyhands.isa import VERSION
 
 _EXAMPLES = """\
 start here:
@@ -48,6 +49,10 @@ _COMMANDS = (
         "demos", demos, "a dataset of episodes", "Writes episodes of a scripted expert, or of a policy, as a dataset.",
     ),
     ("clone", clone, "learn a policy from a dataset", "Learns to do what the episodes of a dataset show."),
+    (
+        "doctor", doctor, "what is installed, and whether it works",
+        "Says what is installed and what it runs on, and checks in a few seconds whether it works.",
+    ),
 )  # fmt: skip
 
 
@@ -64,6 +69,7 @@ def _parser() -> argparse.ArgumentParser:
         )
         module.add_arguments(command)
         command.set_defaults(run=module.run)
+    parser.add_argument("--version", action="version", version=f"manyhands {VERSION}")
     commands.add_parser("envs", help="list the environments").set_defaults(run=_envs)
     return parser
 

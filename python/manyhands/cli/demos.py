@@ -39,7 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("env", metavar="ENV", help="environment, with or without its version")
     parser.add_argument("-n", "--episodes", type=int, default=100, metavar="N", help="default: 100")
     parser.add_argument("--seed", type=int, default=0, help="of the first episode; the others count up")
-    parser.add_argument("--format", choices=FORMATS, default="minari", help="default: minari")
+    parser.add_argument("--format", choices=FORMATS, help="default: npz if --out ends so, else minari")
     parser.add_argument(
         "--out", type=Path, metavar="PATH",
         help="default: datasets/ENV/expert-v0 for Minari, ENV-lerobot or ENV.npz for the others",
@@ -68,7 +68,8 @@ def run(arguments: argparse.Namespace) -> int:
     seed = whole_number("--seed", arguments.seed, 0, 2**63)
     if not (math.isfinite(arguments.noise) and arguments.noise >= 0):
         raise ValueError(f"--noise is {arguments.noise}, expected 0 or more")
-    out = arguments.out or _default_path(named, arguments.format, arguments.policy)
+    out = arguments.out or _default_path(named, arguments.format or "minari", arguments.policy)
+    format = arguments.format or ("npz" if out.suffix == ".npz" else "minari")
     require_new(out, arguments.force)
     env = _vector_env(named, min(wanted, _SEEN_WORLDS if arguments.cameras else _WORLDS), arguments.threads)
     episodes = collect(
@@ -83,12 +84,12 @@ def run(arguments: argparse.Namespace) -> int:
         episodes, f"Recording {named.id}", total=wanted, console=console, transient=True,
         disable=not console.is_terminal,
     )  # fmt: skip
-    write(arguments.format, tally.count(shown), source, out, arguments.force)
+    write(format, tally.count(shown), source, out, arguments.force)
     print(
         f"manyhands: {tally.episodes} {'episode is' if tally.episodes == 1 else 'episodes are'} in {out} "
         f"({tally.steps:,} steps, success {tally.successes / tally.episodes:.1%}, {time.perf_counter() - begin:.1f} s)"
     )
-    print(f"  load them:        {_loading(arguments.format, out)}\n  learn from them:  manyhands clone {out}")
+    print(f"  load them:        {_loading(format, out)}\n  learn from them:  manyhands clone {out}")
     return 0
 
 

@@ -14,8 +14,7 @@ from manyhands.env_names import resolve_env_id
 from manyhands.interrupts import INTERRUPTED
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
+    from manyhands.training.console import Console
     from manyhands.training.recipe import Recipe
     from manyhands.training.run import Outcome, TrainingRun
     from manyhands.training.run_folder import RunFolder
@@ -80,10 +79,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Learns, measures what was learned, and says where it is."""
-    from rich.console import Console
+    from manyhands.training.console import make_console
 
     _check_numbers(arguments)
-    console = Console()
+    console = make_console()
     prepare = _prepare_new if arguments.resume is None else _prepare_resumed
     settings, begin = prepare(arguments)
     if arguments.ray is None:
@@ -108,6 +107,7 @@ def _check_numbers(arguments: argparse.Namespace) -> None:
 def _prepare_new(arguments: argparse.Namespace) -> "tuple[TrainSettings, _Begin]":
     """Settings that make sense, and what begins the run."""
     from manyhands.training.announcement import announce
+    from manyhands.training.optional import left_out
     from manyhands.training.randomization import randomized
     from manyhands.training.run import TrainingRun
     from manyhands.training.run_folder import RunFolder
@@ -129,6 +129,7 @@ def _prepare_new(arguments: argparse.Namespace) -> "tuple[TrainSettings, _Begin]
     def begin(settings: "TrainSettings") -> "tuple[TrainingRun, str]":
         folder = RunFolder.create(arguments.runs, settings)
         lines = [f"Training {settings.env_id}, seed {settings.seed}: {folder.path}", *announce(recipe, settings)]
+        lines += left_out()
         return TrainingRun(folder, settings), "\n".join(lines)
 
     return settings, begin
@@ -225,22 +226,30 @@ def _summarise(outcome: "Outcome", folder: "RunFolder", seed: int, ray: str | No
             *([f"It waited {outcome.waited_seconds:.1f} s for its workers."] if outcome.waited_seconds else []),
             "",
             f"In {folder.path}:",
-            f"  {folder.curve.name:<20} how it went, as a picture",
-            f"  {folder.metrics.name:<20} and as numbers (also as TensorBoard events)",
-            f"  {folder.policy.name:<20} the policy, for onnxruntime",
-            f"  {folder.evaluation.name:<20} success, return and length",
-            f"  {folder.checkpoint.name:<20} to go on from",
-            *([f"  {folder.randomization.name:<20} success over each range"] if folder.randomization.exists() else []),
+            *(f"  {file.name:<20} {what}" for file, what in _files(folder).items() if file.exists()),
             "",
             "Next:",
-            f"  {program} evaluate {path}",
-            f"  {program} view {result.env_id} --policy {path}",
-            f"  {program} train {result.env_id} --seed {seed + 1}{with_ray}",
-            f"  {_program('tensorboard')} --logdir {shlex.quote(str(folder.path.parent))}",
         ]
+        if folder.policy.exists():
+            lines += [f"  {program} evaluate {path}", f"  {program} view {result.env_id} --policy {path}"]
+        lines.append(f"  {program} train {result.env_id} --seed {seed + 1}{with_ray}")
+        if any(folder.path.glob("events.*")):
+            lines.append(f"  {_program('tensorboard')} --logdir {shlex.quote(str(folder.path.parent))}")
         if not outcome.solved:
             lines.append(f"  {program} train --resume {path}{with_ray} --max-steps {2 * outcome.env_steps}")
     say("\n".join(lines), highlight=False, markup=False, soft_wrap=True)
+
+
+def _files(folder: "RunFolder") -> dict[Path, str]:
+    """What each file of a run is."""
+    return {
+        folder.curve: "how it went, as a picture",
+        folder.metrics: "how it went, as numbers",
+        folder.policy: "the policy, for onnxruntime",
+        folder.evaluation: "success, return and length",
+        folder.checkpoint: "to go on from",
+        folder.randomization: "success over each range",
+    }
 
 
 def _program(name: str) -> str:

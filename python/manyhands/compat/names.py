@@ -14,6 +14,7 @@ NAMES = {
     "pybullet_utils": "manyhands.pybullet_utils",
     "panda_gym": "manyhands.panda_gym",
     "gym": "manyhands.gym",
+    "ManipulaPy": "manyhands.manipulapy",
 }
 """What `install_as` knows, and the modules that they then stand for."""
 
@@ -25,8 +26,9 @@ def install_as(*names: str) -> None:
     """From now on `import pybullet`, for example, gives this package's module, in all of the program; what lies below a
     name, as pybullet_utils.bullet_client, does too. Call it before anything imports these names.
 
-    names: of "pybullet", "pybullet_data", "pybullet_utils", "panda_gym" and "gym"; all five if none is given. Nothing
-    is imported yet. Raises ValueError on another name, and ImportError if one has been imported from elsewhere.
+    names: of "pybullet", "pybullet_data", "pybullet_utils", "panda_gym", "gym" and "ManipulaPy"; all six if none is
+    given. Nothing is imported yet. Raises ValueError on another name, and ImportError if one has been imported from
+    elsewhere.
     """
     names = names or tuple(NAMES)
     for name in names:

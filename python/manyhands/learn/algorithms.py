@@ -5,8 +5,12 @@ the return, and in goal environments hindsight replay is on (`hindsight_fraction
 """
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from manyhands.learn.course import Schedule
 from manyhands.learn.model import Model
 from manyhands.learn.worlds import AnyEnv
 
@@ -24,6 +28,8 @@ def network(policy: str, policy_kwargs: PolicyArguments, layers: list[int], acti
         if not shapes or any(one != shapes[0] for one in shapes):
             raise ValueError(f"net_arch is {shape!r}, but policy and critics have layers of the same sizes here")
         shape = shapes[0]
+    if isinstance(shape, str) or not all(isinstance(units, int | np.integer) for units in shape):
+        raise ValueError(f"net_arch is {shape!r}, expected the units of each layer, for example [256, 256]")
     chosen = given.pop("activation_fn", activation)
     name = (chosen if isinstance(chosen, str) else getattr(chosen, "__name__", str(chosen))).lower()
     if name not in ("relu", "tanh"):
@@ -42,7 +48,6 @@ def _number(name: str, value: Any) -> float:
 def _off_policy(
     gradient_steps: int,
     train_freq: int,
-    learning_rate: float,
     buffer_size: int,
     learning_starts: int,
     batch_size: int,
@@ -56,8 +61,6 @@ def _off_policy(
     if train_freq != 1:
         raise ValueError(f"train_freq is {train_freq!r}: training follows every step here; set gradient_steps instead")
     return {
-        "actor_learning_rate": _number("learning_rate", learning_rate),
-        "critic_learning_rate": _number("learning_rate", learning_rate),
         "replay_capacity": buffer_size,
         "warmup_transitions": max(learning_starts, 1),
         "batch_size": batch_size,
@@ -78,7 +81,7 @@ class PPO(Model):
         self,
         policy: str,
         env: AnyEnv,
-        learning_rate: float = 3e-4,
+        learning_rate: float | Schedule = 3e-4,
         n_steps: int | None = None,
         batch_size: int = 64,
         n_epochs: int = 10,
@@ -94,17 +97,15 @@ class PPO(Model):
         n_envs: int | None = None,
         num_threads: int | None = None,
         seed: int = 0,
+        tensorboard_log: str | Path | None = None,
         verbose: int = 0,
     ) -> None:
         """n_steps: of each world between updates; None makes 2048 transitions of all worlds together.
 
         n_envs: worlds; None is one, or 64 where they run in C++.
         """
-        rate = _number("learning_rate", learning_rate)
         settings = {
             "algorithm": "PPO",
-            "actor_learning_rate": rate,
-            "critic_learning_rate": rate,
             "batch_size": batch_size,
             "epochs": n_epochs,
             "gamma": gamma,
@@ -118,7 +119,7 @@ class PPO(Model):
         }
         if n_steps is not None:
             settings["rollout_steps"] = n_steps
-        super().__init__(env, settings, n_envs, num_threads, seed, verbose)
+        super().__init__(env, settings, n_envs, num_threads, seed, verbose, learning_rate, tensorboard_log)
 
 
 class SAC(Model):
@@ -128,7 +129,7 @@ class SAC(Model):
         self,
         policy: str,
         env: AnyEnv,
-        learning_rate: float = 3e-4,
+        learning_rate: float | Schedule = 3e-4,
         buffer_size: int = 1_000_000,
         learning_starts: int = 100,
         batch_size: int = 256,
@@ -146,6 +147,7 @@ class SAC(Model):
         n_envs: int | None = None,
         num_threads: int | None = None,
         seed: int = 0,
+        tensorboard_log: str | Path | None = None,
         verbose: int = 0,
         **more: Any,
     ) -> None:
@@ -157,7 +159,6 @@ class SAC(Model):
         shared = _off_policy(
             gradient_steps,
             train_freq,
-            learning_rate,
             buffer_size,
             learning_starts,
             batch_size,
@@ -172,16 +173,25 @@ class SAC(Model):
             "num_critics": 2,
             "exploration_noise": 0.0,
             **_temperature(ent_coef),
-            "target_entropy": 0.0 if target_entropy == "auto" else float(target_entropy),
+            "target_entropy": _target_entropy(target_entropy),
             **shared,
             **network(policy, policy_kwargs, [256, 256], "relu"),
             **self._own_settings(**more),
         }
-        super().__init__(env, settings, n_envs, num_threads, seed, verbose)
+        super().__init__(env, settings, n_envs, num_threads, seed, verbose, learning_rate, tensorboard_log)
 
-    def _own_settings(self) -> dict[str, Any]:
-        """Settings of a kin of SAC."""
+    def _own_settings(self, **more: Any) -> dict[str, Any]:
+        """Settings of a kin of SAC. Raises TypeError on arguments that there are none of."""
+        if more:
+            raise TypeError(f"{type(self).__name__} has no argument {', '.join(more)}")
         return {}
+
+
+def _target_entropy(target_entropy: float | str) -> float:
+    try:
+        return 0.0 if target_entropy == "auto" else float(target_entropy)
+    except ValueError as error:
+        raise ValueError(f"target_entropy is {target_entropy!r}, expected a number or 'auto'") from error
 
 
 def _temperature(ent_coef: float | str) -> dict[str, Any]:
@@ -199,9 +209,9 @@ class TQC(SAC):
     arguments: top_quantiles_to_drop_per_net, n_quantiles, n_critics."""
 
     def _own_settings(
-        self, top_quantiles_to_drop_per_net: int = 2, n_quantiles: int = 25, n_critics: int = 2
+        self, top_quantiles_to_drop_per_net: int = 2, n_quantiles: int = 25, n_critics: int = 2, **more: Any
     ) -> dict[str, Any]:
-        return {
+        return super()._own_settings(**more) | {
             "num_critics": n_critics,
             "num_quantiles": n_quantiles,
             "dropped_quantiles": top_quantiles_to_drop_per_net,
@@ -215,7 +225,7 @@ class TD3(Model):
         self,
         policy: str,
         env: AnyEnv,
-        learning_rate: float = 1e-3,
+        learning_rate: float | Schedule = 1e-3,
         buffer_size: int = 1_000_000,
         learning_starts: int = 100,
         batch_size: int = 256,
@@ -236,6 +246,7 @@ class TD3(Model):
         n_envs: int | None = None,
         num_threads: int | None = None,
         seed: int = 0,
+        tensorboard_log: str | Path | None = None,
         verbose: int = 0,
     ) -> None:
         """action_noise: the standard deviation of normal noise on actions of [-1, 1].
@@ -245,7 +256,6 @@ class TD3(Model):
         shared = _off_policy(
             gradient_steps,
             train_freq,
-            learning_rate,
             buffer_size,
             learning_starts,
             batch_size,
@@ -265,13 +275,13 @@ class TD3(Model):
             **shared,
             **network(policy, policy_kwargs, [400, 300], "relu"),
         }
-        super().__init__(env, settings, n_envs, num_threads, seed, verbose)
+        super().__init__(env, settings, n_envs, num_threads, seed, verbose, learning_rate, tensorboard_log)
 
 
 class DDPG(TD3):
     """Deep deterministic policy gradient (Lillicrap et al., 2016): TD3 without its three additions."""
 
-    def __init__(self, policy: str, env: AnyEnv, learning_rate: float = 1e-3, **more: Any) -> None:
+    def __init__(self, policy: str, env: AnyEnv, learning_rate: float | Schedule = 1e-3, **more: Any) -> None:
         """Arguments as TD3's, but for those of its additions."""
         plain = {"policy_delay": 1, "target_policy_noise": 0.0, "n_critics": 1}
         for name in plain.keys() & more.keys():

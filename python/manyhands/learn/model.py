@@ -10,6 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
 
+import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,6 +19,7 @@ from manyhands.arguments import whole_number
 from manyhands.extras import needs
 from manyhands.files import replacing
 from manyhands.interrupts import Interrupts
+from manyhands.learn.course import Log, Schedule, first_rate, rate_at
 from manyhands.learn.worlds import AnyEnv, make_worlds
 from manyhands.training.settings import override
 
@@ -42,18 +44,29 @@ class Model:
         num_threads: int | None,
         seed: int,
         verbose: int,
+        learning_rate: float | Schedule,
+        tensorboard_log: str | Path | None,
     ) -> None:
         """`settings` are the trainer's. Raises ValueError on those that make no sense."""
+        rate = first_rate(learning_rate)
+        settings = settings | {"actor_learning_rate": rate, "critic_learning_rate": rate}
         self._worlds = make_worlds(env, n_envs, num_threads)
-        self._settings = dict(settings)
+        self._settings = settings
+        self.learning_rate = learning_rate
+        """A number, or a function of what is left of the training, from 1 down to 0. May be set between trainings."""
+        self.present_rate = rate
+        """What the learning rate is now."""
+        self.tensorboard_log = None if tensorboard_log is None else Path(tensorboard_log)
+        """The folder of TensorBoard's events, None for no such."""
         self.verbose = verbose
         self.seed = whole_number("seed", seed, 0, 2**63 - 1)
         batch = self._worlds.batch
         if settings["algorithm"] == "PPO" and "rollout_steps" not in settings:
             self._settings["rollout_steps"] = max(_ROLLOUT // batch.num_envs, 1)
-        if batch.spec.goal_dim == 0:
+        if not self.has_goals:
             self._settings["hindsight_fraction"] = 0.0
         if "replay_capacity" in settings:
+            whole_number("buffer_size", settings["replay_capacity"], 1)
             self._settings["replay_capacity"] = max(settings["replay_capacity"], batch.spec.max_episode_steps)
         self._trainer = Trainer(batch, None, self._config(num_threads))
 
@@ -78,6 +91,11 @@ class Model:
         return self.metrics.env_steps
 
     @property
+    def has_goals(self) -> bool:
+        """Whether the environment has goals, and knows whether they are reached."""
+        return self._worlds.batch.spec.goal_dim > 0
+
+    @property
     def metrics(self) -> TrainMetrics:
         """Where training stands."""
         return self._trainer.metrics()
@@ -93,27 +111,32 @@ class Model:
         callback: Callback | None = None,
         progress_bar: bool = False,
         reset_num_timesteps: bool = False,
+        tb_log_name: str | None = None,
     ) -> _M:
         """Trains for `total_timesteps` more steps of all worlds together, rounded up to whole steps of every world.
 
         callback: called with the model after each step of the worlds; False ends the training.
-        reset_num_timesteps: must be False; steps are counted on.
+        reset_num_timesteps: must be False; steps are counted on, and of schedules what was trained before is done.
+        tb_log_name: of this training in the folder `tensorboard_log`; None is the algorithm's.
 
         Ctrl-C ends it after the present step, and the model can be saved. Raises RuntimeError if networks diverge.
         """
         if reset_num_timesteps:
             raise ValueError("reset_num_timesteps is True: steps are always counted on; make a new model instead")
         left = math.ceil(whole_number("total_timesteps", total_timesteps, 0, 2**62) / self.n_envs)
+        end = self.num_timesteps + left * self.n_envs
         piece, last_line = 1, time.monotonic()
-        with Interrupts() as interrupts, _Bar(progress_bar, total_timesteps) as bar:
+        log = Log(self.tensorboard_log, tb_log_name or type(self).__name__)
+        with Interrupts() as interrupts, log, _Bar(progress_bar, total_timesteps) as bar:
             while left > 0:
                 begin = time.perf_counter()
+                self._set_rate(1 - self.num_timesteps / end)
                 self._trainer.advance(min(piece, left))
                 left -= min(piece, left)
-                if callback is not None:
-                    if callback(self) is False:
-                        break
-                else:
+                log.add(self, last=left == 0)
+                if callback is not None and callback(self) is False:
+                    break
+                if callback is None and not callable(self.learning_rate):
                     elapsed = max(time.perf_counter() - begin, 1e-6)
                     piece = max(1, round(piece * min(_SECONDS_PER_PIECE / elapsed, 2.0)))
                 bar.show(self)
@@ -123,6 +146,11 @@ class Model:
                 if interrupts.requested:
                     raise KeyboardInterrupt
         return self
+
+    def _set_rate(self, left: float) -> None:
+        """Where so much of the training is left."""
+        self.present_rate = rate_at(self.learning_rate, left)
+        self._trainer.scale_rates(self.present_rate / self._settings["actor_learning_rate"])
 
     def predict(
         self,
@@ -174,8 +202,10 @@ class Model:
         env: AnyEnv | None = None,
         num_threads: int | None = None,
         verbose: int = 0,
+        tensorboard_log: str | Path | None = None,
     ) -> _M:
-        """A model that `save` wrote. `env`: None makes the one that it was trained on, by its id.
+        """A model that `save` wrote. `env`: None makes the one that it was trained on, by its id. A schedule is not
+        saved: `learning_rate` is the number with which training began, until it is set.
 
         Raises FileNotFoundError, or ValueError if the file is damaged, of another algorithm, or does not fit `env`.
         """
@@ -184,8 +214,17 @@ class Model:
         if about["algorithm"] != cls.__name__:
             raise ValueError(f"{path} holds a {about['algorithm']}, not a {cls.__name__}: load it by that")
         model = cls.__new__(cls)
-        environment = about["environment"] if env is None else env
-        Model.__init__(model, environment, about["settings"], about["n_envs"], num_threads, about["seed"], verbose)
+        Model.__init__(
+            model,
+            about["environment"] if env is None else env,
+            about["settings"],
+            about["n_envs"],
+            num_threads,
+            about["seed"],
+            verbose,
+            about["settings"]["actor_learning_rate"],
+            tensorboard_log,
+        )
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / path.name
             file.write_bytes(checkpoint)
@@ -260,6 +299,8 @@ def evaluate_policy(
 ) -> tuple[float, float]:
     """Mean and standard deviation of the return over episodes of one Gymnasium environment, from seed `seed` on."""
     whole_number("n_eval_episodes", n_eval_episodes, 1, 2**31)
+    if not isinstance(env, gymnasium.Env):
+        raise TypeError(f"env is {env!r}, expected one Gymnasium environment, as gymnasium.make gives it")
     returns: list[float] = []
     for episode in range(n_eval_episodes):
         observation, _ = env.reset(seed=seed + episode)

@@ -8,6 +8,7 @@ import gymnasium
 from gymnasium.vector import VectorEnv
 
 from manyhands._core.envs import EnvBatch
+from manyhands.arguments import whole_number
 from manyhands.envs.single import ArmEnv
 from manyhands.envs.vector import ArmVectorEnv
 from manyhands.learn.layout import ActionLayout, ObservationLayout
@@ -35,6 +36,8 @@ def make_worlds(env: AnyEnv, n_envs: int | None, num_threads: int | None) -> Wor
 
     Raises ValueError if it cannot be trained on, and what Gymnasium raises for an unknown id.
     """
+    if n_envs is not None:
+        whole_number("n_envs", n_envs, 1)
     made = _made(env)
     single = made[0] if isinstance(made, list) else made
     if isinstance(made, VectorEnv):

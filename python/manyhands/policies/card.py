@@ -12,6 +12,8 @@ class Card:
     """Success is that at the end of fresh episodes of the plain task, without exploration."""
 
     environment: str
+    file: str
+    """That holds the weights, beside the card. Environments in which training gives the same weights share one."""
     success: float
     """With the weights as they are in the file."""
     success_float32: float

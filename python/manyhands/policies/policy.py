@@ -1,7 +1,6 @@
 """Policies that act, by networks that C++ runs: nothing but numpy is needed."""
 
 from collections.abc import Mapping
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +19,7 @@ _WORLDS = 256  # that an evaluation steps at a time
 
 def policy_ids() -> list[str]:
     """The environments for which a trained policy ships."""
-    return sorted(path.stem for path in _FOLDER.glob("*.onnx"))
+    return sorted(path.stem for path in _FOLDER.glob("*.yaml"))
 
 
 def policy(env_id: str) -> "Policy":
@@ -30,20 +29,25 @@ def policy(env_id: str) -> "Policy":
         raise ValueError(
             f"no trained policy ships for {name}, but for {', '.join(policy_ids())}; train one: manyhands train {name}"
         )
-    return Policy(_FOLDER / f"{name}.onnx")
+    card = read_card(_FOLDER / f"{name}.yaml")
+    return Policy(_FOLDER / card.file, card)
 
 
 class Policy:
     """A trained policy: `policy(observation)` is the action, always the same for the same observation."""
 
-    def __init__(self, path: str | Path) -> None:
-        """path: an ONNX file that `manyhands train` wrote. Raises ValueError on anything else."""
+    def __init__(self, path: str | Path, card: Card | None = None) -> None:
+        """path: an ONNX file that `manyhands train` wrote. Raises ValueError on anything else.
+
+        card: what is known of it, if that does not lie beside it.
+        """
         self.path = Path(path)
         self.arrays = read_policy(self.path)
         """The network, as arrays."""
         if self.arrays.goal_dim == 0:
             raise ValueError(f"{path} is of an environment without goals, whose policies manyhands.learn loads")
         self._runner = PolicyRunner(self.arrays)
+        self._card = card
 
     @property
     def cameras(self) -> dict[str, Any]:
@@ -53,12 +57,14 @@ class Policy:
     @property
     def env_id(self) -> str:
         """The environment that it was learned in."""
-        return self.arrays.env_id
+        return self.arrays.env_id if self._card is None else self._card.environment
 
-    @cached_property
+    @property
     def card(self) -> Card:
         """How well it does, and where it comes from. Raises FileNotFoundError if no card lies beside the file."""
-        return read_card(self.path.with_suffix(".yaml"))
+        if self._card is None:
+            self._card = read_card(self.path.with_suffix(".yaml"))
+        return self._card
 
     def __call__(self, observation: Mapping[str, NDArray[Any]]) -> NDArray[np.float32]:
         """(action_dim,) for a single observation, (num_envs, action_dim) for those of a vector environment; in [-1, 1].
@@ -98,6 +104,13 @@ class Policy:
                 f"the policy of {self.env_id} does not fit {spec.id}: observation, goal and action are {own} numbers "
                 f"long, expected {its}"
             )
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"path": self.path, "arrays": self.arrays}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        self._runner = PolicyRunner(self.arrays)
 
     def __repr__(self) -> str:
         return f"<manyhands.policies.Policy of {self.env_id}: {self.path}>"

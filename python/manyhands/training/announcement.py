@@ -18,10 +18,9 @@ def announce(recipe: Recipe | None, settings: TrainSettings) -> list[str]:
     if not recipe.beyond:
         lines.append("  nothing but the task's own reward")
     lines += _randomization(settings)
-    changed = settings.num_envs != recipe.num_envs or settings.overrides != recipe.trainer or settings.randomize
     if settings.workers is not None:
         lines.append(f"  with worlds on {settings.workers} workers, so what it will take is not known")
-    elif changed:
+    elif not recipe.is_of(settings):
         lines.append("  with settings of yours, so what it will take is not known")
     elif recipe.measured is None:
         lines.append("  not measured: what it will take is not known")

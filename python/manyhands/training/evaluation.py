@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import onnxruntime
 from gymnasium.vector import AutoresetMode
 
 from manyhands._core.envs import EnvSpec, env_ids, make_env_batch
@@ -38,6 +37,8 @@ class PolicyFile:
             runs = sorted(folder.glob(f"*/{path.name}"), key=lambda found: found.stat().st_mtime)
             held = f"; {folder} holds runs, name one of them: {runs[-1].parent}" if runs else ""
             raise ValueError(f"there is no file {path}{held}")
+        import onnxruntime
+
         options = onnxruntime.SessionOptions()
         options.intra_op_num_threads = 1  # the networks are small, and the worlds have the cores
         try:

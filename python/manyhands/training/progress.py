@@ -3,12 +3,13 @@
 import math
 import time
 from types import TracebackType
+from typing import TYPE_CHECKING
 
-from rich.console import Console
-from rich.progress import BarColumn, Progress, ProgressColumn, SpinnerColumn, Task, TextColumn
-from rich.text import Text
-
+from manyhands.training.console import Console
 from manyhands.training.recorder import Row
+
+if TYPE_CHECKING:
+    from manyhands.training.bar import Bar
 
 _SECONDS_BETWEEN_LINES = 2.0
 
@@ -17,9 +18,9 @@ def _speed(row: Row) -> float:
     return row.env_steps / max(row.seconds, 1e-9)
 
 
-def _seconds_left(row: Row, max_env_steps: int) -> float:
-    """Until the step limit, at the mean speed: training ends earlier if the task is solved."""
-    return max(max_env_steps - row.env_steps, 0) / max(_speed(row), 1.0)
+def _seconds_left(row: Row, env_steps: int) -> float:
+    """Until so many steps, at the mean speed."""
+    return max(env_steps - row.env_steps, 0) / max(_speed(row), 1.0)
 
 
 def _clock(seconds: float) -> str:
@@ -36,31 +37,39 @@ def _success(row: Row) -> str:
     return f"{_percent(row.success_rate)}, without exploration {evaluated}"
 
 
-class _Figures(ProgressColumn):
-    def render(self, task: Task) -> Text:
-        return Text(task.fields["figures"], no_wrap=True)
+def _bar(console: Console, env_id: str, total: int) -> "Bar":
+    from manyhands.training.bar import Bar
+
+    return Bar(console, env_id, total)
 
 
 class TrainingProgress:
     """Context manager; `update` after each piece of training."""
 
-    def __init__(self, console: Console, env_id: str, max_env_steps: int, workers: int | None = None) -> None:
+    def __init__(
+        self,
+        console: Console,
+        env_id: str,
+        max_env_steps: int,
+        expected_steps: int | None = None,
+        workers: int | None = None,
+    ) -> None:
+        """expected_steps: in how many the task is known to be solved, None if it is not."""
         self._console = console
+        self._expected = 0 if expected_steps is None else min(expected_steps, max_env_steps)
         self._workers = "" if workers is None else f" of {workers} {'worker' if workers == 1 else 'workers'}"
         self._limit = max_env_steps
-        self._bar: Progress | None = None
+        self._bar = _bar(console, env_id, self._expected or max_env_steps) if console.is_terminal else None
         self._last_line = 0.0
-        if console.is_terminal:
-            columns = (SpinnerColumn(), TextColumn("[bold]{task.description}"), BarColumn(12), _Figures())
-            self._bar = Progress(*columns, console=console)
-            self._task = self._bar.add_task(env_id, total=max_env_steps, figures="starting")
 
     def update(self, row: Row) -> None:
         """Shows where training stands."""
         speed = f"{_speed(row):,.0f} steps/s{self._workers}"
-        left = f"≤ {_clock(_seconds_left(row, self._limit))} left"
+        in_time = row.env_steps <= self._expected
+        total = self._expected if in_time else self._limit  # where training ends at the latest
+        left = f"{'about' if in_time else '≤'} {_clock(_seconds_left(row, total))} left"
         if self._bar is not None:
-            self._bar.update(self._task, completed=row.env_steps, figures=f"{speed}  success {_success(row)}  {left}")
+            self._bar.show(row.env_steps, total, f"{speed}  success {_success(row)}  {left}")
         elif time.monotonic() - self._last_line >= _SECONDS_BETWEEN_LINES:
             self._last_line = time.monotonic()
             self._console.print(

@@ -5,10 +5,9 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from manyhands._core.envs import env_ids, make_env_batch
-from manyhands._core.learn import TrainerConfig
 from manyhands.envs.cameras import eyes
 from manyhands.simple_yaml import Entry, read_yaml
-from manyhands.training.settings import TrainSettings
+from manyhands.training.settings import TrainSettings, require_setting
 
 _FOLDER = Path(__file__).parent / "recipes"
 
@@ -46,6 +45,12 @@ class Recipe:
         given["overrides"] = self.trainer | given.get("overrides", {})
         return TrainSettings(self.env_id, **given)
 
+    def is_of(self, settings: TrainSettings) -> bool:
+        """Whether a run has these settings, so that what was measured is to be expected of it."""
+        own = (self.env_id, self.num_envs, self.trainer, self.cameras)
+        its = (settings.env_id, settings.num_envs, settings.overrides, settings.cameras)
+        return own == its and not settings.randomize and settings.workers is None
+
 
 def recipe_ids() -> list[str]:
     """The environments that have a recipe."""
@@ -58,6 +63,12 @@ def find_recipe(env_id: str, kind: str = "") -> Recipe | None:
     return load_recipe(path) if path.is_file() else None
 
 
+def expected(settings: TrainSettings) -> Measured | None:
+    """What the shipped recipe did that a run goes by; None if it goes by another, or nothing was measured."""
+    recipe = find_recipe(settings.env_id, "pixels" if settings.cameras else "")
+    return recipe.measured if recipe is not None and recipe.is_of(settings) else None
+
+
 def named_recipe(name: Path, env_id: str) -> Recipe:
     """The recipe in a file, or of a kind that is shipped, such as "pixels". Raises ValueError if there is none of the
     kind for the environment, or its recipe is for another; OSError if the file cannot be read."""
@@ -66,6 +77,8 @@ def named_recipe(name: Path, env_id: str) -> Recipe:
         if recipe is None:
             known = ", ".join(sorted(path.stem for path in (_FOLDER / name).glob("*.yaml")))
             raise ValueError(f"no recipe {name} is shipped for {env_id}; there are {known}")
+    elif not name.is_file():
+        raise ValueError(f"there is no file {name} with a recipe, nor a kind of that name; pixels is one")
     else:
         recipe = load_recipe(name)
     if recipe.env_id != env_id:
@@ -142,10 +155,8 @@ def _measured(block: "_Block") -> Measured | None:
 
 def _check_settings(recipe: Recipe, top: "_Block", trainer: "_Block") -> None:
     """Raises ValueError, with the line of the setting that it is about, unless a run can have these settings."""
-    known = TrainerConfig().to_dict().keys() - {"seed"}
     for name in trainer.entry.entries:
-        if name not in known:
-            raise trainer.error(name, f"{name!r} is no trainer setting; there are {', '.join(sorted(known))}")
+        _check_name(name, trainer)
     try:
         recipe.settings().trainer_config()
     except ValueError as reason:
@@ -154,6 +165,13 @@ def _check_settings(recipe: Recipe, top: "_Block", trainer: "_Block") -> None:
                 if name in str(reason):
                     raise block.error(name, str(reason)) from reason
         raise ValueError(f"{recipe.path}: {reason}") from reason
+
+
+def _check_name(name: str, trainer: "_Block") -> None:
+    try:
+        require_setting(name)
+    except ValueError as reason:
+        raise trainer.error(name, str(reason)) from None
 
 
 class _Block:

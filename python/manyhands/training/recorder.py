@@ -1,20 +1,20 @@
-"""Records the course of a training: metrics.csv and TensorBoard events."""
+"""Records the course of a training: metrics.csv and, where TensorBoard is installed, its events."""
 
 import csv
 import io
 import math
-import threading
-import time
 from dataclasses import asdict, dataclass, fields
+from pathlib import Path
 from types import TracebackType
-
-from tensorboard.compat.proto.event_pb2 import Event  # pyright: ignore[reportAttributeAccessIssue]
-from tensorboard.compat.proto.summary_pb2 import Summary  # pyright: ignore[reportAttributeAccessIssue]
-from tensorboard.summary.writer.event_file_writer import EventFileWriter
+from typing import TYPE_CHECKING
 
 from manyhands._core.learn import TrainMetrics
-from manyhands.files import naming, write_text
+from manyhands.files import write_text
+from manyhands.training.optional import has
 from manyhands.training.run_folder import RunFolder
+
+if TYPE_CHECKING:
+    from manyhands.training.events import Events
 
 
 @dataclass(frozen=True)
@@ -43,10 +43,7 @@ class Recorder:
         self._folder = folder
         self._num_envs = num_envs
         self.rows = [row for row in read_rows(folder) if row.iterations <= resume_at] if resume_at else []
-        self._hook = threading.excepthook
-        threading.excepthook = self._hear
-        with naming(folder.path / "events"):
-            self._events = EventFileWriter(str(folder.path))
+        self._events = _events(folder.path)
 
     @property
     def seconds(self) -> float:
@@ -72,7 +69,8 @@ class Recorder:
         )
         self.rows.append(row)
         self._write_csv()
-        self._write_event(row)
+        if self._events is not None:
+            self._events.add(row.env_steps, {f"train/{name}": value for name, value in asdict(row).items()})
         return row
 
     def _write_csv(self) -> None:
@@ -82,27 +80,22 @@ class Recorder:
         writer.writerows(asdict(row) for row in self.rows)
         write_text(self._folder.metrics, text.getvalue())
 
-    def _write_event(self, row: Row) -> None:
-        values = [Summary.Value(tag=f"train/{name}", simple_value=value) for name, value in asdict(row).items()]
-        with naming(self._folder.path / "events"):
-            self._events.add_event(Event(wall_time=time.time(), step=row.env_steps, summary=Summary(value=values)))
-
-    def _hear(self, unheard: threading.ExceptHookArgs) -> None:
-        """What stops TensorBoard's thread is raised again where the next event is added, and need not be told twice."""
-        if not type(unheard.thread).__module__.startswith("tensorboard."):
-            self._hook(unheard)
-
     def __enter__(self) -> "Recorder":
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
-        try:
-            with naming(self._folder.path / "events"):
-                self._events.close()
-        finally:
-            threading.excepthook = self._hook
+        if self._events is not None:
+            self._events.__exit__(kind, error, traceback)
+
+
+def _events(folder: Path) -> "Events | None":
+    if not has("tensorboard"):
+        return None
+    from manyhands.training.events import Events
+
+    return Events(folder)
 
 
 def read_rows(folder: RunFolder) -> list[Row]:

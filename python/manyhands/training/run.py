@@ -7,20 +7,18 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
-from rich.console import Console
-
 from manyhands._core.envs import make_adviser, make_env_batch
 from manyhands._core.learn import Trainer, TrainMetrics
 from manyhands.envs.cameras import eyes
 from manyhands.files import write_text
 from manyhands.interrupts import Interrupts
 from manyhands.policies import Policy
-from manyhands.training.curve import draw_curve
+from manyhands.training.console import Console
 from manyhands.training.evaluation import Evaluation
-from manyhands.training.policy_file import save_policy
+from manyhands.training.optional import has
 from manyhands.training.progress import TrainingProgress
 from manyhands.training.randomization import run_randomized
-from manyhands.training.randomization_picture import draw_randomization
+from manyhands.training.recipe import expected
 from manyhands.training.recorder import Recorder
 from manyhands.training.run_folder import RunFolder
 from manyhands.training.settings import FIRST_EVALUATION_SEED, TrainSettings, shares_of
@@ -85,13 +83,11 @@ class TrainingRun:
                     self._trainer.save(self.folder.checkpoint)
                     raise
                 self._trainer.save(self.folder.checkpoint)
-                save_policy(self._trainer.policy(), self.settings.env_id, self.folder.policy, self.settings.cameras)
-                if recorder.rows:
-                    title = f"{self.settings.env_id}, seed {self.settings.seed}"
-                    draw_curve(self.folder, recorder.rows, title)
+                self._save_policy()
+                self._draw_curve(recorder)
             begin = time.perf_counter()
             evaluation = None if interrupts.requested else self._evaluate()
-            if evaluation is not None and self.settings.randomize:
+            if evaluation is not None and self.settings.randomize and has("onnx") and has("matplotlib"):
                 self._draw_randomization()
             return Outcome(
                 solved=self.metrics.solved,
@@ -106,7 +102,9 @@ class TrainingRun:
         piece = 1
         last_checkpoint = time.monotonic()
         settings = self.settings
-        with TrainingProgress(console, settings.env_id, settings.max_env_steps, settings.workers) as progress:
+        known = expected(settings)
+        steps = None if known is None else known.env_steps
+        with TrainingProgress(console, settings.env_id, settings.max_env_steps, steps, settings.workers) as progress:
             advance = self._advancer(progress, interrupts)
             while (left := self._iterations_left()) > 0 and not interrupts.requested:
                 begin = time.perf_counter()
@@ -138,8 +136,24 @@ class TrainingRun:
             return 0
         return math.ceil((self.settings.max_env_steps - metrics.env_steps) / self.settings.num_envs)
 
+    def _save_policy(self) -> None:
+        if not has("onnx"):
+            return
+        from manyhands.training.policy_file import save_policy
+
+        save_policy(self._trainer.policy(), self.settings.env_id, self.folder.policy, self.settings.cameras)
+
+    def _draw_curve(self, recorder: Recorder) -> None:
+        if not recorder.rows or not has("matplotlib"):
+            return
+        from manyhands.training.curve import draw_curve
+
+        draw_curve(self.folder, recorder.rows, f"{self.settings.env_id}, seed {self.settings.seed}")
+
     def _draw_randomization(self) -> None:
         """Success over each range, as a picture."""
+        from manyhands.training.randomization_picture import draw_randomization
+
         settings = self.settings
         policy = Policy(self.folder.policy)
         episodes = run_randomized(policy, settings.env_id, settings.randomize, num_threads=settings.num_threads)

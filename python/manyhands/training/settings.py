@@ -1,5 +1,6 @@
 """What a training run is made from."""
 
+import difflib
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -17,7 +18,10 @@ def require_setting(name: str) -> Any:
     """The default of one of the trainer's settings; the seed is the run's. Raises ValueError if there is none."""
     known = TrainerConfig().to_dict()
     if name not in known or name == "seed":
-        raise ValueError(f"{name!r} is no trainer setting; there are {', '.join(sorted(known.keys() - {'seed'}))}")
+        names = sorted(known.keys() - {"seed"})
+        near = difflib.get_close_matches(name, names)
+        hint = f"did you mean {', '.join(near)}?" if near else f"there are {', '.join(names)}"
+        raise ValueError(f"{name!r} is no trainer setting; {hint}")
     return known[name]
 
 

@@ -30,11 +30,14 @@ inline Inertial random_inertial(Generator& rng) {
   return {.mass = m, .com = random_vector(rng, 0.2), .inertia = rotated(to_matrix(random_rotation(rng)), box)};
 }
 
-/// `links` links, joined at random places; every type of joint anywhere, the root included.
-inline Model random_tree(std::uint64_t seed, int links) {
-  constexpr std::array kTypes{JointType::kFixed,     JointType::kRevolute,  JointType::kContinuous,
-                              JointType::kPrismatic, JointType::kSpherical, JointType::kPlanar,
-                              JointType::kFloating};
+inline constexpr std::array kJointTypes{JointType::kFixed,     JointType::kRevolute,  JointType::kContinuous,
+                                        JointType::kPrismatic, JointType::kSpherical, JointType::kPlanar,
+                                        JointType::kFloating};
+/// The first of them: those of one degree of freedom at most.
+inline constexpr std::size_t kSingleTypes = 4;
+
+/// `links` links, joined at random places; the first `types` types of joint anywhere, the root included.
+inline Model random_tree(std::uint64_t seed, int links, std::size_t types = kJointTypes.size()) {
   Generator rng(seed);
   ModelBuilder builder("random tree " + std::to_string(seed));
   std::vector<LinkId> all{builder.world()};
@@ -42,7 +45,7 @@ inline Model random_tree(std::uint64_t seed, int links) {
     const bool branch = uniform(rng, 0, 1) < 0.4;
     const LinkId parent = branch ? all[rng() % all.size()] : all.back();
     const LinkId child = builder.add_link("link" + std::to_string(i), random_inertial(rng));
-    const JointType type = kTypes[rng() % kTypes.size()];
+    const JointType type = kJointTypes[rng() % types];
     const bool plain = uniform(rng, 0, 1) < 0.3;
     builder.add_joint(
         {.name = "joint" + std::to_string(i),

@@ -195,7 +195,7 @@ def test_the_command_makes_the_same_dataset_again(tmp_path: Path, capsys: pytest
 
 def test_a_policy_demonstrates_too(reach_policy: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "reach.npz"
-    arguments = ["PandaReach", "-n", "20", "--format", "npz", "--out", str(path), "--policy", str(reach_policy)]
+    arguments = ["PandaReach", "-n", "20", "--out", str(path), "--policy", str(reach_policy)]  # .npz says what it is
     assert cli.main(["demos", *arguments]) == 0
     assert "success 100.0%" in capsys.readouterr().out
     assert str(np.load(path)["policy"]) == reach_policy.name

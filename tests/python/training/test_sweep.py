@@ -157,7 +157,7 @@ def test_processes_end_with_the_sweep(tmp_path: Path) -> None:
     ("arguments", "message"),
     [
         (["PandaReech"], "did you mean PandaReach-v3"),
-        (["PandaReach", "--set", "gama=0.9,0.95"], "'gama' is no trainer setting; there are action_penalty"),
+        (["PandaReach", "--set", "gama=0.9,0.95"], "'gama' is no trainer setting; did you mean gamma?"),
         (["PandaReach", "--set", "seed=1,2"], "'seed' is no trainer setting"),
         (["PandaReach", "--set", "gamma"], "expected NAME=VALUE,..."),
         (["PandaReach", "--set", "gamma="], "has no value"),

@@ -1,6 +1,7 @@
 """A training run leaves what it promises, can be stopped and resumed, and its policy file is its policy."""
 
 import csv
+import io
 import json
 import os
 import re
@@ -11,12 +12,14 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import onnx
 import pytest
+from rich.console import Console
 from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
 
 from manyhands import cli
@@ -26,6 +29,9 @@ from manyhands.env_names import resolve_env_id
 from manyhands.files import replacing
 from manyhands.training.evaluation import PolicyFile, evaluate
 from manyhands.training.policy_file import save_policy
+from manyhands.training.progress import TrainingProgress
+from manyhands.training.recipe import expected, find_recipe
+from manyhands.training.recorder import Row
 from manyhands.training.run_folder import RunFolder
 from manyhands.training.settings import TrainSettings, parse_overrides
 
@@ -256,13 +262,14 @@ def test_required_success_decides_the_exit_code(tmp_path: Path, capsys: pytest.C
     [
         ([], "manyhands train PandaReach"),
         (["PandaReech"], "did you mean PandaReach-v3"),
-        (["PandaReach", "--set", "gama=0.9"], "'gama' is no trainer setting; there are action_penalty"),
+        (["PandaReach", "--set", "gama=0.9"], "'gama' is no trainer setting; did you mean gamma?"),
         (["PandaReach", "--set", "gamma"], "expected NAME=VALUE"),
         (["PandaReach", "--set", "gamma=high"], "is no number"),
         (["PandaReach", "--set", 'gamma="high"'], "gamma is 'high', expected float"),
         (["PandaReach", "--set", "gamma=1.5"], "gamma"),
         (["PandaReach", "--num-envs", "0"], "num_envs is 0"),
         (["PandaReach", "--seed", "-1"], "seed is -1"),
+        (["PandaReach", "--recipe", "nowhere.yaml"], "there is no file nowhere.yaml with a recipe"),
         (["--resume", "nowhere"], "nowhere is no run folder"),
         (["PandaReach", "--resume", "nowhere"], "keeps its task"),
     ],
@@ -305,8 +312,8 @@ def test_who_has_read_enough_hears_nothing_more() -> None:
     ("package", "error"),
     [
         ("gymnasium", "KeyboardInterrupt"),
-        ("onnxruntime", "KeyboardInterrupt"),
-        ("onnxruntime", "ImportError('initialization failed') from KeyboardInterrupt()"),  # as pybind11 has it
+        ("rich", "KeyboardInterrupt"),
+        ("rich", "ImportError('initialization failed') from KeyboardInterrupt()"),  # as pybind11 has it
     ],
 )
 def test_ctrl_c_during_imports_ends_silently(package: str, error: str, tmp_path: Path) -> None:
@@ -376,3 +383,22 @@ def test_help_teaches_by_examples(capsys: pytest.CaptureFixture[str]) -> None:
     assert "--episodes 10000" in help_of("evaluate")
     assert cli.main(["envs"]) == 0
     assert "PandaReachJointsDense-v3" in capsys.readouterr().out
+
+
+def test_what_is_left_is_what_was_measured_while_that_holds() -> None:
+    row = Row(1, 1_000, 0, 10, 0.5, 0.5, 1, 0.0, 0.0, 0.0, 100.0, 10.0)
+    shown = []
+    for steps, known in ((1_000, 5_000), (6_000, 5_000), (1_000, None)):
+        text = io.StringIO()
+        with TrainingProgress(Console(file=text), "PandaReach-v3", 20_000, known) as progress:
+            progress.update(replace(row, env_steps=steps))
+        shown.append(text.getvalue().split("  ")[-1].strip())
+    assert shown == ["about 0:40 left", "≤ 0:23 left", "≤ 3:10 left"]
+
+
+def test_a_run_by_a_recipe_takes_what_was_measured() -> None:
+    recipe = find_recipe("PandaReach-v3")
+    assert recipe is not None and recipe.measured is not None
+    assert expected(recipe.settings(seed=3)) == recipe.measured
+    assert expected(recipe.settings(overrides={"gamma": 0.9})) is None
+    assert expected(recipe.settings(num_envs=32)) is None

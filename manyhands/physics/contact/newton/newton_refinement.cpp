@@ -134,17 +134,23 @@ struct NewtonRefinement::Systems {
     work_left = std::max(cs::kNewtonShare * settings.max_iterations * iteration, cs::kLittleWork);
   }
 
-  /// The largest ratio of violation to what is bearable; 0 where all islands hold the tolerance.
-  double look(const SolverSettings& settings, const NewtonContext& context) {
-    double worst = 0;
+  struct Look {
+    double worst = 0;         ///< the largest ratio of violation to what is bearable; 0 where all hold the tolerance
+    bool is_precise = false;  ///< whether one that does not hold it is to be solved precisely: nothing in it overlaps
+  };
+
+  Look look(const SolverSettings& settings, const NewtonContext& context) {
+    Look found;
     for (std::size_t k = 0; k < islands.size(); ++k) {
       const double residual = islands[k].residual(context), opening = islands[k].opening(context);
       const bool corrects = opening > cs::kSlowCorrection;
       const double bearable = std::max(settings.newton_tolerance, corrects ? cs::kOpeningPrecision * opening : 0.0);
       violations[k] = {residual, bearable};
-      if (residual > settings.tolerance) worst = std::max(worst, residual / bearable);
+      if (residual <= settings.tolerance) continue;
+      found.worst = std::max(found.worst, residual / bearable);
+      found.is_precise = found.is_precise || !corrects;
     }
-    return worst;
+    return found;
   }
 };
 
@@ -167,11 +173,12 @@ bool NewtonRefinement::refine(const SolverSettings& settings, const NewtonContex
   if (!systems_) systems_ = std::make_unique<Systems>();
   if (!has_begun_) systems_->begin(settings, context);
   has_begun_ = true;
-  const double violation = systems_->look(settings, context), gain = std::log(last_violation_ / violation);
+  const auto [violation, is_precise] = systems_->look(settings, context);
+  const double gain = std::log(last_violation_ / violation);
   last_violation_ = violation;
   if (violation == 0) return true;
   const double missing = std::log(violation);
-  if (missing <= 0) return gain < cs::kFastGain;
+  if (missing <= 0) return !is_precise || gain < cs::kFastGain;
   const double left = cs::kNewtonPatience * settings.max_iterations / SolverTraits<double>::kIterationsPerLook;
   if (gain > cs::kMinGain && gain * left > missing) return false;
   return refine_islands(settings, context, iterations);

@@ -1,0 +1,97 @@
+"""Clouds of points: clusters, planes and boxes, and things told apart by colour.
+
+Points are (n, 3) [m] in any frame. Those that are not finite, as cameras give where they see nothing, belong to
+nothing. Wrong shapes raise ValueError.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from manyhands._core import perception as _core
+
+__all__ = ["OrientedBox", "Plane", "by_colour", "dbscan", "find_plane", "nearest", "oriented_box"]
+
+Array = NDArray[np.float64]
+
+
+def _points(name: str, values: ArrayLike) -> Array:
+    array = np.ascontiguousarray(values, np.float64)
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise ValueError(f"{name} has shape {array.shape}; expected (n, 3)")
+    return array
+
+
+def dbscan(points: ArrayLike, reach: float, min_samples: int = 3) -> NDArray[np.int32]:
+    """The cluster (n,) of every point, from 0 on, or -1 of noise (Ester and others, 1996). A point with min_samples
+    points within reach [m], itself included, is a core; cores within reach of each other are one cluster, and so is
+    what lies within reach of a core."""
+    return np.asarray(_core.dbscan(_points("points", points), float(reach), int(min_samples)), np.int32)
+
+
+class Plane(NamedTuple):
+    """Points p with normal @ p = offset."""
+
+    normal: Array
+    """(3,), unit; its largest component is positive"""
+    offset: float
+    """[m]"""
+    inliers: NDArray[np.bool_]
+    """(n,) which points lie on it"""
+
+
+def find_plane(
+    points: ArrayLike, threshold: float = 0.01, *, iterations: int = 200, seed: int = 0, least_share: float = 0.1
+) -> Plane | None:
+    """The plane with most points within threshold [m]: a table or a floor (random sample consensus, Fischler and
+    Bolles, 1981, then least squares). None if it has less than least_share of the points. `points[~plane.inliers]` is
+    what stands on it."""
+    found: Any = _core.find_plane(_points("points", points), threshold, int(iterations), int(seed), least_share)
+    return None if found is None else Plane(*found)
+
+
+class OrientedBox(NamedTuple):
+    """A box around points."""
+
+    position: Array
+    """(3,) of its centre [m]"""
+    quaternion: Array
+    """(4,) xyzw: along its edges"""
+    half_extents: Array
+    """(3,) [m]"""
+
+
+def oriented_box(points: ArrayLike, *, upright: bool = True) -> OrientedBox:
+    """A tight box around points: one that stands upright, its outline the rectangle of least area, or one along the
+    principal axes. x is the longer side. Raises ValueError if no point is finite."""
+    return OrientedBox(*_core.oriented_box(_points("points", points), upright))
+
+
+def nearest(points: ArrayLike, queries: ArrayLike) -> tuple[NDArray[np.intp], Array]:
+    """The index (m,) of the point nearest to each query (m, 3), and the distance (m,) [m]; -1 and infinity without
+    any."""
+    cloud, asked = _points("points", points), _points("queries", queries)
+    index, distance = np.full(len(asked), -1, np.intp), np.full(len(asked), np.inf)
+    usable = np.flatnonzero(np.isfinite(cloud).all(1))
+    if len(usable):
+        for k, query in enumerate(asked):
+            squared = ((cloud[usable] - query) ** 2).sum(1)
+            best = int(np.argmin(squared))
+            index[k], distance[k] = usable[best], np.sqrt(squared[best])
+    return index, distance
+
+
+def by_colour(rgb: ArrayLike, colour: ArrayLike, tolerance: float = 0.15) -> NDArray[np.bool_]:
+    """Where a picture (height, width, 3 or 4), bytes or numbers of 0 to 1, has a colour (3,) of 0 to 1: what is
+    brighter or darker counts, too. tolerance: of chromaticities, which are shares of red, green and blue."""
+    given = np.asarray(rgb)
+    if given.ndim != 3 or given.shape[2] not in (3, 4):
+        raise ValueError(f"rgb has shape {given.shape}; expected (height, width, 3) or (height, width, 4)")
+    picture = given[..., :3].astype(np.float64) / (255.0 if given.dtype == np.uint8 else 1.0)
+    wanted = np.asarray(colour, np.float64)
+    if wanted.shape != (3,) or not wanted.sum() > 0:
+        raise ValueError(f"colour is {colour}; expected three numbers, not all 0")
+    light = picture.sum(-1, keepdims=True)
+    shares = picture / np.maximum(light, 1e-9)
+    return (np.abs(shares - wanted / wanted.sum()).max(-1) < tolerance) & (light[..., 0] > 0.15)
