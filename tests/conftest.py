@@ -1,14 +1,17 @@
 """For all tests in Python."""
 
 import os
-from collections.abc import Generator
+from collections.abc import Generator, Iterator
 
 import gymnasium
 import pytest
 
 import manyhands  # noqa: F401  (registers its environments)
+import manyhands.pybullet as p
 
 os.environ["MANYHANDS_PYBULLET_GUI"] = "0"  # a test that wants a page says so
+
+MOST_CLIENTS = 64  # looked for
 
 _REGISTRY = dict(gymnasium.registry)
 
@@ -21,3 +24,12 @@ def pytest_make_collect_report() -> Generator[None, pytest.CollectReport, pytest
     finally:
         gymnasium.registry.clear()
         gymnasium.registry.update(_REGISTRY)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def no_client_is_left() -> Iterator[None]:
+    """What a module of tests leaves connected would be the next one's first client."""
+    yield
+    for client in range(MOST_CLIENTS):
+        if p.isConnected(client):
+            p.disconnect(client)
