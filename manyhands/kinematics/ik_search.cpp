@@ -105,8 +105,7 @@ void search(const IkQuestion& question, int last_round) {
     std::erase_if(open, [&](std::size_t i) { return question.found.success[i] != 0; });
     ++round;
   }
-  if (!open.empty() && round <= last_round)
-    IkAttempts<NativeLanes>(question, {open, round, last_round}).run();
+  if (!open.empty() && round <= last_round) IkAttempts<NativeLanes>(question, {open, round, last_round}).run();
 }
 
 void require(bool holds, const std::string& otherwise) {

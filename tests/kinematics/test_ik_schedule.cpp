@@ -1,8 +1,8 @@
-#include "manyhands/kinematics/ik_schedule.h"
-
 #include <gtest/gtest.h>
 
 #include <array>
+
+#include "manyhands/kinematics/ik_schedule.h"
 
 namespace manyhands::internal {
 namespace {
