@@ -11,7 +11,7 @@ import manyhands.pybullet as p
 
 os.environ["MANYHANDS_PYBULLET_GUI"] = "0"  # a test that wants a page says so
 
-MOST_CLIENTS = 64  # looked for
+MOST_CLIENTS = 1024  # that there can be
 
 _REGISTRY = dict(gymnasium.registry)
 

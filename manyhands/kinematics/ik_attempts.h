@@ -52,11 +52,7 @@ class IkAttempts {
   static constexpr int W = width_v<T>;
   static constexpr float kHeadStart = 8;  // iterations of an attempt before free lanes run the next of the same target
 
-  struct Lane {
-    IkAttempt attempt;
-    bool runs = false;
-  };
-
+  [[nodiscard]] bool runs(int k) const { return lane(runs_, k) > 0; }
   [[nodiscard]] mask_t<T> running() const { return mask_t<T>(runs_ > constant<T>(0)); }
 
   /// One iteration of all attempts; those that end are judged.
@@ -72,10 +68,10 @@ class IkAttempts {
   }
 
   void end(int k, double error2, bool reached) {
-    const IkAttempt attempt = lanes_[at(k)].attempt;
+    const IkAttempt attempt = attempts_[at(k)];
     const bool success = solve_.take_kept(k) || reached;
     const std::size_t i = attempt.target;
-    stop(k);
+    set_lane(runs_, k, 0.0f);
     schedule_.end(attempt, success);
     IkSolutions& found = asked_.found;
     if (success ? schedule_.winner(i) != attempt.round : found.success[i] != 0 || !(error2 < asked_.nearest[i])) return;
@@ -89,32 +85,27 @@ class IkAttempts {
   void fill_lanes() {
     candidates_.clear();
     for (int k = 0; k < W; ++k) {
-      const Lane& its = lanes_[at(k)];
-      if (its.runs && schedule_.is_late(its.attempt)) {
-        schedule_.end(its.attempt, false);
-        stop(k);
-      } else if (its.runs && lane(iterations_, k) >= kHeadStart) {
-        candidates_.push_back(its.attempt);
+      if (!runs(k)) continue;
+      if (const IkAttempt& attempt = attempts_[at(k)]; schedule_.is_late(attempt)) {
+        schedule_.end(attempt, false);
+        set_lane(runs_, k, 0.0f);
+      } else if (lane(iterations_, k) >= kHeadStart) {
+        candidates_.push_back(attempt);
       }
     }
     for (int k = 0; k < W; ++k) {
-      if (lanes_[at(k)].runs) continue;
+      if (runs(k)) continue;
       if (const std::optional<IkAttempt> next = schedule_.next(candidates_)) begin(k, *next);
     }
   }
 
   void begin(int k, const IkAttempt& attempt) {
-    lanes_[at(k)] = {attempt, true};
+    attempts_[at(k)] = attempt;
     set_lane(runs_, k, 1.0f);
     set_lane(iterations_, k, 0.0f);
     set_target(k, asked_.targets[attempt.target]);
     set_start(k, attempt);
     solve_.restart(k);
-  }
-
-  void stop(int k) {
-    lanes_[at(k)].runs = false;
-    set_lane(runs_, k, 0.0f);
   }
 
   void set_target(int k, const IkTarget<double>& target) {
@@ -156,8 +147,8 @@ class IkAttempts {
   std::vector<T> q_ = std::vector<T>(asked_.start.size());
   IkTarget<T> target_{Transform<T>::identity(), Vec3<T>::zero()};
   GoalSolve<T, float> solve_;
-  std::array<Lane, static_cast<std::size_t>(W)> lanes_{};
-  T runs_ = constant<T>(0), iterations_ = constant<T>(0);
+  std::array<IkAttempt, static_cast<std::size_t>(W)> attempts_{};  // of each lane
+  T runs_ = constant<T>(0), iterations_ = constant<T>(0);          // 1 where it runs; how many it has taken
   std::vector<IkAttempt> candidates_;
 };
 

@@ -88,6 +88,26 @@ void take_near(const FarPoints<R>& points, std::vector<Touch<R>>& touches) {
   }
 }
 
+/// Of the points that are left out, those that the step reaches if the bodies' velocities change by dv (nv) are so no
+/// more; whether there were any.
+template <Real R>
+bool find_reached(const Tree<R>& tree, const Colliders<R>& colliders, std::span<const ColliderPair> pairs,
+                  const Workspace<R>& ws, R h, const R* dv, FarPoints<R>& points) {
+  find_velocity_changes(tree, ws, dv, points.change);
+  points.any = false;
+  bool any_reached = false;
+  for (std::size_t i = 0; i < points.all.size(); ++i) {
+    if (points.far[i] == 0) continue;
+    const ColliderPair& pair = pairs[points.all[i].pair];
+    const std::size_t a = colliders.geoms[pair.a].body, b = colliders.geoms[pair.b].body;
+    const unsigned far = points.far[i] & far_points(points.all[i].contact, ws, a, b, points.change, h);
+    any_reached = any_reached || far != points.far[i];
+    points.far[i] = static_cast<std::uint8_t>(far);
+    points.any = points.any || far != 0;
+  }
+  return any_reached;
+}
+
 }  // namespace internal
 
 /// Leaves out of `touches` the points that are not reached at present velocities, nor if they change once more as in
@@ -96,20 +116,13 @@ template <Real R>
 void leave_out_far_points(const Tree<R>& tree, const Colliders<R>& colliders, std::span<const ColliderPair> pairs,
                           const Workspace<R>& ws, R h, const R* dv, std::vector<Touch<R>>& touches,
                           FarPoints<R>& points) {
+  constexpr std::uint8_t kAll = (1u << kManifoldPoints) - 1;
   points.any = false;
   if (touches.empty()) return;
-  internal::find_velocity_changes(tree, ws, dv, points.change);
-  points.far.assign(touches.size(), 0);
-  for (std::size_t i = 0; i < touches.size(); ++i) {
-    const ColliderPair& pair = pairs[touches[i].pair];
-    const std::size_t a = colliders.geoms[pair.a].body, b = colliders.geoms[pair.b].body;
-    const unsigned far = internal::far_points(touches[i].contact, ws, a, b, points.change, h);
-    points.far[i] = static_cast<std::uint8_t>(far);
-    points.any = points.any || far != 0;
-  }
-  if (!points.any) return;
   points.all = touches;
-  internal::take_near(points, touches);
+  points.far.assign(touches.size(), kAll);
+  internal::find_reached(tree, colliders, pairs, ws, h, dv, points);
+  if (points.any) internal::take_near(points, touches);
 }
 
 /// Takes into `touches` what the step reaches with dv (nv); false if that is nothing.
@@ -117,17 +130,7 @@ template <Real R>
 [[nodiscard]] bool take_in_reached_points(const Tree<R>& tree, const Colliders<R>& colliders,
                                           std::span<const ColliderPair> pairs, const Workspace<R>& ws, R h, const R* dv,
                                           std::vector<Touch<R>>& touches, FarPoints<R>& points) {
-  if (!points.any) return false;
-  internal::find_velocity_changes(tree, ws, dv, points.change);
-  bool any = false;
-  for (std::size_t i = 0; i < points.all.size(); ++i) {
-    if (points.far[i] == 0) continue;
-    const ColliderPair& pair = pairs[points.all[i].pair];
-    const std::size_t a = colliders.geoms[pair.a].body, b = colliders.geoms[pair.b].body;
-    const unsigned far = points.far[i] & internal::far_points(points.all[i].contact, ws, a, b, points.change, h);
-    any = any || far != points.far[i];
-    points.far[i] = static_cast<std::uint8_t>(far);
-  }
+  const bool any = points.any && internal::find_reached(tree, colliders, pairs, ws, h, dv, points);
   if (any) internal::take_near(points, touches);
   return any;
 }
