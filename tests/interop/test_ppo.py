@@ -56,5 +56,5 @@ def test_ppo_learns_to_reach_with_the_kuka() -> None:
     before = mean_distance(env, model, "distance")
     model.learn(KUKA_STEPS)
     after = mean_distance(env, model, "distance")
-    print(f"mean distance at the end of {EPISODES} episodes: {before:.3f} m before, {after:.3f} m after {KUKA_STEPS} steps")
+    print(f"{EPISODES} episodes end {before:.3f} m away before, {after:.3f} m after {KUKA_STEPS} steps")
     assert after < 0.6 * before
