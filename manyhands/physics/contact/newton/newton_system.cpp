@@ -264,6 +264,7 @@ void NewtonSystem::follow_normals(const NewtonContext& context) {
 template <class VisitDofs>
 bool NewtonSystem::find_correction(const VisitDofs& visit_dofs) {
   constexpr std::size_t kSeveral = SparseLdl::kSeveral;
+  static_assert(DenseLu::kBlock % kSeveral == 0);
   const std::size_t m = following_.size(), block = dofs_.size() * kSeveral;
   correction_.assign(m, 0);
   small_.reset(static_cast<int>(m));
