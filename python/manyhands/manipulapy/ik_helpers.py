@@ -111,9 +111,10 @@ def adaptive_multi_start_ik(
     verbose: bool = False,
 ) -> tuple[Array, bool, int, str]:
     """Calls a solver with one strategy after the other until it succeeds: angles, success, iterations of all attempts,
-    and the strategy."""
+    and the strategy. Where none succeeds, angles and strategy are the first's: solvers do not say how near they came.
+    """
     strategies = ("workspace_heuristic", "midpoint", "random")
-    best: tuple[Array, bool, int, str] | None = None
+    first: Array | None = None
     total = 0
     for attempt in range(max(1, max_attempts)):
         strategy = strategies[min(attempt, len(strategies) - 1)]
@@ -121,10 +122,10 @@ def adaptive_multi_start_ik(
             T_desired, strategy=strategy, eomg=eomg, ev=ev, max_iterations=max_iterations
         )
         total += iterations
-        best = best or (theta, success, total, strategy)
+        first = theta if first is None else first
         if verbose:
             print(f"attempt {attempt + 1}, {strategy}: {'reached' if success else 'not reached'}")
         if success:
             return theta, True, total, strategy
-    assert best is not None
-    return best[0], False, total, best[3]
+    assert first is not None
+    return first, False, total, strategies[0]
