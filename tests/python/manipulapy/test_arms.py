@@ -10,7 +10,7 @@ from manyhands import dynamics
 from manyhands.manipulapy import utils
 from manyhands.manipulapy.control import ManipulatorController
 from manyhands.manipulapy.dynamics import ManipulatorDynamics
-from manyhands.manipulapy.ik_helpers import adaptive_multi_start_ik
+from manyhands.manipulapy.ik_helpers import adaptive_multi_start_ik, workspace_heuristic_guess
 from manyhands.manipulapy.kinematics import SerialManipulator, TracIKSolver, trac_ik_solve
 from manyhands.manipulapy.ManipulaPy_data import ROBOT_DATABASE, get_robot_urdf, list_robots
 from manyhands.manipulapy.path_planning import TrajectoryPlanning
@@ -357,7 +357,7 @@ def test_many_starts_that_all_fail_give_the_first() -> None:
 
     theta, success, iterations, strategy = adaptive_multi_start_ik(solver, np.eye(4), max_attempts=4)
     assert tried == ["workspace_heuristic", "midpoint", "random", "random"]
-    assert theta.tolist() == [1.0, 1.0] and not success and iterations == 12 and strategy == "workspace_heuristic"
+    assert theta.tolist() == [1.0, 1.0] and not success and iterations == 12 and strategy == "none (failed)"
 
 
 def test_a_camera_of_the_programs_own_may_see_nothing() -> None:
@@ -370,3 +370,31 @@ def test_a_camera_of_the_programs_own_may_see_nothing() -> None:
 
     points, labels = Perception(Blind()).detect_and_cluster_obstacles()  # type: ignore[arg-type]
     assert points.shape == (0, 3) and labels.shape == (0,)
+
+
+def test_guesses_above_the_base_point_ahead() -> None:
+    above, aside = np.eye(4), np.eye(4)
+    above[2, 3], aside[0, 3], aside[2, 3] = 1.0, 1.0, 1.0
+    limits = [(-math.pi, math.pi)] * 6
+    assert workspace_heuristic_guess(above, 6, limits)[1] == 0.0
+    assert workspace_heuristic_guess(aside, 6, limits)[1] == pytest.approx(math.pi / 4)
+
+
+def test_screws_from_rows_of_numbers() -> None:
+    omega, r = [0.0, 0.0, 1.0, 0.0, 1.0, 0.0], [0.1, 0.2, 0.0, 0.3, 0.0, 0.4]
+    S = utils.extract_screw_list(omega, r)
+    np.testing.assert_allclose(S.T, [[0, 0, 1, 0.2, -0.1, 0], [0, 1, 0, -0.4, 0, 0.3]], atol=1e-15)
+    through_origin = [[0, 0, 1, 0, 0, 0], [0, 1, 0, 0, 0, 0]]
+    for nowhere in (None, []):
+        np.testing.assert_array_equal(utils.extract_screw_list(omega, nowhere).T, through_origin)
+    assert utils.extract_screw_list(None, None) is None
+    with pytest.raises(ValueError, match="omega_list"):
+        utils.extract_screw_list([1.0, 2.0], r)
+
+
+def test_singularity_answers_in_numpy_types(xarm: URDFToSerialManipulator) -> None:
+    singularity = Singularity(xarm.serial_manipulator)
+    q = np.array([0.3, -0.4, -0.9, 0.2, 0.8, 0.1])
+    assert isinstance(singularity.condition_number(q), np.float64)
+    assert isinstance(singularity.near_singularity_detection(q), np.bool_)
+    assert isinstance(singularity.near_singularity_detection(q, 100.0), np.bool_)
