@@ -104,6 +104,13 @@ nb::object goals(Planner& self, const std::string& frame, const Array<double, 1>
 
 nb::object numbers(const std::vector<double>& row) { return copied(row.data(), {row.size()}); }
 
+NamePairs names_of_pairs(const PlanningScene& scene) {
+  NamePairs names;
+  for (const PartPair& pair : scene.pairs)
+    names.emplace_back(scene.link_name(scene.parts[pair.a].link), scene.link_name(scene.parts[pair.b].link));
+  return names;
+}
+
 /// Balls (m, 4), centre and radius in the world, that stand for what moves at planned coordinates.
 nb::object balls(const Planner& self, const Array<double, 1>& q) {
   const std::vector<double> found = placed_balls(self.scene, as_span(q));
@@ -140,6 +147,7 @@ void bindings::bind_planner(nb::module_& planning) {
            [](const Planner& self, const Array<double, 1>& q) { return numbers(self.scene.configuration(as_span(q))); },
            "q"_a)
       .def("balls", &balls, "q"_a)
+      .def_prop_ro("pairs", [](const Planner& self) { return names_of_pairs(self.scene); })
       .def("are_free",
            [](Planner& self, const Array<double, 2>& rows) {
              return bindings::copied_bools(self.check.are_free(as_span(rows)));

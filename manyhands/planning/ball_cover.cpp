@@ -41,7 +41,7 @@ class Cells {
   Cells(std::span<const PlacedConvex> shapes, double overshoot) : shapes_(shapes), overshoot_(overshoot) {
     for (index_ = 0; index_ < shapes.size(); ++index_) {
       const Box box = bounds_of(shapes[index_].shape);
-      finest_ = std::max(overshoot / 4, norm(box.half) / 50);
+      finest_ = std::max(overshoot / 3, norm(box.half) / 50);
       divide(box);
     }
   }
@@ -66,12 +66,23 @@ class Cells {
     }
     if (deepest > 0) candidates.push_back({centre, deepest + overshoot_, deepest});
     if (radius <= std::max(finest_, kShareOfDepth * depth)) {
-      cells.push_back({centre, radius, std::max(0.0, deepest)});
+      cells.push_back(depth < 0 ? part_within(own, box.centre, radius, -depth) : Ball{centre, radius, std::max(0.0, deepest)});
       return;
     }
     const auto [low, high] = split(box);
     divide(low);
     divide(high);
+  }
+
+  /// What of a ball whose centre is outside, at a distance from a plane that bounds the shape: half a ball or less.
+  [[nodiscard]] static Ball part_within(const PlacedConvex& own, const Vec& centre, double radius, double outside) {
+    constexpr double kStep = 1e-6;
+    const auto slope = [&](const Vec& along) {
+      return depth_within(own.shape, centre + kStep * along) - depth_within(own.shape, centre - kStep * along);
+    };
+    const Vec inwards{slope({1, 0, 0}), slope({0, 1, 0}), slope({0, 0, 1})};
+    const Vec on_plane = centre + (outside / norm(inwards)) * inwards;
+    return {own.X * on_plane, std::sqrt(std::max(0.0, radius * radius - outside * outside)) + kStep, 0};
   }
 
   std::span<const PlacedConvex> shapes_;
@@ -126,6 +137,47 @@ void thin_out(std::vector<Ball>& balls, std::size_t most) {
   balls = std::move(kept);
 }
 
+double deepest_within(std::span<const PlacedConvex> shapes, const Vec& p) {
+  double deepest = -std::numeric_limits<double>::infinity();
+  for (const PlacedConvex& own : shapes) deepest = std::max(deepest, depth_within(own.shape, inverse(own.X) * p));
+  return deepest;
+}
+
+/// Of cells that no ball holds yet, at edges mostly: balls between each of them and the nearest ball that was taken.
+void cover_rest(std::span<const PlacedConvex> shapes, double overshoot, std::vector<Ball> cells,
+                std::vector<Ball>& balls) {
+  constexpr int kSteps = 12;
+  std::erase_if(cells, [&](const Ball& cell) {
+    return std::ranges::any_of(balls, [&](const Ball& ball) { return holds(ball, cell); });
+  });
+  const std::vector<Ball> inner = balls;
+  while (!cells.empty()) {
+    const Ball cell = cells.back();
+    Vec way = Vec::zero();
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Ball& ball : inner) {
+      if (const double d = norm(ball.centre - cell.centre) - ball.radius; d < nearest) {
+        nearest = d;
+        way = ball.centre - cell.centre;
+      }
+    }
+    Ball best = cell;
+    std::ptrdiff_t most = 1;
+    for (int step = 0; step < kSteps; ++step) {
+      const Vec centre = cell.centre + (static_cast<double>(step) / kSteps) * way;
+      const double depth = deepest_within(shapes, centre);
+      const Ball ball{centre, depth + overshoot, depth};
+      if (depth < 0 || !holds(ball, cell)) continue;
+      const auto gain = std::ranges::count_if(cells, [&](const Ball& other) { return holds(ball, other); });
+      if (gain < most) continue;
+      most = gain;
+      best = ball;
+    }
+    balls.push_back(best);
+    std::erase_if(cells, [&](const Ball& other) { return holds(best, other); });
+  }
+}
+
 }  // namespace
 
 double depth_within(const ConvexShape& shape, const Vec3<double>& p) {
@@ -151,7 +203,7 @@ double depth_within(const ConvexShape& shape, const Vec3<double>& p) {
 }
 
 std::vector<Ball> cover_with_balls(std::span<const PlacedConvex> shapes, double overshoot) {
-  constexpr std::size_t kMostCandidates = 800;
+  constexpr std::size_t kMostCandidates = 400;
   Cells made(shapes, overshoot);
   thin_out(made.candidates, kMostCandidates);
   Coverage coverage(made.candidates, made.cells);
@@ -171,9 +223,7 @@ std::vector<Ball> cover_with_balls(std::span<const PlacedConvex> shapes, double 
     coverage.take(best);
     balls.push_back(made.candidates[best]);
   }
-  for (const Ball& cell : made.cells) {
-    if (std::ranges::none_of(balls, [&](const Ball& ball) { return holds(ball, cell); })) balls.push_back(cell);
-  }
+  cover_rest(shapes, overshoot, made.cells, balls);
   return balls;
 }
 

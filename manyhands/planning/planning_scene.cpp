@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <tuple>
 
 #include "manyhands/kinematics/inverse_kinematics.h"
+#include "manyhands/math/philox.h"
 #include "manyhands/physics/collision/broad/bounds_meet.h"
 #include "manyhands/physics/collision/surface/height_grid.h"
 #include "manyhands/physics/dynamics/kinematics.h"
 #include "manyhands/planning/checks.h"
+#include "manyhands/planning/exact_check.h"
 
 namespace manyhands {
 
@@ -17,6 +20,7 @@ namespace {
 
 using Vec = Vec3<double>;
 
+constexpr double kHalfTurn = std::numbers::pi;  // how far joints without limits go to either side [rad]
 constexpr float kBallRounding = 1e-5f;        // of positions in single precision, generously [m]
 constexpr std::size_t kBallsOfGroup = 6;   // at most
 constexpr double kTouchesHeld = 1e-3;         // what is held touches what is nearer than this [m]
@@ -32,6 +36,7 @@ class SceneMaker {
       : model_(model), settings_(settings), scene_(scene), params_(model), ws_(scene.tree) {}
 
   void make() {
+    scene_.colliders.rules.self_collision = true;  // models leave it out for the step's sake
     place_all();
     choose_joints();
     find_carriers();
@@ -43,8 +48,9 @@ class SceneMaker {
     }
     add_clouds();
     scene_.tree_of_obstacles.build();
-    find_pairs();
     find_ignored();
+    find_pairs();
+    leave_out_pairs();
   }
 
  private:
@@ -294,6 +300,69 @@ class SceneMaker {
     const Transform<double> X_WB = pose_of(ws_, y.body);
     return std::ranges::any_of(
         y.geoms, [&](const SceneGeom& geom) { return distance(x, geom, X_WB * geom.X_BG) < kTouchesHeld; });
+  }
+
+  /// Leaves out the pairs that planned joints cannot bring to touch, and those of sloppy models that always do.
+  void leave_out_pairs() {
+    internal::ExactCheck exact(scene_);
+    std::vector<PartPair> kept;
+    for (std::size_t i = 0; i < scene_.pairs.size(); ++i) {
+      const int pair = static_cast<int>(i);
+      if (!stays_apart(exact, pair) && !always_overlaps(exact, pair)) kept.push_back(scene_.pairs[i]);
+    }
+    scene_.pairs = std::move(kept);
+  }
+
+  [[nodiscard]] bool always_overlaps(internal::ExactCheck& exact, int pair) const {
+    constexpr int kLooks = 50;
+    std::vector<double> q = scene_.planned(scene_.q);
+    RandomStream random(0, 3, 0);
+    for (int look = 0; look < kLooks; ++look) {
+      exact.place(q);
+      if (exact.distance(pair, scene_.margin) >= scene_.margin) return false;
+      for (std::size_t k = 0; k < q.size(); ++k)
+        q[k] = random.uniform(std::max(scene_.lower[k], -kHalfTurn), std::min(scene_.upper[k], kHalfTurn));
+    }
+    return true;
+  }
+
+  /// Whether no joints are between the two, so that they stay as they are; or so few that looks at some configurations
+  /// prove them apart in all: in a box of these, no point moves by more than the reach of joints times its halves.
+  [[nodiscard]] bool stays_apart(internal::ExactCheck& exact, int pair) const {
+    constexpr std::size_t kMostJoints = 2;
+    constexpr int kMostLooks = 1000;
+    const std::vector<float>& reach = scene_.pairs[static_cast<std::size_t>(pair)].reach;
+    std::vector<std::size_t> between;
+    for (std::size_t k = 0; k < reach.size(); ++k) {
+      if (reach[k] == 0) continue;
+      between.push_back(k);
+      if (!std::isfinite(scene_.lower[k]) || !std::isfinite(scene_.upper[k])) return false;
+    }
+    if (between.empty()) return true;
+    if (between.size() > kMostJoints) return false;
+    std::vector<double> q = scene_.planned(scene_.q);
+    std::vector<std::pair<std::vector<double>, std::vector<double>>> boxes{{scene_.lower, scene_.upper}};
+    for (int look = 0; !boxes.empty(); ++look) {
+      auto [low, high] = std::move(boxes.back());
+      boxes.pop_back();
+      double sway = 0;
+      std::size_t widest = between[0];
+      const auto sway_of = [&](std::size_t k) { return static_cast<double>(reach[k]) * (high[k] - low[k]) / 2; };
+      for (const std::size_t k : between) {
+        q[k] = (low[k] + high[k]) / 2;
+        sway += sway_of(k);
+        if (sway_of(k) > sway_of(widest)) widest = k;
+      }
+      exact.place(q);
+      const double needed = scene_.margin + sway, d = exact.distance(pair, needed);
+      if (d >= needed) continue;
+      if (d <= scene_.margin || look >= kMostLooks) return false;
+      auto below = high, above = low;
+      below[widest] = above[widest] = q[widest];
+      boxes.emplace_back(low, below);
+      boxes.emplace_back(above, high);
+    }
+    return true;
   }
 
   void find_ignored() {

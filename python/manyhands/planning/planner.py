@@ -135,6 +135,11 @@ class Planner:
         """(n,) where the planned joints are in the scene."""
         return np.asarray(self._core.start)
 
+    @property
+    def self_pairs(self) -> list[tuple[str, str]]:
+        """Links that move and are kept from each other: those that the planned joints could bring to touch."""
+        return list(self._core.pairs)
+
     def configuration(self, planned: ArrayLike) -> Array:
         """q (..., nq) of the model at planned joints (..., n); everything else as it is in the scene."""
         rows = finite_rows("planned", planned, len(self.joints))
