@@ -48,9 +48,11 @@ class LaneCheck {
  private:
   void place_parts();
   void look_at_obstacles(std::size_t part, float sway);
-  void look_at_group(std::size_t part, const BallGroup& group, float sway);
-  void look_at_pair(std::size_t pair, float sway);
-  void look_at_groups(const PartPair& pair, const BallGroup& x, const BallGroup& y, const Doubt<T>& about, float sway);
+  void look_at_node(std::size_t part, const BallNode& node, std::size_t first_piece, float sway);
+  void look_at_balls(std::size_t part, const BallNode& leaf, std::size_t first_piece, float sway);
+  void look_at_nodes(std::size_t pair, const BallNode& x, const BallNode& y, const Vec3<T>& p_x, const Vec3<T>& p_y,
+                     float sway);
+  void look_at_balls(std::size_t pair, const BallNode& x, const BallNode& y, float sway);
   void doubt(const Doubt<T>& found);
 
   [[nodiscard]] MANYHANDS_INLINE Vec3<T> placed(std::size_t part, const PartBall& ball) const {
@@ -64,9 +66,8 @@ class LaneCheck {
   const PlanningScene& scene_;
   Workspace<T> ws_;
   std::vector<T> q_;
-  std::vector<Vec3<T>> origin_, centre_;       // (parts) of the body, and of the ball that holds the part, in the world
-  std::vector<const ObstaclePiece*> pieces_;   // that are near a part
-  std::vector<const ObstaclePiece*> near_;     // and of these near a group
+  std::vector<Vec3<T>> origin_, centre_;      // (parts) of the body, and of the ball that holds the part, in the world
+  std::vector<const ObstaclePiece*> pieces_;  // that are near a node, behind those near the nodes above it
   mask_t<T> hit_{}, doubtful_{};
   std::vector<Doubt<T>> doubts_;
 };
@@ -89,7 +90,11 @@ void LaneCheck<T>::look(const Sways& sways, const mask_t<T>& wanted) {
   // What collides is most often at the end of the arm.
   for (std::size_t i = scene_.parts.size(); i > 0 && none(hit_ & wanted); --i)
     look_at_obstacles(i - 1, sways.part[i - 1]);
-  for (std::size_t i = 0; i < scene_.pairs.size() && none(hit_ & wanted); ++i) look_at_pair(i, sways.pair[i]);
+  for (std::size_t i = 0; i < scene_.pairs.size() && none(hit_ & wanted); ++i) {
+    const PartPair& pair = scene_.pairs[i];
+    look_at_nodes(i, scene_.parts[pair.a].nodes[0], scene_.parts[pair.b].nodes[0], centre_[pair.a], centre_[pair.b],
+                  sways.pair[i]);
+  }
 }
 
 template <Number T>
@@ -98,7 +103,7 @@ void LaneCheck<T>::place_parts() {
   for (std::size_t i = 0; i < scene_.parts.size(); ++i) {
     const MovingPart& part = scene_.parts[i];
     origin_[i] = ws_.p_OB[part.body] + ws_.p_WO[part.body];
-    centre_[i] = placed(i, part.bound);
+    centre_[i] = placed(i, part.nodes[0].bound);
   }
 }
 
@@ -106,7 +111,7 @@ template <Number T>
 void LaneCheck<T>::look_at_obstacles(std::size_t i, float sway) {
   const MovingPart& part = scene_.parts[i];
   const ObstacleTree& tree = scene_.tree_of_obstacles;
-  const T reach(part.bound.radius + sway);
+  const T reach(part.nodes[0].bound.radius + sway);
   pieces_.clear();
   const auto take_near = [&](std::span<const ObstaclePiece> pieces) {
     for (const ObstaclePiece& piece : pieces) {
@@ -116,58 +121,86 @@ void LaneCheck<T>::look_at_obstacles(std::size_t i, float sway) {
   };
   tree.visit_leaves(centre_[i], reach, [&](int leaf) { take_near(tree.pieces_of(leaf)); });
   take_near(tree.endless());
-  if (pieces_.empty()) return;
-  for (const BallGroup& group : part.groups) look_at_group(i, group, sway);
+  if (!pieces_.empty()) look_at_node(i, part.nodes[0], 0, sway);
 }
 
+/// The pieces from `first_piece` on are near the node above.
 template <Number T>
-void LaneCheck<T>::look_at_group(std::size_t i, const BallGroup& group, float sway) {
-  const MovingPart& part = scene_.parts[i];
-  const ObstacleTree& tree = scene_.tree_of_obstacles;
-  const Vec3<T> centre = placed(i, group.bound);
-  const bool is_coarse = sway > kCoarseSway;
-  const T reach(group.bound.radius + sway), certain(group.bound.radius);
-  near_.clear();
-  for (const ObstaclePiece* piece : pieces_) {
-    const T low = tree.distance(*piece, centre).low;
+void LaneCheck<T>::look_at_node(std::size_t i, const BallNode& node, std::size_t first_piece, float sway) {
+  const Vec3<T> centre = placed(i, node.bound);
+  const T reach(node.bound.radius + sway), certain(node.bound.radius);
+  const bool is_coarse = sway > kCoarseSway, is_leaf = node.second == 0;
+  const std::size_t own_first = pieces_.size();
+  for (std::size_t k = first_piece; k < own_first; ++k) {
+    const T low = scene_.tree_of_obstacles.distance(*pieces_[k], centre).low;
     const mask_t<T> near(low < reach);
     if (none(near)) continue;
-    if (is_coarse) doubtful_ = doubtful_ | near;
-    if (!is_coarse || any(mask_t<T>(low < certain))) near_.push_back(piece);
+    if (is_coarse) {
+      // No more to learn: lanes that are in doubt already, and cannot be hit.
+      const bool is_known = is_leaf || none(near & !doubtful_);
+      if (is_leaf) doubtful_ = doubtful_ | near;
+      if (is_known && none(mask_t<T>(low < certain))) continue;
+    }
+    pieces_.push_back(pieces_[k]);
   }
-  if (near_.empty()) return;
-  for (std::size_t k = group.first; k < group.last; ++k) {
-    const PartBall& ball = part.balls[k];
+  if (pieces_.size() > own_first) {
+    if (is_leaf) {
+      look_at_balls(i, node, own_first, sway);
+    } else {
+      const std::vector<BallNode>& nodes = scene_.parts[i].nodes;
+      look_at_node(i, *(&node + 1), own_first, sway);
+      look_at_node(i, nodes[node.second], own_first, sway);
+    }
+  }
+  pieces_.resize(own_first);
+}
+
+template <Number T>
+void LaneCheck<T>::look_at_balls(std::size_t i, const BallNode& leaf, std::size_t first_piece, float sway) {
+  for (std::size_t k = leaf.first; k < leaf.last; ++k) {
+    const PartBall& ball = scene_.parts[i].balls[k];
     const Vec3<T> p = placed(i, ball);
-    for (const ObstaclePiece* piece : near_) {
-      const DistanceBounds<T> distance = tree.distance(*piece, p);
+    for (std::size_t j = first_piece; j < pieces_.size(); ++j) {
+      const DistanceBounds<T> distance = scene_.tree_of_obstacles.distance(*pieces_[j], p);
       hit_ = hit_ | mask_t<T>(distance.high < T(ball.inner));
-      if (is_coarse) continue;
+      if (sway > kCoarseSway) continue;
       const mask_t<T> near(distance.low < T(ball.radius + sway));
-      if (any(near)) doubt({.part = static_cast<int>(i), .obstacle = piece->owner, .lanes = near});
+      if (any(near)) doubt({.part = static_cast<int>(i), .obstacle = pieces_[j]->owner, .lanes = near});
     }
   }
 }
 
+/// Descends both trees, the larger ball first.
 template <Number T>
-void LaneCheck<T>::look_at_pair(std::size_t i, float sway) {
+void LaneCheck<T>::look_at_nodes(std::size_t i, const BallNode& x, const BallNode& y, const Vec3<T>& p_x,
+                                 const Vec3<T>& p_y, float sway) {
+  const float touching = x.bound.radius + y.bound.radius, reach = touching + sway;
+  const T apart = squared_norm(p_x - p_y);
+  const mask_t<T> near(apart < T(reach * reach));
+  if (none(near)) return;
+  const bool are_leaves = x.second == 0 && y.second == 0;
+  if (sway > kCoarseSway) {
+    const bool is_known = are_leaves || none(near & !doubtful_);
+    if (are_leaves) doubtful_ = doubtful_ | near;
+    if (is_known && none(mask_t<T>(apart < T(touching * touching)))) return;
+  }
+  if (are_leaves) {
+    look_at_balls(i, x, y, sway);
+    return;
+  }
   const PartPair& pair = scene_.pairs[i];
-  const MovingPart &a = scene_.parts[pair.a], &b = scene_.parts[pair.b];
-  if (none(meet(centre_[pair.a], centre_[pair.b], a.bound.radius + b.bound.radius + sway))) return;
-  for (const BallGroup& x : a.groups) {
-    const Vec3<T> x_centre = placed(pair.a, x.bound);
-    if (none(meet(x_centre, centre_[pair.b], x.bound.radius + b.bound.radius + sway))) continue;
-    for (const BallGroup& y : b.groups) {
-      const mask_t<T> near = meet(x_centre, placed(pair.b, y.bound), x.bound.radius + y.bound.radius + sway);
-      if (any(near)) look_at_groups(pair, x, y, {.pair = static_cast<int>(i), .lanes = near}, sway);
-    }
+  if (y.second == 0 || (x.second != 0 && x.bound.radius > y.bound.radius)) {
+    for (const BallNode* child : {&x + 1, &scene_.parts[pair.a].nodes[x.second]})
+      look_at_nodes(i, *child, y, placed(pair.a, child->bound), p_y, sway);
+  } else {
+    for (const BallNode* child : {&y + 1, &scene_.parts[pair.b].nodes[y.second]})
+      look_at_nodes(i, x, *child, p_x, placed(pair.b, child->bound), sway);
   }
 }
 
 template <Number T>
-void LaneCheck<T>::look_at_groups(const PartPair& pair, const BallGroup& x, const BallGroup& y, const Doubt<T>& about,
-                                  float sway) {
-  if (sway > kCoarseSway) doubtful_ = doubtful_ | about.lanes;
+void LaneCheck<T>::look_at_balls(std::size_t i, const BallNode& x, const BallNode& y, float sway) {
+  const PartPair& pair = scene_.pairs[i];
   const std::vector<PartBall>&a = scene_.parts[pair.a].balls, &b = scene_.parts[pair.b].balls;
   for (std::size_t k = x.first; k < x.last; ++k) {
     const Vec3<T> p = placed(pair.a, a[k]);
@@ -177,7 +210,7 @@ void LaneCheck<T>::look_at_groups(const PartPair& pair, const BallGroup& x, cons
       if (inner > 0) hit_ = hit_ | mask_t<T>(apart < T(inner * inner));
       if (sway > kCoarseSway) continue;
       const mask_t<T> near(apart < T(reach * reach));
-      if (any(near)) doubt({.pair = about.pair, .lanes = near});
+      if (any(near)) doubt({.pair = static_cast<int>(i), .lanes = near});
     }
   }
 }

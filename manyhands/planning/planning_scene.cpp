@@ -22,7 +22,7 @@ using Vec = Vec3<double>;
 
 constexpr double kHalfTurn = std::numbers::pi;  // how far joints without limits go to either side [rad]
 constexpr float kBallRounding = 1e-5f;        // of positions in single precision, generously [m]
-constexpr std::size_t kBallsOfGroup = 6;   // at most
+constexpr std::size_t kBallsOfLeaf = 4;   // at most
 constexpr double kTouchesHeld = 1e-3;         // what is held touches what is nearer than this [m]
 
 Transform<double> pose_of(const Workspace<double>& ws, std::size_t body) {
@@ -183,7 +183,7 @@ class SceneMaker {
     }
   }
 
-  /// Its balls: as they are found, in groups by place.
+  /// Its balls, in a tree by place.
   void cover(MovingPart& part) const {
     std::vector<PlacedConvex> shapes;
     for (const SceneGeom& geom : part.geoms) shapes.push_back({geom.shape.convex(), geom.X_BG});
@@ -192,15 +192,13 @@ class SceneMaker {
       part.balls.push_back({broadcast<float>(ball.centre), static_cast<float>(ball.radius) + margin + kBallRounding,
                             static_cast<float>(ball.inner) + margin - kBallRounding});
     }
-    group(part, 0, part.balls.size());
-    part.bound = around(part, 0, part.balls.size());
+    divide(part, 0, part.balls.size());
   }
 
-  static void group(MovingPart& part, std::size_t first, std::size_t last) {
-    if (last - first <= kBallsOfGroup) {
-      part.groups.push_back({around(part, first, last), first, last});
-      return;
-    }
+  static void divide(MovingPart& part, std::size_t first, std::size_t last) {
+    const std::size_t node = part.nodes.size();
+    part.nodes.push_back({around(part, first, last), first, last});
+    if (last - first <= kBallsOfLeaf) return;
     const auto [low, high] = corners(part, first, last);
     const Vec3<float> side = high - low;
     float Vec3<float>::*const axis =
@@ -210,8 +208,9 @@ class SceneMaker {
     std::nth_element(begin + static_cast<std::ptrdiff_t>(first), begin + static_cast<std::ptrdiff_t>(half),
                      begin + static_cast<std::ptrdiff_t>(last),
                      [axis](const PartBall& a, const PartBall& b) { return a.centre.*axis < b.centre.*axis; });
-    group(part, first, half);
-    group(part, half, last);
+    divide(part, first, half);
+    part.nodes[node].second = part.nodes.size();
+    divide(part, half, last);
   }
 
   static std::pair<Vec3<float>, Vec3<float>> corners(const MovingPart& part, std::size_t first, std::size_t last) {

@@ -45,10 +45,11 @@ struct PartBall {
   float radius{}, inner{};  ///< as Ball; rounding is allowed for
 };
 
-/// Balls that lie near each other, and one that holds them.
-struct BallGroup {
+/// A ball that holds others: those of a leaf, or of its two children.
+struct BallNode {
   PartBall bound{};
   std::size_t first{}, last{};  ///< in MovingPart::balls
+  std::size_t second = 0;       ///< its second child, in MovingPart::nodes; the first follows it. 0 for a leaf
 };
 
 /// A shape as the exact check has it: on a body, or on the world.
@@ -64,8 +65,7 @@ struct MovingPart {
   std::size_t body{};  ///< that it moves with
   LinkId link{};
   std::vector<SceneGeom> geoms{};
-  PartBall bound{};  ///< that holds all its balls
-  std::vector<BallGroup> groups{};
+  std::vector<BallNode> nodes{};  ///< a tree of balls, the root first
   std::vector<PartBall> balls{};
   std::vector<float> reach{};  ///< (n) [m/rad or 1]: how far a point of it moves, at most, per change of each coordinate
   std::vector<int> ignored{};  ///< obstacles that it may touch, sorted
