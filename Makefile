@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
-.PHONY: help train policies test asan tsan bench accuracy realfiles scripted absurd interop wheels lint format build clean
+.PHONY: help train policies test asan tsan bench accuracy realfiles scripted absurd interop docs wheels lint format build clean
 
 TASK ?= PandaReach
 SEED ?= 0
@@ -58,6 +58,9 @@ absurd: $(VENV)/.test $(VENV)/.installed  ## 10,000 random scenes without reason
 interop: $(VENV)/.core $(VENV)/.installed  ## Stable-Baselines3, RL Zoo, panda-gym, Minari, LeRobot and Ray beside our package, in an environment of their own (5 GB)
 	tools/interop.sh
 
+docs: $(VENV)/.docs $(VENV)/.installed  ## The documentation as a site, links checked: build/docs/html (EXTERNAL=1 for others' pages too)
+	python -m tools.site $(if $(EXTERNAL),--external)
+
 wheels: $(VENV)/.core $(VENV)/.wheels  ## Wheels for Linux on x86-64, into dist/: Python 3.10, 3.11, and one from 3.12 on
 	tools/wheels/make.sh
 
@@ -94,6 +97,10 @@ $(VENV)/.core: $(VENV)/.build pyproject.toml
 $(VENV)/.test: $(VENV)/.core $(VENV)/.cpp pyproject.toml
 	@tools/setup.sh python test dev
 	@tools/setup.sh browser
+	@touch $@
+
+$(VENV)/.docs: $(VENV)/.core pyproject.toml
+	@tools/setup.sh python docs
 	@touch $@
 
 $(VENV)/.wheels: $(VENV)/.build pyproject.toml

@@ -67,7 +67,7 @@ void bind_report(nb::module_& m) {
           nb::sig("def action(self) -> typing.Literal['defaulted', 'repaired', 'ignored']"),
           "'defaulted': the file did not say; 'repaired': it said what cannot be simulated; 'ignored': it said what is "
           "not used.")
-      .def_ro("file", &LoadNote::file)
+      .def_ro("file", &LoadNote::file, "Empty for models that were built in code.")
       .def_ro("line", &LoadNote::line, "1-based; 0 if unknown.")
       .def_ro("element", &LoadNote::element, "What it is about, for example \"link 'panda_hand'\".")
       .def_ro("message", &LoadNote::message, "What was done, with the value taken.")
@@ -89,7 +89,9 @@ void bind_model_class(nb::module_& m) {
       "v "
       "the angular velocity in the joint frame F; floating: q is position [m] and quaternion xyzw, v is angular "
       "velocity, then velocity of the origin, both in F.");
-  model.def_prop_ro("name", [](const PythonModel& self) { return self.model->name(); })
+  model
+      .def_prop_ro(
+          "name", [](const PythonModel& self) { return self.model->name(); }, "As the file, or ModelBuilder, calls it.")
       .def_prop_ro(
           "nq", [](const PythonModel& self) { return self.model->nq(); }, "Length of q.")
       .def_prop_ro(
@@ -97,16 +99,32 @@ void bind_model_class(nb::module_& m) {
       .def_prop_ro(
           "num_bodies", [](const PythonModel& self) { return self.model->num_bodies(); },
           "Bodies that move on their own, and the world.")
-      .def_prop_ro("links", [](const PythonModel& self) { return copy_of(self.model->links()); })
-      .def_prop_ro("joints", [](const PythonModel& self) { return copy_of(self.model->joints()); })
-      .def_prop_ro("frames", [](const PythonModel& self) { return copy_of(self.model->frames()); })
-      .def_prop_ro("geoms", [](const PythonModel& self) { return copy_of(self.model->geoms()); })
-      .def_prop_ro("meshes", [](const PythonModel& self) { return copy_of(self.model->meshes()); })
-      .def_prop_ro("height_fields", [](const PythonModel& self) { return copy_of(self.model->height_fields()); })
-      .def_prop_ro("equalities", [](const PythonModel& self) { return copy_of(self.model->equalities()); })
-      .def_prop_ro("tendons", [](const PythonModel& self) { return copy_of(self.model->tendons()); })
-      .def_prop_ro("actuators", [](const PythonModel& self) { return copy_of(self.model->actuators()); })
-      .def_prop_ro("contact_pairs", [](const PythonModel& self) { return copy_of(self.model->contact_pairs()); })
+      .def_prop_ro(
+          "links", [](const PythonModel& self) { return copy_of(self.model->links()); }, "In order, the world first.")
+      .def_prop_ro(
+          "joints", [](const PythonModel& self) { return copy_of(self.model->joints()); }, "In the order of q.")
+      .def_prop_ro(
+          "frames", [](const PythonModel& self) { return copy_of(self.model->frames()); }, "Named poses on links.")
+      .def_prop_ro(
+          "geoms", [](const PythonModel& self) { return copy_of(self.model->geoms()); },
+          "Shapes that touch or are seen.")
+      .def_prop_ro(
+          "meshes", [](const PythonModel& self) { return copy_of(self.model->meshes()); },
+          "What geoms refer to by index.")
+      .def_prop_ro(
+          "height_fields", [](const PythonModel& self) { return copy_of(self.model->height_fields()); },
+          "What geoms refer to by index.")
+      .def_prop_ro(
+          "equalities", [](const PythonModel& self) { return copy_of(self.model->equalities()); },
+          "Equality constraints.")
+      .def_prop_ro(
+          "tendons", [](const PythonModel& self) { return copy_of(self.model->tendons()); }, "In order.")
+      .def_prop_ro(
+          "actuators", [](const PythonModel& self) { return copy_of(self.model->actuators()); },
+          "In the order of ctrl.")
+      .def_prop_ro(
+          "contact_pairs", [](const PythonModel& self) { return copy_of(self.model->contact_pairs()); },
+          "Pairs of geoms with a material of their own.")
       .def_prop_ro(
           "fingerprint", [](const PythonModel& self) { return fingerprint(*self.model); },
           "A number that tells models apart: equal where the same state moves in the same way, to the last bit.")
@@ -120,13 +138,16 @@ void bind_model_class(nb::module_& m) {
             return names;
           },
           "Names of the links that mocap joints carry, in the order of `World.mocap`.")
-      .def_prop_ro("keyframes", [](const PythonModel& self) { return copy_of(self.model->keyframes()); })
+      .def_prop_ro(
+          "keyframes", [](const PythonModel& self) { return copy_of(self.model->keyframes()); }, "States with names.")
       .def_prop_ro(
           "nu", [](const PythonModel& self) { return self.model->nu(); }, "Length of ctrl: one for each actuator.")
       .def_prop_ro(
           "na", [](const PythonModel& self) { return self.model->na(); },
           "Length of act: one for each actuator that has an activation.")
-      .def_prop_ro("sensors", [](const PythonModel& self) { return copy_of(self.model->sensors()); })
+      .def_prop_ro(
+          "sensors", [](const PythonModel& self) { return copy_of(self.model->sensors()); },
+          "In the order of `World.sensor_data`.")
       .def_prop_ro(
           "time_step", [](const PythonModel& self) { return self.model->time_step(); },
           "[s], if the description asks for one; else None.")

@@ -67,8 +67,9 @@ void bind_compliance(nb::module_& m) {
           "impedance", [](const Compliance& c) { return std::pair(c.impedance, c.largest_impedance); },
           "Where the error is 0, and from `width` on.")
       .def_ro("width", &Compliance::width, "[m or rad]")
-      .def_ro("midpoint", &Compliance::midpoint)
-      .def_ro("power", &Compliance::power)
+      .def_ro("midpoint", &Compliance::midpoint,
+              "Share of the width up to which the impedance follows x^power, then its mirror.")
+      .def_ro("power", &Compliance::power, "As `midpoint` says; 1: in proportion.")
       .def_ro("share", &Compliance::share, "Of a surface: what it counts in the mean of two that touch.")
       .def(
           "__eq__", [](const Compliance& a, const Compliance& b) { return a == b; }, nb::is_operator())
@@ -79,7 +80,7 @@ void bind_compliance(nb::module_& m) {
 
 void bind_links(nb::module_& m) {
   nb::class_<Link>(m, "Link", "A named rigid part. Its frame L is the frame of the joint that moves it, at q = 0.")
-      .def_ro("name", &Link::name)
+      .def_ro("name", &Link::name, "Unique among links and frames.")
       .def("__repr__", [](const Link& link) { return "<Link '" + link.name + "'>"; })
       .def_prop_ro(
           "mass", [](const Link& link) { return link.inertial.mass; }, "[kg]")
@@ -101,7 +102,7 @@ void bind_links(nb::module_& m) {
   nb::class_<Joint>(m, "Joint",
                     "Joins a child link to its parent P. Frame F is fixed in P; at q = 0 the child's frame "
                     "is F.")
-      .def_ro("name", &Joint::name)
+      .def_ro("name", &Joint::name, "Unique among joints.")
       .def("__repr__", [](const Joint& joint) { return "<Joint '" + joint.name + "': " + to_string(joint.type) + ">"; })
       .def_prop_ro(
           "type", [](const Joint& joint) { return to_string(joint.type); },
@@ -149,7 +150,7 @@ void bind_links(nb::module_& m) {
       .def_ro("iv", &Joint::iv, "Where they start in v; -1 for fixed joints.");
 
   nb::class_<Frame>(m, "Frame", "A named pose on a body. Every link is one, by the same name and index.")
-      .def_ro("name", &Frame::name)
+      .def_ro("name", &Frame::name, "Unique among links and frames.")
       .def("__repr__", [](const Frame& frame) { return "<Frame '" + frame.name + "'>"; })
       .def_prop_ro(
           "body", [](const Frame& frame) { return frame.body.value(); }, "The body that carries it; 0 is the world.");
@@ -157,7 +158,7 @@ void bind_links(nb::module_& m) {
 
 void bind_geom(nb::module_& m) {
   nb::class_<Geom>(m, "Geom", "A shape on a link, seen or touched. Its frame G: along z where it has an axis.")
-      .def_ro("name", &Geom::name)
+      .def_ro("name", &Geom::name, "May be empty.")
       .def("__repr__",
            [](const Geom& geom) {
              return "<Geom '" + geom.name + "': " + name_of(geom.shape.type, bindings::kShapes) + ">";
@@ -194,16 +195,19 @@ void bind_geom(nb::module_& m) {
       .def_prop_ro(
           "rolling_friction", [](const Geom& geom) { return geom.surface.rolling_friction; },
           "Torque across the normal per normal force [m].")
-      .def_prop_ro("restitution", [](const Geom& geom) { return geom.surface.restitution; })
+      .def_prop_ro(
+          "restitution", [](const Geom& geom) { return geom.surface.restitution; },
+          "Share of the approaching speed that is given back.")
       .def_prop_ro(
           "compliance", [](const Geom& geom) { return geom.surface.compliance; },
           "How its surface gives way; None of a hard one.")
       .def_prop_ro(
           "group", [](const Geom& geom) { return geom.filter.group; },
           "Bits; two geoms may touch if each one's group is in the other's mask.")
-      .def_prop_ro("mask", [](const Geom& geom) { return geom.filter.mask; })
+      .def_prop_ro(
+          "mask", [](const Geom& geom) { return geom.filter.mask; }, "Which groups it touches, bit by bit.")
       .def_ro("margin", &Geom::margin, "How far the surface is pushed outwards for contact [m].")
-      .def_ro("rgba", &Geom::rgba)
+      .def_ro("rgba", &Geom::rgba, "Red, green, blue and opacity, 0 to 1.")
       .def_prop_ro(
           "texture",
           [](const Geom& geom) -> std::string {
@@ -246,7 +250,7 @@ void bind_couplings(nb::module_& m) {
       m, "Tendon",
       "A length that follows from q, and the forces along it: of a spring, a damper, dry friction, limits "
       "and actuators.")
-      .def_ro("name", &Tendon::name)
+      .def_ro("name", &Tendon::name, "Unique among tendons.")
       .def("__repr__", [](const Tendon& t) { return "<Tendon '" + t.name + "'>"; })
       .def_prop_ro(
           "joints",
@@ -277,11 +281,11 @@ void bind_couplings(nb::module_& m) {
       .def_ro("friction", &Tendon::friction, "Dry friction [N].")
       .def_ro("armature", &Tendon::armature, "Inertia that moves with the length [kg].")
       .def_ro("stiffness", &Tendon::stiffness, "Of a spring that pulls outside of spring_lower to spring_upper [N/m].")
-      .def_ro("spring_lower", &Tendon::spring_lower)
-      .def_ro("spring_upper", &Tendon::spring_upper);
+      .def_ro("spring_lower", &Tendon::spring_lower, "Its spring acts below this length [m, or as q].")
+      .def_ro("spring_upper", &Tendon::spring_upper, "Its spring acts above this length [m, or as q].");
 
   nb::class_<Actuator>(m, "Actuator", "A drive on a joint or tendon, commanded by one number, ctrl.")
-      .def_ro("name", &Actuator::name)
+      .def_ro("name", &Actuator::name, "Unique among actuators.")
       .def("__repr__",
            [](const Actuator& a) {
              return "<Actuator '" + a.name + "': " + name_of(a.type, bindings::kActuators) + ">";
@@ -302,7 +306,8 @@ void bind_couplings(nb::module_& m) {
       .def_prop_ro(
           "gain", [](const Actuator& a) { return a.gain; },
           "'affine': force = gear (gain . (1, gear q, gear v) ctrl + bias . (1, gear q, gear v)).")
-      .def_prop_ro("bias", [](const Actuator& a) { return a.bias; })
+      .def_prop_ro(
+          "bias", [](const Actuator& a) { return a.bias; }, "(3), as `gain` says.")
       .def_prop_ro(
           "activation", [](const Actuator& a) { return name_of(a.activation.type, bindings::kActivations); },
           "What the law reads in the place of ctrl: 'integrator': d act / dt = ctrl; 'filter', 'filterexact': (ctrl - "
@@ -314,17 +319,17 @@ void bind_couplings(nb::module_& m) {
           "act_range", [](const Actuator& a) { return std::pair{a.activation.lower, a.activation.upper}; },
           "Within which its activation stays.")
       .def_ro("ctrl_scale", &Actuator::ctrl_scale, "ctrl_scale ctrl + ctrl_offset stands for ctrl above.")
-      .def_ro("ctrl_offset", &Actuator::ctrl_offset)
-      .def_ro("gear", &Actuator::gear)
+      .def_ro("ctrl_offset", &Actuator::ctrl_offset, "As `ctrl_scale` says.")
+      .def_ro("gear", &Actuator::gear, "What laws multiply q, v and the force by.")
       .def_ro("kp", &Actuator::kp, "[N m/rad or N/m]")
       .def_ro("kd", &Actuator::kd, "[N m s/rad or N s/m]")
-      .def_ro("min_ctrl", &Actuator::min_ctrl)
-      .def_ro("max_ctrl", &Actuator::max_ctrl)
+      .def_ro("min_ctrl", &Actuator::min_ctrl, "Commands below are taken as this.")
+      .def_ro("max_ctrl", &Actuator::max_ctrl, "Commands above are taken as this.")
       .def_ro("max_force", &Actuator::max_force, "At the joint [N m or N]; inf without a limit.")
       .def_prop_ro("min_force", &Actuator::least_force, "-max_force unless the bounds differ.");
 
   nb::class_<Sensor>(m, "Sensor", "What a scene measures by name: MuJoCo's kinds and values, quaternions xyzw.")
-      .def_ro("name", &Sensor::name)
+      .def_ro("name", &Sensor::name, "Unique among sensors.")
       .def("__repr__", [](const Sensor& s) { return "<Sensor '" + s.name + "': " + to_string(s.type) + ">"; })
       .def_prop_ro(
           "type", [](const Sensor& s) { return to_string(s.type); }, "MuJoCo's name for it: 'jointpos', 'gyro' ...")
@@ -342,7 +347,7 @@ void bind_couplings(nb::module_& m) {
 
   nb::class_<EqualityConstraint>(m, "EqualityConstraint",
                                  "An equation between two links, two joints or two tendons that always holds.")
-      .def_ro("name", &EqualityConstraint::name)
+      .def_ro("name", &EqualityConstraint::name, "Unique among equality constraints.")
       .def("__repr__",
            [](const EqualityConstraint& l) {
              return "<EqualityConstraint '" + l.name + "': " + name_of(l.type, bindings::kEqualities) + ">";
@@ -377,8 +382,8 @@ void bind_couplings(nb::module_& m) {
           "tendon_b", [](const EqualityConstraint& l) { return l.tendon_b.value(); }, "Index; -1 of other types.")
       .def_ro("polynomial", &EqualityConstraint::polynomial,
               "'tendon': length_b - reference_b is this polynomial of length_a - reference_a; powers 0 to 4.")
-      .def_ro("reference_a", &EqualityConstraint::reference_a)
-      .def_ro("reference_b", &EqualityConstraint::reference_b)
+      .def_ro("reference_a", &EqualityConstraint::reference_a, "Where q of a counts from [m or rad].")
+      .def_ro("reference_b", &EqualityConstraint::reference_b, "Where q of b counts from [m or rad].")
       .def_ro("ratio", &EqualityConstraint::ratio, "'joint': q_b = ratio q_a + offset; 'gear': v_b = ratio v_a.")
       .def_ro("offset", &EqualityConstraint::offset, "[rad or m]")
       .def_ro("max_force", &EqualityConstraint::max_force, "Of each row [N or N m]; inf without a limit.")
@@ -401,7 +406,7 @@ void bind_couplings(nb::module_& m) {
           "(sliding, spinning [m], rolling [m]); None: what the geoms' own combine to.");
 
   nb::class_<Keyframe>(m, "Keyframe", "A state that a scene was given a name for.")
-      .def_ro("name", &Keyframe::name)
+      .def_ro("name", &Keyframe::name, "Unique among keyframes.")
       .def("__repr__", [](const Keyframe& key) { return "<Keyframe '" + key.name + "'>"; })
       .def_ro("time", &Keyframe::time, "[s]")
       .def_prop_ro(

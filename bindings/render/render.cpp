@@ -114,14 +114,14 @@ void bind_camera(nb::module_& m) {
             return self;
           },
           "near"_a, "far"_a, "The same that sees what lies between these depths [m]; else 0.01 and 100.")
-      .def_ro("width", &Camera::width)
-      .def_ro("height", &Camera::height)
+      .def_ro("width", &Camera::width, "Of the picture [pixels].")
+      .def_ro("height", &Camera::height, "Of the picture [pixels].")
       .def_ro("fx", &Camera::fx, "[pixels]; [pixels/m] of an orthographic one.")
-      .def_ro("fy", &Camera::fy)
-      .def_ro("cx", &Camera::cx)
-      .def_ro("cy", &Camera::cy)
-      .def_ro("near", &Camera::near)
-      .def_ro("far", &Camera::far)
+      .def_ro("fy", &Camera::fy, "Focal length along y [pixels].")
+      .def_ro("cx", &Camera::cx, "Where the optical axis meets the picture [pixels from its left edge].")
+      .def_ro("cy", &Camera::cy, "Where the optical axis meets the picture [pixels from its upper edge].")
+      .def_ro("near", &Camera::near, "What is nearer is not seen [m].")
+      .def_ro("far", &Camera::far, "What is farther is not seen [m].")
       .def_ro("frame", &Camera::frame, "What it is mounted on; empty: the world.")
       .def_prop_ro(
           "position", [](const Camera& self) { return bindings::vector3(self.X_FC.p); },
@@ -161,14 +161,14 @@ void bind_look(nb::module_& m) {
           "antialiasing: n x n "
           "samples where a pixel differs from its neighbours. horizon, zenith: colours of the background. Raises "
           "ValueError on a number out of range.")
-      .def_ro("sun", &Look::sun)
-      .def_ro("ambient", &Look::ambient)
-      .def_ro("shadows", &Look::shadows)
-      .def_ro("shadow_rays", &Look::shadow_rays)
-      .def_ro("sun_size", &Look::sun_size)
-      .def_ro("antialiasing", &Look::antialiasing)
-      .def_ro("horizon", &Look::horizon)
-      .def_ro("zenith", &Look::zenith)
+      .def_ro("sun", &Look::sun, "Brightness of what faces the light.")
+      .def_ro("ambient", &Look::ambient, "Brightness without it, from the whole sky.")
+      .def_ro("shadows", &Look::shadows, "Whether the sun casts any.")
+      .def_ro("shadow_rays", &Look::shadow_rays, "For each sample; more than one make shadows soft.")
+      .def_ro("sun_size", &Look::sun_size, "[rad], from its centre to its rim.")
+      .def_ro("antialiasing", &Look::antialiasing, "n: n x n samples for each pixel.")
+      .def_ro("horizon", &Look::horizon, "Colour of the sky at the horizon (3), 0 to 1.")
+      .def_ro("zenith", &Look::zenith, "Colour of the sky above (3), 0 to 1.")
       .def_prop_ro(
           "light", [](const Look& self) { return bindings::vector3(self.light); },
           nb::sig(bindings::returns_array("light").c_str()), "(3)");

@@ -42,7 +42,15 @@ class Rows {
   Rows(const nb::object& values, const nb::tuple& shape) {
     const nb::module_ numpy = nb::module_::import_("numpy");
     const nb::object floats = numpy.attr("asarray")(values, "dtype"_a = numpy.attr("float32"));
-    owner_ = numpy.attr("ascontiguousarray")(numpy.attr("broadcast_to")(floats, shape));
+    try {
+      owner_ = numpy.attr("ascontiguousarray")(numpy.attr("broadcast_to")(floats, shape));
+    } catch (nb::python_error& error) {
+      if (!error.matches(PyExc_ValueError)) throw;
+      const nb::object given_shape = floats.attr("shape");
+      const std::string given = nb::repr(given_shape).c_str(), wanted = nb::repr(shape).c_str();
+      throw std::invalid_argument("values of shape " + given + " cannot be broadcast to " + wanted +
+                                  ", the first for worlds, or one row or number for all");
+    }
     array_ = nb::cast<Any>(owner_);
   }
 
@@ -151,9 +159,11 @@ void bind_clock(nb::class_<Batch>& batch) {
           "that "
           "makes motion from nothing, stays as it was; see `flags`.")
       .def("__len__", &Batch::num_worlds)
-      .def_prop_ro("model", [](const Batch& self) { return std::make_unique<PythonModel>(self.shared_model()); })
-      .def_prop_ro("num_worlds", &Batch::num_worlds)
-      .def_prop_ro("num_threads", &Batch::num_threads)
+      .def_prop_ro(
+          "model", [](const Batch& self) { return std::make_unique<PythonModel>(self.shared_model()); },
+          "What all its worlds are of.")
+      .def_prop_ro("num_worlds", &Batch::num_worlds, "How many worlds it steps.")
+      .def_prop_ro("num_threads", &Batch::num_threads, "How many threads share them.")
       .def_prop_ro("lanes", &Batch::lanes, "Worlds that share the registers of one core.")
       .def_prop_ro("time_step", &Batch::time_step, "[s]")
       .def_prop_ro(

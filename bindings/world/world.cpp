@@ -4,6 +4,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
@@ -57,6 +58,13 @@ void set_motors(World& world, const PerDof& target_q, const PerDof& target_v, co
   const Doubles q = spread(target_q, nv), v = spread(target_v, nv), p = spread(kp, nv), d = spread(kd, nv),
                 force = spread(max_force, nv);
   world.set_motors({.target_q = q, .target_v = v, .kp = p, .kd = d, .max_force = force});
+}
+
+void move_joints(World& world, const std::map<std::string, double>& targets, double kp, double kd,
+                 const std::optional<double>& max_force) {
+  std::vector<JointTarget> list;
+  for (const auto& [joint, q] : targets) list.push_back({joint, q});
+  world.move(list, kp, kd, max_force);
 }
 
 const std::string kSetMotors = [] {
@@ -196,7 +204,9 @@ void bind_solver(nb::class_<World>& world) {
           nb::kw_only(), "max_iterations"_a = nb::none(), "tolerance"_a = nb::none(),
           "How hard the contact solver works: at most max_iterations passes over all contacts, until none changes a "
           "velocity by more than tolerance [m/s]. What is None stays.")
-      .def_prop_ro("max_iterations", [](const World& self) { return self.solver().max_iterations; })
+      .def_prop_ro(
+          "max_iterations", [](const World& self) { return self.solver().max_iterations; },
+          "How many passes over all contacts a step may take.")
       .def_prop_ro(
           "tolerance", [](const World& self) { return self.solver().tolerance; }, "[m/s]")
       .def_prop_ro("solver_iterations", &World::solver_iterations, "Iterations that the last step took.");
@@ -261,7 +271,7 @@ void bind_making(nb::class_<World>& world) {
           "What loaders defaulted, repaired or ignored in the files of this world.")
       .def("__repr__", [](const World& self) {
         const Model& model = self.model();
-        return "<World '" + model.name() + "': " + std::to_string(model.links().size() - 1) + " links, nq " +
+        return "<World '" + model.name() + "': " + std::to_string(model.links().size()) + " links, nq " +
                std::to_string(model.nq()) + ", nv " + std::to_string(model.nv()) + ", time " +
                std::to_string(self.time()) + " s>";
       });
@@ -297,6 +307,15 @@ void bind_world(nb::module_& m) {
           "or one each (nv); targets [rad or m] and [rad/s or m/s], forces [N m or N], 0 switches a motor off. "
           "target_q is not read for rotations by quaternion. Raises ValueError where a position or velocity actuator "
           "drives the dof: command it by `ctrl`.")
+      .def(
+          "move", &move_joints, "targets"_a, nb::kw_only(), "kp"_a = 0.1, "kd"_a = 1.0, "max_force"_a = nb::none(),
+          nb::sig("def move(self, targets: collections.abc.Mapping[str, float], *, kp: float = 0.1, kd: float = 1.0, "
+                  "max_force: float | None = None) -> None"),
+          "Moves joints by name, as `world.move({'panda_joint1': 0.3})`: sets their motors as `set_motors` does, "
+          "targets "
+          "[rad or m], and leaves the others alone. max_force [N m or N] is each joint's effort unless it is given. "
+          "Raises KeyError for a name that is not there, ValueError for a joint without exactly one degree of freedom, "
+          "or whose effort nobody gave; then no motor has changed.")
       .def(
           "show",
           [](const nb::object& self, const nb::kwargs& options) {

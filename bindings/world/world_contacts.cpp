@@ -48,10 +48,10 @@ void bind_contact(nb::module_& m) {
   const auto vector = [](const char* name) { return returns_array(name); };
   nb::class_<NamedContact>(m, "Contact",
                            "A point where two links touched in a step, in world axes. Forces act on B, reversed on A.")
-      .def_ro("link_a", &NamedContact::link_a)
-      .def_ro("link_b", &NamedContact::link_b)
+      .def_ro("link_a", &NamedContact::link_a, "The first of the two links that touch.")
+      .def_ro("link_b", &NamedContact::link_b, "The second of the two links that touch.")
       .def_ro("geom_a", &NamedContact::geom_a, "Its name, or 'link#k' for the k-th nameless geom of a link.")
-      .def_ro("geom_b", &NamedContact::geom_b)
+      .def_ro("geom_b", &NamedContact::geom_b, "The geom of link_b.")
       .def_prop_ro(
           "position", [](const NamedContact& c) { return vector3(c.contact.position); },
           nb::sig(vector("position").c_str()), "Midway between the surfaces, before the step (3) [m].")

@@ -8,9 +8,12 @@
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
+
 #include "bindings/model/load_warning.h"
 #include "bindings/model/model_values.h"
 #include "bindings/model/python_model.h"
+#include "manyhands/model/io/loaded_model.h"
 #include "manyhands/model/io/mesh/mesh_file.h"
 
 namespace nb = nanobind;
@@ -26,6 +29,8 @@ using bindings::transform;
 using bindings::vec3;
 using Vertices = nb::ndarray<const float, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
 
+using Colour = std::vector<double>;
+
 /// The part of a body's arguments that all shapes share.
 struct Common {
   std::string name;
@@ -34,7 +39,36 @@ struct Common {
   Numbers4 quaternion;
   double friction, restitution, spinning_friction, rolling_friction;
   bool fixed;
+  std::optional<Colour> colour;
 };
+
+/// Of bodies without a colour, in turn: light enough to show their shape, and told apart by most eyes.
+constexpr std::array<std::array<float, 3>, 8> kPalette{{{0.90f, 0.56f, 0.27f},
+                                                        {0.22f, 0.62f, 0.62f},
+                                                        {0.93f, 0.76f, 0.35f},
+                                                        {0.44f, 0.53f, 0.78f},
+                                                        {0.84f, 0.42f, 0.42f},
+                                                        {0.55f, 0.72f, 0.40f},
+                                                        {0.68f, 0.50f, 0.72f},
+                                                        {0.62f, 0.47f, 0.37f}}};
+constexpr std::array<float, 3> kGround{0.70f, 0.72f, 0.74f};
+
+std::array<float, 4> rgba_of(const World& world, const Shape& shape, const Common& c) {
+  if (!c.colour) {
+    const std::size_t turn = world.parts().links().size() % kPalette.size();
+    const std::array<float, 3>& rgb = shape.type == ShapeType::kPlane ? kGround : kPalette[turn];
+    return {rgb[0], rgb[1], rgb[2], 1};
+  }
+  const Colour& colour = *c.colour;
+  const bool is_one = colour.size() == 3 || colour.size() == 4;
+  if (!is_one || !std::ranges::all_of(colour, [](double x) { return x >= 0 && x <= 1; })) {
+    throw std::invalid_argument("body '" + c.name +
+                                "': a colour is red, green, blue and, if you like, opacity, each from 0 to 1");
+  }
+  std::array<float, 4> rgba{0, 0, 0, 1};
+  std::ranges::transform(colour, rgba.begin(), [](double x) { return static_cast<float>(x); });
+  return rgba;
+}
 
 void add_shape(World& world, const Shape& shape, const Common& c, Mesh mesh = {}) {
   world.add_body({.name = c.name,
@@ -46,6 +80,7 @@ void add_shape(World& world, const Shape& shape, const Common& c, Mesh mesh = {}
                               .spinning_friction = c.spinning_friction,
                               .rolling_friction = c.rolling_friction,
                               .restitution = c.restitution},
+                  .rgba = rgba_of(world, shape, c),
                   .fixed = c.fixed});
 }
 
@@ -54,13 +89,15 @@ std::string adds(const std::string& method, const std::string& size) {
   return "def " + method + "(self, name: str, " + size +
          ", mass: float = 1.0, position: numpy.typing.ArrayLike = (0, 0, 0), "
          "quaternion: numpy.typing.ArrayLike = (0, 0, 0, 1), *, friction: float = 0.5, restitution: float = 0.0, "
-         "spinning_friction: float = 0.0, rolling_friction: float = 0.0, fixed: bool = False) -> None";
+         "spinning_friction: float = 0.0, rolling_friction: float = 0.0, fixed: bool = False, "
+         "colour: collections.abc.Sequence[float] | None = None) -> None";
 }
 
 constexpr const char* kAdds =
     " mass [kg] is spread evenly over the shape. position (3) [m], quaternion xyzw (4): the middle of the shape in the "
     "world. friction: lateral; spinning and rolling friction are moments per normal force [m]. fixed: welded to the "
-    "world. The link, and the geom, have the body's name. Raises ValueError on a taken name, or a mass or size that is "
+    "world. colour: red, green, blue and, if given, opacity, 0 to 1; without, one of a palette. The link, and the "
+    "geom, have the body's name. Raises ValueError on a taken name, or a mass or size that is "
     "not above 0.";
 
 /// Binds a method whose size arguments `Sizes` become a Shape by `shape_of`; Common's follow.
@@ -72,13 +109,13 @@ void bind_adder(nb::class_<World>& world, const char* method, const std::string&
       method,
       [shape_of](World& self, const std::string& name, const Sizes&... sizes, double mass, const Numbers3& position,
                  const Numbers4& quaternion, double friction, double restitution, double spinning, double rolling,
-                 bool fixed) {
+                 bool fixed, const std::optional<Colour>& colour) {
         add_shape(self, shape_of(sizes...),
-                  {name, mass, position, quaternion, friction, restitution, spinning, rolling, fixed});
+                  {name, mass, position, quaternion, friction, restitution, spinning, rolling, fixed, colour});
       },
       "name"_a, names..., "mass"_a = 1.0, "position"_a = Numbers3{}, "quaternion"_a = Numbers4{0, 0, 0, 1},
       nb::kw_only(), "friction"_a = 0.5, "restitution"_a = 0.0, "spinning_friction"_a = 0.0, "rolling_friction"_a = 0.0,
-      "fixed"_a = false, nb::sig(signature.c_str()), text.c_str());
+      "fixed"_a = false, "colour"_a = nb::none(), nb::sig(signature.c_str()), text.c_str());
 }
 
 void bind_shapes(nb::class_<World>& world) {
@@ -103,9 +140,10 @@ void bind_shapes(nb::class_<World>& world) {
 
 void add_mesh(World& self, const std::string& name, const std::variant<Vertices, std::filesystem::path>& mesh,
               double mass, const Numbers3& position, const Numbers4& quaternion, const Numbers3& scale, double friction,
-              double restitution, double spinning, double rolling, bool fixed) {
+              double restitution, double spinning, double rolling, bool fixed, const std::optional<Colour>& colour) {
   Mesh parts;
   if (const auto* path = std::get_if<std::filesystem::path>(&mesh)) {
+    if (!std::filesystem::exists(*path)) throw FileNotFound(*path);
     parts = load_mesh(*path, vec3(scale));
   } else {
     const Vertices& points = std::get<Vertices>(mesh);
@@ -117,7 +155,7 @@ void add_mesh(World& self, const std::string& name, const std::variant<Vertices,
     parts.source = "points";
   }
   const Shape shape{.type = fixed && !parts.triangles.empty() ? ShapeType::kMesh : ShapeType::kConvex};
-  add_shape(self, shape, {name, mass, position, quaternion, friction, restitution, spinning, rolling, fixed},
+  add_shape(self, shape, {name, mass, position, quaternion, friction, restitution, spinning, rolling, fixed, colour},
             std::move(parts));
 }
 
@@ -135,20 +173,21 @@ void bind_surfaces(nb::class_<World>& world) {
       .def("add_mesh", &add_mesh, "name"_a, "mesh"_a, "mass"_a = 1.0, "position"_a = Numbers3{},
            "quaternion"_a = Numbers4{0, 0, 0, 1}, "scale"_a = Numbers3{1, 1, 1}, nb::kw_only(), "friction"_a = 0.5,
            "restitution"_a = 0.0, "spinning_friction"_a = 0.0, "rolling_friction"_a = 0.0, "fixed"_a = false,
-           nb::sig(mesh_signature.c_str()), mesh_text.c_str())
+           "colour"_a = nb::none(), nb::sig(mesh_signature.c_str()), mesh_text.c_str())
       .def(
           "add_plane",
           [](World& self, const std::string& name, const Numbers3& position, const Numbers4& quaternion,
-             double friction, double restitution) {
+             double friction, double restitution, const std::optional<Colour>& colour) {
             add_shape(self, {.type = ShapeType::kPlane},
-                      {name, 0, position, quaternion, friction, restitution, 0, 0, true});
+                      {name, 0, position, quaternion, friction, restitution, 0, 0, true, colour});
           },
           "name"_a = "plane", "position"_a = Numbers3{}, "quaternion"_a = Numbers4{0, 0, 0, 1}, nb::kw_only(),
-          "friction"_a = 0.5, "restitution"_a = 0.0,
+          "friction"_a = 0.5, "restitution"_a = 0.0, "colour"_a = nb::none(),
           nb::sig("def add_plane(self, name: str = 'plane', position: numpy.typing.ArrayLike = (0, 0, 0), "
                   "quaternion: numpy.typing.ArrayLike = (0, 0, 0, 1), *, friction: float = 0.5, "
-                  "restitution: float = 0.0) -> None"),
-          "Adds ground: all below the plane through `position` (3) [m] whose normal is the z axis of `quaternion`.");
+                  "restitution: float = 0.0, colour: collections.abc.Sequence[float] | None = None) -> None"),
+          "Adds ground: all below the plane through `position` (3) [m] whose normal is the z axis of `quaternion`. "
+          "colour: red, green, blue and, if given, opacity, 0 to 1.");
 }
 
 void bind_editing(nb::class_<World>& world) {
@@ -188,6 +227,17 @@ void bind_editing(nb::class_<World>& world) {
           "set_collision", &World::set_collision, "link_a"_a, "link_b"_a, "enabled"_a,
           "Whether two links may touch; or all links of two models, by the names they were added by. Joint neighbours, "
           "filters and links of one body have their say besides. Raises KeyError for a name that is not there.")
+      .def(
+          "weld",
+          [](World& self, const std::string& a, const std::optional<std::string>& b) {
+            return self.weld(a, b.value_or(""));
+          },
+          "link_a"_a, "link_b"_a = nb::none(),
+          "Holds two links as they are to each other now, until `unweld`; None is the world. Returns the weld's name. "
+          "Raises KeyError for a link that is not there, ValueError for one link twice or a weld that there is.")
+      .def(
+          "unweld", [](World& self, const std::string& name) { self.unweld(name); }, "name"_a,
+          "Ends a weld. Raises KeyError if there is none of that name.")
       .def_prop_ro("names", &World::names, "What `remove` takes as a whole: models, and links on the world.");
 }
 

@@ -12,7 +12,7 @@ struct Eye {
   PictureVariation variation{};
 };
 
-class Sight {
+class Sight {  ///< takes the pictures of environments
  public:
   /// `envs` is borrowed. Threads as in Renderer. Throws std::invalid_argument without eyes, or unless their pictures
   /// are of one size, std::logic_error where there is nothing to see.

@@ -10,6 +10,7 @@ namespace manyhands {
 /// Which rows of a Jacobian (6, nv) are judged. Those of all six depend on the unit of length.
 enum class VelocityPart { kAngular, kLinear, kAll };
 
+/// Of the Jacobian.
 [[nodiscard]] constexpr std::size_t rows_of(VelocityPart part) { return part == VelocityPart::kAll ? 6 : 3; }
 
 template <Number T>

@@ -17,7 +17,7 @@ enum class PolicyKind {
 /// The kind of policy that an algorithm learns; `choices` as in `EnvSpec`.
 [[nodiscard]] PolicyKind policy_kind(Algorithm algorithm, int choices);
 
-class Actor {
+class Actor {  ///< the network that acts, whichever algorithm trains it
  public:
   Actor() = default;
   /// `outputs`: numbers of an action, or choices. Starts with small actions and even odds.

@@ -48,7 +48,7 @@ struct EncoderTape {
 };
 
 template <class S>
-class Encoder {
+class Encoder {  ///< pictures to numbers, by convolutions
  public:
   Encoder() = default;
   /// Parameters are zero until `initialise`. Throws std::invalid_argument unless every layer has a place left.

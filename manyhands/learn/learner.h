@@ -23,7 +23,7 @@ struct LearnStats {
   int policy_steps = 0;
 };
 
-class Learner {
+class Learner {  ///< an algorithm: what it does with the steps it is given
  public:
   virtual ~Learner() = default;
 

@@ -25,8 +25,8 @@ using Matrix = Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic>;
 template <class S>
 using Vector = Eigen::Matrix<S, Eigen::Dynamic, 1>;
 
-enum class OutputActivation { kLinear, kTanh };
-enum class HiddenActivation { kRelu, kTanh };
+enum class OutputActivation { kLinear, kTanh };  ///< after the last layer
+enum class HiddenActivation { kRelu, kTanh };    ///< after every other layer
 
 /// Activations and deltas of one mini-batch: sized once, so that passes do not allocate. One per thread of work.
 template <class S>

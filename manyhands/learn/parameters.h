@@ -21,12 +21,14 @@ template <class M>
   return std::span(matrix.data(), static_cast<std::size_t>(matrix.size()));
 }
 
+/// Its moments and the number of its steps.
 inline void save_optimiser(const Adam<float>& adam, ArchiveWriter& out) {
   out.value(adam.step_count());
   out.array(floats(adam.first_moment()));
   out.array(floats(adam.second_moment()));
 }
 
+/// What save_optimiser wrote.
 inline void load_optimiser(Adam<float>& adam, ArchiveReader& in) {
   adam.set_step_count(in.value<std::int64_t>());
   in.array(floats(adam.first_moment()));

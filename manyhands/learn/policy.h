@@ -51,6 +51,7 @@ struct Policy {
   void validate() const;
 };
 
+/// What runs without a trainer.
 [[nodiscard]] Policy export_policy(const EnvSpec& spec, const InputNormaliser& normaliser, const Actor& actor);
 /// Of a network whose first outputs, through tanh, are actions.
 [[nodiscard]] Policy export_policy(const EnvSpec& spec, const InputNormaliser& normaliser,

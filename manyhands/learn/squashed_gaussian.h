@@ -28,6 +28,7 @@ struct SquashedDraw {
   }
 };
 
+/// Keeps the logarithm of a standard deviation where its exponential is of use.
 template <class S>
 [[nodiscard]] S bounded_log_std(S raw) {
   return std::clamp(raw, S(kLeastLogStd), S(kMostLogStd));

@@ -33,7 +33,7 @@ struct TrainMetrics {
   double collect_seconds{}, learn_seconds{}, evaluate_seconds{};
 };
 
-class Trainer {
+class Trainer {  ///< steps environments, collects, learns and keeps checkpoints
  public:
   /// Borrows both batches, which must outlive the trainer and be stepped by nobody else. `evaluation` serves the
   /// periodic evaluations (its worlds are the episodes run at a time); without it nothing is evaluated or stopped.

@@ -17,7 +17,7 @@ enum class Algorithm {
   kDagger,  ///< imitation of the expert in the states that the policy comes to; the reward is not learned from
 };
 
-struct TrainerConfig {
+struct TrainerConfig {  ///< all that a run is told
   Algorithm algorithm = Algorithm::kTd3;
   std::uint64_t seed = 0;  ///< of networks, exploration, sampling and episodes
   int num_threads = 2;     ///< 1 or 2 are used for gradient steps; the results are the same bits

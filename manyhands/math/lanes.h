@@ -51,7 +51,7 @@ struct LaneMask {
 };
 
 template <class R, int W>
-struct Lanes {
+struct Lanes {  ///< W numbers in one SIMD register
   using Vector = typename VectorOf<R, W>::real;
   using Bits = typename VectorOf<R, W>::bits;
   using Mask = LaneMask<R, W>;
@@ -80,7 +80,7 @@ struct Lanes {
 };
 
 template <class R, int W>
-struct NumberTraits<Lanes<R, W>> {
+struct NumberTraits<Lanes<R, W>> {  ///< of lanes
   using real = R;
   using mask = LaneMask<R, W>;
   static constexpr int width = W;

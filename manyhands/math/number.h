@@ -22,14 +22,14 @@ template <class T>
 struct NumberTraits;
 
 template <>
-struct NumberTraits<double> {
+struct NumberTraits<double> {  ///< of double precision
   using real = double;
   using mask = bool;
   static constexpr int width = 1;
 };
 
 template <>
-struct NumberTraits<float> {
+struct NumberTraits<float> {  ///< of single precision
   using real = float;
   using mask = bool;
   static constexpr int width = 1;

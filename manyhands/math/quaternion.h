@@ -33,7 +33,7 @@ MANYHANDS_INLINE Quat<T> normalized(const Quat<T>& q) {
 }
 
 template <Number T>
-MANYHANDS_INLINE Mat3<T> to_matrix(const Quat<T>& q) {
+MANYHANDS_INLINE Mat3<T> to_matrix(const Quat<T>& q) {  ///< the rotation R with R v = q v q^-1
   const T one(real_t<T>(1));
   const T x2 = q.x + q.x, y2 = q.y + q.y, z2 = q.z + q.z;
   const T xx = q.x * x2, yy = q.y * y2, zz = q.z * z2;

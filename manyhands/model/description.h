@@ -27,7 +27,7 @@ enum class JointType {
   kMocap,       ///< nq 0, nv 0: on the world only; the child stands, at rest, where World::set_mocap puts it
 };
 
-[[nodiscard]] const char* to_string(JointType type);
+[[nodiscard]] const char* to_string(JointType type);   ///< as URDF writes it
 [[nodiscard]] int configuration_size(JointType type);  ///< nq
 [[nodiscard]] int velocity_size(JointType type);       ///< nv
 
@@ -105,7 +105,7 @@ struct Mesh {
   std::vector<std::array<int, 3>> triangles{};  ///< counter-clockwise seen from outside
 };
 
-enum class ShapeType {
+enum class ShapeType {  ///< for sizes see Shape
   kSphere,
   kCapsule,
   kCylinder,
@@ -131,7 +131,7 @@ struct HeightField {
   std::vector<double> height{};  ///< (rows, columns) z of each vertex [m]
 };
 
-enum class GeomRole { kVisual, kCollision };
+enum class GeomRole { kVisual, kCollision };  ///< what is seen, or what touches
 
 /// How a link touches others; PyBullet's <contact> block where a URDF has one.
 struct SurfaceMaterial {
@@ -169,7 +169,7 @@ struct GeomTexture {
   std::array<float, 2> repeat{1.0f, 1.0f};    ///< how often it lies there, of planes on every metre, along x and y
 };
 
-struct Geom {
+struct Geom {  ///< a shape on a link
   std::string name{};
   GeomRole role = GeomRole::kCollision;
   LinkId link{};

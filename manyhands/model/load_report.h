@@ -12,7 +12,7 @@ enum class LoadAction {
   kIgnored,    ///< the file says something that this library does not use
 };
 
-struct LoadNote {
+struct LoadNote {  ///< one thing that was changed or left out on loading
   LoadAction action{};
   std::string file;      ///< empty for models built in code
   int line{};            ///< 1-based; 0 if unknown
@@ -30,6 +30,6 @@ struct LoadReport {
   [[nodiscard]] bool empty() const { return notes.empty(); }
 };
 
-[[nodiscard]] const char* to_string(LoadAction action);
+[[nodiscard]] const char* to_string(LoadAction action);  ///< "defaulted", "repaired" or "ignored"
 
 }  // namespace manyhands

@@ -47,7 +47,7 @@ enum class SensorType {
 [[nodiscard]] const char* to_string(SensorType type);
 inline constexpr int kSensorTypes = static_cast<int>(SensorType::kClock) + 1;
 
-struct Sensor {
+struct Sensor {  ///< what is measured, where, and within which bounds
   std::string name{};
   SensorType type{};
   JointId joint{};

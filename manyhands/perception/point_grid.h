@@ -12,7 +12,7 @@ namespace manyhands {
 
 using Point = Vec3<double>;
 
-[[nodiscard]] bool is_finite_point(const Point& p);
+[[nodiscard]] bool is_finite_point(const Point& p);  ///< whether all three numbers are
 
 /// Points (n), which must outlive it, in cubes of the length `reach`. Those that are not finite are nowhere.
 class PointGrid {

@@ -53,6 +53,7 @@ from manyhands._core.render import Camera, Look, Mark, Picture, Renderer, Textur
 from manyhands.compat import install_as
 from manyhands.decomposition import decompose, decompose_model
 from manyhands.ik import IkResult, inverse_kinematics
+from manyhands.notebook import show_in_notebooks
 from manyhands.policies import policy
 from manyhands.textures import load_texture
 from manyhands.viewer import view
@@ -68,6 +69,7 @@ _assets = Path(__file__).parent / "assets"
 if _assets.is_dir():
     set_asset_root(_assets)
 
+show_in_notebooks()
 envs.register()
 world_envs.register()
 
@@ -78,6 +80,11 @@ if not TYPE_CHECKING:  # a type checker knows all names as it is
         if name in ("plots", "recording", "video"):
             return import_module(f"manyhands.{name}")
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    """What users find here, without what this file needs itself."""
+    return sorted([*__all__, "__doc__", "__file__", "__name__", "__path__"])
 
 
 __all__ = [

@@ -2,7 +2,7 @@
 
 import subprocess
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from itertools import chain, islice
 from pathlib import Path
@@ -15,7 +15,7 @@ from manyhands.extras import needs
 from manyhands.files import replacing
 
 
-def write_video(pictures: Iterable[NDArray[np.uint8]], path: str | Path, fps: int = 25) -> Path:
+def write_video(pictures: Iterable[NDArray[np.uint8]], path: str | Path, fps: float = 25) -> Path:
     """Writes pictures (h, w, 3) as MP4 or GIF, as the name of the file ends. A file that was there before stays
     as it is unless all goes well.
 
@@ -31,7 +31,23 @@ def write_video(pictures: Iterable[NDArray[np.uint8]], path: str | Path, fps: in
     return path
 
 
-def _write_gif(pictures: Iterable[NDArray[np.uint8]], path: Path, fps: int) -> None:
+def captioned(pictures: Iterable[NDArray[np.uint8]], text: str) -> Iterator[NDArray[np.uint8]]:
+    """The same pictures with a text in the lower left corner, as high as a twentieth of the picture."""
+    from PIL import Image, ImageDraw, ImageFont
+
+    for picture in pictures:
+        if not text:
+            yield picture
+            continue
+        size = max(picture.shape[0] // 20, 10)
+        image = Image.fromarray(picture)
+        place = (size // 2, picture.shape[0] - 3 * size // 2)
+        font = ImageFont.load_default(size)
+        ImageDraw.Draw(image).text(place, text, (240, 243, 246), font, stroke_width=1, stroke_fill=(30, 34, 40))
+        yield np.asarray(image)
+
+
+def _write_gif(pictures: Iterable[NDArray[np.uint8]], path: Path, fps: float) -> None:
     from PIL import Image
 
     frames = [Image.fromarray(picture).convert("P", palette=Image.Palette.ADAPTIVE) for picture in pictures]
@@ -39,7 +55,7 @@ def _write_gif(pictures: Iterable[NDArray[np.uint8]], path: Path, fps: int) -> N
     frames[0].save(path, save_all=True, append_images=frames[1:], duration=1000 / fps, loop=0)
 
 
-def _write_mp4(pictures: Iterable[NDArray[np.uint8]], path: Path, fps: int) -> None:
+def _write_mp4(pictures: Iterable[NDArray[np.uint8]], path: Path, fps: float) -> None:
     """Raises OSError unless ffmpeg has written all pictures."""
     import imageio_ffmpeg
 

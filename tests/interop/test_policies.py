@@ -87,7 +87,7 @@ def test_a_policy_of_ours_acts_the_same_in_sb3(
     assert_acts_as(path, model)
     model.save(tmp_path / "model")
     assert_acts_as(path, TD3.load(tmp_path / "model"))
-    from_sb3(model, ENV_ID, tmp_path / "again.onnx")
+    from_sb3(model, ENV_ID, str(tmp_path / "again.onnx"))
     assert_acts_as(tmp_path / "again.onnx", model)
 
 

@@ -14,6 +14,7 @@ import manyhands
 PPO = pytest.importorskip("stable_baselines3").PPO
 TUTORIAL = Path(__file__).parents[1] / "python" / "pybullet" / "test_tutorial.py"
 EPISODES, STEPS = 20, 24_576
+KUKA_STEPS = 65_536  # of nine seeds all end at 0.33 to 0.42 of the distance; after 24,576 some are still at 0.57
 
 
 def corrected() -> type:
@@ -53,7 +54,7 @@ def test_ppo_learns_to_reach_with_the_kuka() -> None:
     env = gymnasium.make("KukaReach-v0")
     model = PPO("MlpPolicy", env, seed=0, n_steps=1024, batch_size=128, gamma=0.9, device="cpu")
     before = mean_distance(env, model, "distance")
-    model.learn(STEPS)
+    model.learn(KUKA_STEPS)
     after = mean_distance(env, model, "distance")
-    print(f"mean distance at the end of {EPISODES} episodes: {before:.3f} m before, {after:.3f} m after {STEPS} steps")
+    print(f"{EPISODES} episodes end {before:.3f} m away before, {after:.3f} m after {KUKA_STEPS} steps")
     assert after < 0.6 * before

@@ -13,6 +13,7 @@ using Point = Vec3<float>;
 /// Three numbers of a row.
 [[nodiscard]] inline Point point(const float* row) { return {row[0], row[1], row[2]}; }
 
+/// Seen from above [m].
 [[nodiscard]] inline float flat_distance(const Point& a, const Point& b) { return std::hypot(a.x - b.x, a.y - b.y); }
 
 /// An action of end-effector control: a displacement in units of 5 cm, and for tasks with a gripper its opening in

@@ -11,6 +11,7 @@ namespace manyhands::experts {
 
 inline constexpr std::size_t kHandMove = 3;  ///< numbers of a hand's action before the gripper's
 
+/// Numbers of an action by the joints: the arm's, and the gripper's where the hand's expert has it.
 [[nodiscard]] inline int joint_action_dim(const Arm& arm, const Expert& hand_expert) {
   return static_cast<int>(arm.joints.size()) + hand_expert.action_dim() - static_cast<int>(kHandMove);
 }

@@ -38,7 +38,7 @@ struct PlaceObject {
   return {.name = std::move(name), .shape = {.type = ShapeType::kBox, .size = {0.02, 0.02, 0.02}}, .mass = mass};
 }
 
-struct Push : PlaceObject {
+struct Push : PlaceObject {  ///< a cube on the table, to where the goal is
   static constexpr const char* kName = "Push";
   static constexpr bool kHasGripper = false;
 

@@ -15,13 +15,13 @@ enum class Reward {
   kDense,   ///< minus the distance
 };
 
-struct Goals {
+struct Goals {  ///< what is a success, and what is paid for it
   Reward reward = Reward::kSparse;
   double distance_threshold = 0.05;  ///< success is nearer than this, in the task's measure of distance
 };
 
 template <Number T>
-struct Outcome {
+struct Outcome {  ///< of one step, in each lane
   T reward;
   mask_t<T> success;
 };
@@ -72,6 +72,7 @@ concept TaskLike = requires(const Task& task, NumpyRandom& random, const HandSta
   return draw_in_box(random, {-range / 2, -range / 2, 0}, {range / 2, range / 2, 0});
 }
 
+/// Writes x, y, z from `row` on.
 template <Number T>
 MANYHANDS_INLINE void write_point(const Vec3<T>& p, T* row) {
   row[0] = p.x;

@@ -73,11 +73,12 @@ MANYHANDS_INLINE Vec3<T> solve_coulomb(const DelassusBlock<T>& G, const Vec3<T>&
 /// rolling friction. x is what `slide` goes on from.
 template <Number T>
 MANYHANDS_INLINE void solve_disc(const DelassusBlock<T>& G, T u_1, T u_2, T radius, T& x, T& y_1, T& y_2) {
-  const T h_1 = fma(G.sigma_1, y_1, -u_1), h_2 = fma(G.sigma_2, y_2, -u_2);
-  y_1 = h_1 * G.inverse_1;
-  y_2 = h_2 * G.inverse_2;
-  // Of impulses below 1e-19 the squares vanish in float: where nothing presses, nothing resists.
-  const auto outside = (fma(y_1, y_1, y_2 * y_2) > radius * radius) | !(radius > constant<T>(0));
+  const T zero = constant<T>(0), h_1 = fma(G.sigma_1, y_1, -u_1), h_2 = fma(G.sigma_2, y_2, -u_2);
+  const auto resists = radius > zero;
+  y_1 = select(resists, h_1 * G.inverse_1, zero);
+  y_2 = select(resists, h_2 * G.inverse_2, zero);
+  // Of impulses below 1e-19 the squares vanish in float.
+  const auto outside = resists & (fma(y_1, y_1, y_2 * y_2) > radius * radius);
   T rim = radius;
   when(outside, [&] { slide(G, h_1, h_2, radius, outside, x, y_1, y_2, rim); });
 }

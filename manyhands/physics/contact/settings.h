@@ -19,7 +19,7 @@ template <Real R>
 struct SolverTraits;
 
 template <>
-struct SolverTraits<double> {
+struct SolverTraits<double> {  ///< solved to the end
   static constexpr SolverSettings kDefaults{};
   /// The least that is divided by: 1 / kSmallest is still far from overflow.
   static constexpr double kSmallest = 1e6 * std::numeric_limits<double>::min();
@@ -53,7 +53,7 @@ struct SolverTraits<double> {
 };
 
 template <>
-struct SolverTraits<float> {
+struct SolverTraits<float> {  ///< a few iterations: what a step of thousands of worlds can spend
   static constexpr SolverSettings kDefaults{.max_iterations = 10, .tolerance = 1e-6};
   static constexpr double kSmallest = 1e6 * std::numeric_limits<float>::min();
   static constexpr bool kLeavesOut = false;

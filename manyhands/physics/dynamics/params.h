@@ -89,7 +89,7 @@ struct ParamsView {
 };
 
 template <Number T>
-[[nodiscard]] ParamsView<real_t<T>> view(Params<T>& params, std::size_t lane) {
+[[nodiscard]] ParamsView<real_t<T>> view(Params<T>& params, std::size_t lane) {  ///< of one lane
   ParamsView<real_t<T>> result;
   Params<T>::visit_fields([lane](const FieldInfo&, auto& field, auto& numbers) { numbers = lane_of<T>(field, lane); },
                           params, result);

@@ -38,6 +38,7 @@ template <Number T>
           kept(internal::dissipation(contact.factors.points[i], y, u))};
 }
 
+/// Of the step that the workspace holds.
 [[nodiscard]] ContactResiduals contact_residuals(const StepWorkspace<double>& ws);
 
 }  // namespace manyhands

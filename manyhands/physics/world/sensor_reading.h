@@ -5,6 +5,7 @@
 
 namespace manyhands {
 
+/// Its three numbers.
 [[nodiscard]] inline std::vector<double> listed(const Vec3<double>& a) { return {a.x, a.y, a.z}; }
 
 /// Whether the sensor tells of the last step, not of the present state.

@@ -29,7 +29,7 @@ struct SnapshotOwner {
 /// "kind of 'name' (links, nq, nv)", and the fingerprint of the model and the time step.
 [[nodiscard]] SnapshotOwner snapshot_owner(const std::string& kind, const Model& model, double time_step);
 
-class SnapshotWriter {
+class SnapshotWriter {  ///< writes a snapshot, its owner first
  public:
   explicit SnapshotWriter(const SnapshotOwner& owner);
 

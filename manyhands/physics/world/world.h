@@ -61,6 +61,12 @@ struct NewBody {
   bool fixed = false;  ///< welded to the world; planes and triangle meshes must be
 };
 
+/// Where a joint with one degree of freedom is to go.
+struct JointTarget {
+  std::string joint{};
+  double q = 0;  ///< [rad or m]
+};
+
 /// What `World::diagnose` noticed.
 struct Finding {
   std::string kind;  ///< "no_step", "gravity", "no_shape", "no_ground", "weak_motor", "target_beyond_limit"
@@ -129,6 +135,13 @@ class World {
   /// kp (target_q - q) / h + v' + kd (target_v - v') with at most max_force, where v' is what it would reach without.
   /// Throws std::invalid_argument where a position or velocity actuator drives the dof already.
   void set_motors(const MotorCommands& commands);
+
+  /// Sets the motors of some joints as `set_motors` does and leaves the others alone: target_q is each one's q,
+  /// target_v 0. max_force [N m or N] is each joint's effort unless it is given. Throws std::out_of_range for a name
+  /// that is not there, std::invalid_argument for a joint without exactly one degree of freedom, one whose effort
+  /// nobody gave, and numbers that are not finite; then no motor has changed.
+  void move(std::span<const JointTarget> targets, double kp = 0.1, double kd = 1,
+            std::optional<double> max_force = {});  // world_motion.cpp
 
   [[nodiscard]] std::vector<double> tendon_lengths() const;     ///< in the order of Model::tendons [m, or as q]
   [[nodiscard]] std::vector<double> tendon_velocities() const;  ///< their rates
@@ -271,6 +284,12 @@ class World {
                 const std::string& name = {}, bool allow_outside_package = false);
   /// Adds one body. Throws ModelError or std::invalid_argument on a taken name, a mass or size that is not above 0.
   void add_body(const NewBody& body);
+  /// Holds two links as they are to each other now, until `unweld`. An empty link_b is the world. Returns the weld's
+  /// name. Throws std::out_of_range for a link that is not there, std::invalid_argument for one link twice or a weld
+  /// that there is.
+  std::string weld(std::string_view link_a, std::string_view link_b = {});  // world_motion.cpp
+  /// Ends a weld. Throws std::out_of_range if there is none of that name.
+  void unweld(std::string_view name);
   /// Removes what was added by that name, or the link and all that hangs on it. Throws std::out_of_range.
   void remove(const std::string& name);
   /// What `remove` takes as a whole: names of models and of links on the world.

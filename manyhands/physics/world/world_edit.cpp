@@ -19,6 +19,9 @@ namespace {
 /// By the root element, or what stands for it near the file's beginning.
 LoadedModel load_any(const std::filesystem::path& path, bool allow_outside_package,
                      MjcfCompliance compliance = MjcfCompliance::kStated) {
+  if (std::filesystem::exists(path) && !std::filesystem::is_regular_file(path)) {
+    throw std::invalid_argument(path.string() + " is a folder, a pipe or the like; expected a URDF, MJCF or SDF file");
+  }
   std::ifstream file(path, std::ios::binary);
   if (!file) throw FileNotFound(path);
   std::string head(1 << 16, '\0');
@@ -60,6 +63,10 @@ void check_body(const NewBody& body) {
   require_at_least(what + ": spinning friction", 0, s.spinning_friction);
   require_at_least(what + ": rolling friction", 0, s.rolling_friction);
   require_at_least(what + ": restitution", 0, s.restitution);
+  if (s.restitution > 1) {
+    throw ModelError(what + ": restitution is " + std::to_string(s.restitution) +
+                     "; expected at most 1, where contact gives back all speed: above, it would make energy");
+  }
   require_shape_size(what, body.shape);
 }
 

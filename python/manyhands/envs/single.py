@@ -73,10 +73,17 @@ class ArmEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self.observation_space = spaces.observation_space(self._batch.spec, self._cameras.spaces())
         self.action_space = spaces.action_space(self._batch.spec)
 
+    def __repr__(self) -> str:
+        given = self._arguments
+        return f"<ArmEnv {given['task']}: {given['reward_type']} reward, control {given['control_type']}>"
+
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
-        """Starts an episode. The same `seed` gives the same goals as in panda-gym; without one the stream goes on."""
+        """Starts an episode. The same `seed` gives the same goals as in panda-gym; without one the stream goes on.
+        Raises ValueError for options: there are none."""
+        if options:
+            raise ValueError(f"reset(options={options}): there are no options; goals and objects follow from the seed")
         with self._turn:
             super().reset(seed=seed)
             self._batch.reset(seeds=None if seed is None else spaces.as_seeds([seed]))

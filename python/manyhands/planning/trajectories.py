@@ -44,6 +44,7 @@ class Trajectory:
 
     @property
     def duration(self) -> float:
+        """[s]"""
         return self._motion.duration
 
     @property
@@ -53,10 +54,12 @@ class Trajectory:
 
     @property
     def breaks(self) -> Array:
+        """Where its polynomials begin, and the end: (m + 1) [s], rising from 0."""
         return np.asarray(self._motion.breaks)
 
     @property
     def coefficients(self) -> Array:
+        """Of its polynomials (m, order, width), the lowest power first."""
         return np.asarray(self._motion.coefficients)
 
     def sample(self, t: ArrayLike) -> Sample:
@@ -99,6 +102,7 @@ class CartesianTrajectory:
 
     @property
     def duration(self) -> float:
+        """[s]"""
         return self.law.duration
 
     def sample(self, t: ArrayLike) -> CartesianSample:

@@ -26,9 +26,11 @@ def announce(recipe: Recipe | None, settings: TrainSettings) -> list[str]:
         lines.append("  not measured: what it will take is not known")
     else:
         known = recipe.measured
+        at_least = "at least " if known.success < 1 else ""
+        seeds = f"the worst of {known.seeds} seeds" if known.seeds > 1 else "one seed"
         lines.append(
-            f"Expect {known.success:.1%} success or more after at most {_duration(known.seconds)} and "
-            f"{known.env_steps:,} steps: the worst of {known.seeds} seeds on {known.machine}"
+            f"Expect {at_least}{known.success:.1%} success after at most {_duration(known.seconds)} and "
+            f"{known.env_steps:,} steps: {seeds} on {known.machine}"
         )
     return lines
 

@@ -49,12 +49,13 @@ class GoalFeatures(BaseFeaturesExtractor):
         return ((x - self.mean) * self.scale).clamp(-self.clip, self.clip)
 
 
-def to_sb3(policy: Path, env: Any, **arguments: Any) -> TD3:
+def to_sb3(policy: Path | str, env: Any, **arguments: Any) -> TD3:
     """A TD3 whose `predict` acts as a policy that was trained here by DDPG, TD3, SAC or TQC: a file or a run's folder.
 
     `env` is a goal environment or vector of them with the policy's sizes; `arguments` go to TD3. The critics are new:
     who trains on lets them learn before the actor moves. Raises ValueError if it is another network or does not fit.
     """
+    policy = Path(policy)
     arrays = read_policy(RunFolder(policy).policy if policy.is_dir() else policy)
     if arrays.output != "tanh" or arrays.goal_dim == 0:
         raise ValueError(f"{policy} is no policy that reaches goals and ends with tanh")
@@ -96,7 +97,7 @@ def _require_unit_box(space: Any) -> None:
         raise ValueError(f"actions are {space}; only those between -1 and 1 can be converted")
 
 
-def from_sb3(model: Any, env_id: str, path: Path) -> None:
+def from_sb3(model: Any, env_id: str, path: Path | str) -> None:
     """Writes the deterministic policy of a DDPG, TD3, SAC or TQC model on a goal environment as an ONNX file, which
     `manyhands evaluate`, `view` and `record` take as one of ours. The statistics of a VecNormalize around the model's
     environment go along. Raises ValueError, with the reason, on a model that cannot be converted; OSError if the file
@@ -118,7 +119,7 @@ def from_sb3(model: Any, env_id: str, path: Path) -> None:
     graph.apply("Identity" if latent is None else "Tanh", [x], "action")
     sizes = {name: space.shape[0] for name, space in spaces.items()}
     actions = model.action_space.shape[0]
-    save_model(graph.model(sizes["observation"], sizes["desired_goal"], (actions,), env_id), path)
+    save_model(graph.model(sizes["observation"], sizes["desired_goal"], (actions,), env_id), Path(path))
 
 
 def _normalised_inputs(graph: PolicyGraph, statistics: Any, names: list[str]) -> dict[str, str]:

@@ -113,6 +113,7 @@ class Viewer:
 
     @property
     def is_closed(self) -> bool:
+        """Whether `close` was called, or the page's server has ended."""
         return self.player.is_closed
 
     def close(self) -> None:

@@ -41,12 +41,15 @@ class QuadrotorTeam(ParallelEnv):
 
     @property
     def unwrapped(self) -> "QuadrotorTeam":
+        """Itself, as PettingZoo asks."""
         return self
 
     def observation_space(self, agent: str) -> spaces.Box:
+        """Of one agent; all are alike."""
         return self.observation_spaces[agent]
 
     def action_space(self, agent: str) -> spaces.Box:
+        """Of one agent; all are alike."""
         return self.action_spaces[agent]
 
     def reset(
@@ -83,6 +86,7 @@ class QuadrotorTeam(ParallelEnv):
         return self._env.render()
 
     def close(self) -> None:
+        """Lets go of the world."""
         self._env.close()
 
     def _share(self, box: spaces.Box) -> spaces.Box:

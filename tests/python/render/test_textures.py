@@ -1,6 +1,7 @@
 """Images on surfaces: of worlds, batches and environments, from arrays, rules and files."""
 
 import math
+import resource
 from pathlib import Path
 from typing import Any
 
@@ -8,6 +9,7 @@ import gymnasium
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from PIL import Image
 
 import manyhands as mh
 from manyhands.envs import ArmEnv
@@ -17,8 +19,8 @@ RED, BLUE = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
 
 def cube_world() -> mh.World:
     world = mh.World()
-    world.add_box("cube", [0.1, 0.1, 0.1], position=[0, 0, 0.5])
-    world.add_box("other", [0.1, 0.1, 0.1], position=[1, 0, 0.5])
+    world.add_box("cube", [0.1, 0.1, 0.1], position=[0, 0, 0.5], colour=[0.7, 0.7, 0.7])
+    world.add_box("other", [0.1, 0.1, 0.1], position=[1, 0, 0.5], colour=[0.7, 0.7, 0.7])
     return world
 
 
@@ -235,3 +237,26 @@ def test_a_checker_floor_of_mjcf() -> None:
     # The image of 2 x 2 squares twice on every 2 m: squares of 0.5 m, ten pixels wide.
     squares = colour[5::10, 5::10]
     np.testing.assert_array_equal(squares, 2 * (np.indices((4, 4)).sum(axis=0) % 2))
+
+
+def test_images_that_are_too_large_take_no_memory(tmp_path: Path) -> None:
+    Image.new("1", (13000, 13000)).save(tmp_path / "large.png")
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    with pytest.raises(ValueError, match="13000 x 13000 pixels; expected at most 4096"):
+        mh.load_texture(tmp_path / "large.png")
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 50_000  # kB
+
+
+def test_no_other_program_is_asked(tmp_path: Path) -> None:
+    """Pillow has Ghostscript read these."""
+    (tmp_path / "page.eps").write_text("%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 10 10\n")
+    with pytest.raises(ValueError, match="no image that can be read; formats are PNG"):
+        mh.load_texture(tmp_path / "page.eps")
+
+
+def test_a_damaged_image_is_told_to_be_one(tmp_path: Path) -> None:
+    Image.new("RGB", (64, 64), "red").save(tmp_path / "half.png")
+    whole = (tmp_path / "half.png").read_bytes()
+    (tmp_path / "half.png").write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(ValueError, match="damaged image"):
+        mh.load_texture(tmp_path / "half.png")

@@ -19,7 +19,7 @@ from PIL import Image
 from manyhands import cli
 from manyhands.cli import record
 from manyhands.envs.single import ArmEnv
-from manyhands.video import write_video
+from manyhands.video import captioned, write_video
 
 MANYHANDS = "import sys; from manyhands.cli import main; sys.exit(main(sys.argv[1:]))"
 
@@ -60,7 +60,7 @@ def test_a_learned_policys_episodes(reach_policy: Path, tmp_path: Path) -> None:
     """From the folder of its run or from the file in it; it reaches as it did in training."""
     out, size = tmp_path / "learned.mp4", ("--size", "80", "60")
     for policy in (reach_policy, reach_policy / "policy.onnx"):
-        arguments = ["PandaReach", "--policy", str(policy), "--episodes", "4", "--out", str(out), *size]
+        arguments = ["PandaReach", "--policy", str(policy), "--episodes", "4", "--hold", "0", "--out", str(out), *size]
         assert cli.main(["record", *arguments]) == 0
         frames, _ = length(out)
         # The start, at most ten steps, and eight more in which success is looked at; without success it would be 51.
@@ -80,6 +80,32 @@ def test_another_robot_under_another_control(tmp_path: Path) -> None:
     assert cli.main(["record", *asked, "--robot", "panda", "--option", "render_yaw=45"]) == 0
     with Image.open(out) as gif:
         assert np.abs(np.asarray(gif.convert("RGB")) - arm6).max() > 100
+
+
+def test_slow_motion_and_an_end_that_stands(tmp_path: Path) -> None:
+    out = tmp_path / "reach.mp4"
+    asked = ["record", "PandaReach", "--episodes", "1", "--out", str(out), "--size", "80", "60"]
+    assert cli.main([*asked, "--hold", "0"]) == 0
+    moving, seconds = length(out)
+    assert cli.main([*asked, "--hold", "2", "--speed", "0.5"]) == 0
+    held, slow = length(out)
+    assert held == moving + 25  # 2 s of 12.5 pictures
+    assert slow == pytest.approx(2 * seconds + 2, abs=0.2)
+
+
+def test_captions_lie_in_the_corner() -> None:
+    plain = np.full((120, 160, 3), 90, np.uint8)
+    (shown,) = captioned([plain], "Reach")
+    changed = (shown != plain).any(axis=2)
+    assert changed[100:, :80].any() and not changed[:95].any() and not changed[:, 120:].any()
+    (same,) = captioned([plain], "")
+    assert np.array_equal(same, plain)
+
+
+@pytest.mark.parametrize("option", [("--speed", "0"), ("--speed", "nan"), ("--hold", "-1"), ("--hold", "inf")])
+def test_speeds_and_holds_that_cannot_be(option: tuple[str, str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["record", "PandaReach", *option]) == 2
+    assert f"{option[0]} is" in capsys.readouterr().err
 
 
 def test_pictures_stay_in_their_order(tmp_path: Path) -> None:
@@ -131,7 +157,7 @@ def test_a_full_disk_leaves_the_file_as_it_was(name: str, tmp_path: Path) -> Non
 ENDLESS_NOISE = """
 import sys
 import numpy as np
-from manyhands.video import write_video
+from manyhands.video import captioned, write_video
 
 noise = np.random.default_rng(0).integers(0, 255, (240, 320, 3)).astype(np.uint8)
 made = 0

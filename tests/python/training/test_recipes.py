@@ -134,7 +134,7 @@ def test_the_first_screen_says_what_it_will_take(tmp_path: Path) -> None:
     recipe = load_recipe(written(tmp_path))
     text = "\n".join(announce(recipe, recipe.settings()))
     assert f"Recipe: {recipe.path}" in text and "expert: shows: the way" in text
-    assert "Expect 100.0% success or more after at most 4 min and 1,600 steps" in text
+    assert "Expect 100.0% success after at most 4 min and 1,600 steps" in text
     assert "the worst of 2 seeds on my machine" in text
     text = "\n".join(announce(recipe, recipe.settings(overrides={"gamma": 0.5})))
     assert "Expect" not in text and "settings of yours" in text

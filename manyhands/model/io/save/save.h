@@ -21,7 +21,7 @@ class SaveError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-struct SavedText {
+struct SavedText {  ///< what was written, and what had to be said otherwise
   std::string text;
   LoadReport
       report;  ///< what is said otherwise (kRepaired) and left out (kIgnored); the model's numbers stay as they are

@@ -10,15 +10,13 @@ namespace manyhands::internal {
 
 namespace {
 
-constexpr std::size_t kBlock = 8;
-
 /// Pivots smaller than this, relative to the largest entry of their column, are rounding.
 constexpr double kLeastPivot = 64 * std::numeric_limits<double>::epsilon();
 
 /// to -= a from, in whole blocks: of a length that the compiler knows, and so in vectors.
 void subtract(const double* __restrict from, double a, std::size_t begin, std::size_t end, double* __restrict to) {
-  for (std::size_t block = begin / kBlock * kBlock; block < end; block += kBlock) {
-    for (std::size_t i = block; i < block + kBlock; ++i) to[i] = std::fma(-a, from[i], to[i]);
+  for (std::size_t block = begin / DenseLu::kBlock * DenseLu::kBlock; block < end; block += DenseLu::kBlock) {
+    for (std::size_t i = block; i < block + DenseLu::kBlock; ++i) to[i] = std::fma(-a, from[i], to[i]);
   }
 }
 

@@ -17,6 +17,10 @@ class DenseLu {
     return A_[static_cast<std::size_t>(row) * stride_ + static_cast<std::size_t>(column)];
   }
 
+  /// A row, which goes on with zeros to a whole number of blocks.
+  static constexpr std::size_t kBlock = 8;
+  [[nodiscard]] std::span<double> row(int i) noexcept { return {&at(i, 0), stride_}; }
+
   /// x := A^-1 x (n); A is used up by it. False if A is singular to rounding; then x says nothing.
   [[nodiscard]] bool solve(std::span<double> x);
 

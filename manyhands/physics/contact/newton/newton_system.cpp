@@ -94,7 +94,7 @@ void NewtonSystem::make_room(const NewtonContext& context) {
   for (const std::size_t i : laws_.patches) points += context.problem.patches[i].count;
   const std::size_t most = std::min(points, contact_settings::kMaxFollowing);
   following_.reserve(points);
-  answers_.reserve(most * dofs_.size());
+  answers_.reserve((most + SparseLdl::kSeveral) * dofs_.size());
   correction_.reserve(most);
   small_.reset(static_cast<int>(most));
 }
@@ -233,10 +233,9 @@ bool NewtonSystem::solve(const NewtonContext& context) {
 /// Adds to H what makes it unsymmetric, A B^T with a column for each contact that slides, and to the solution what that
 /// changes (Sherman, Morrison and Woodbury): x - Z (1 + B^T Z)^-1 B^T x, Z = H^-1 A. Without it where that has none.
 void NewtonSystem::follow_normals(const NewtonContext& context) {
-  const std::size_t m = following_.size(), n = dofs_.size();
-  answers_.assign(m * n, 0);
-  correction_.resize(m);
-  small_.reset(static_cast<int>(m));
+  constexpr std::size_t kSeveral = SparseLdl::kSeveral;
+  const std::size_t m = following_.size(), n = dofs_.size(), block = n * kSeveral;
+  answers_.assign((m + kSeveral - 1) / kSeveral * block, 0);
   const auto visit_dofs = [&](const Following& one, auto&& body) {
     const ContactPatch<double>& patch = context.problem.patches[laws_.patches[one.patch]];
     const Pair& pair = pairs_[patch_pair_[one.patch]];
@@ -246,26 +245,43 @@ void NewtonSystem::follow_normals(const NewtonContext& context) {
       body(index(pair_columns_[pair.first_column + i]), v[i], w != nullptr ? w[i] : Vec::zero());
   };
   for (std::size_t k = 0; k < m; ++k) {
-    const std::span<double> Z = std::span(answers_).subspan(k * n, n);
+    double* const A = &answers_[k / kSeveral * block + k % kSeveral];
     const Force<double>& force = following_[k].force;
-    visit_dofs(following_[k],
-               [&](std::size_t i, const Vec& v, const Vec& w) { Z[i] += dot(force.f, v) + dot(force.n, w); });
-    H_.solve(Z);
+    visit_dofs(following_[k], [&](std::size_t i, const Vec& v, const Vec& w) {
+      A[i * kSeveral] += dot(force.f, v) + dot(force.n, w);
+    });
   }
+  for (std::size_t begin = 0; begin < answers_.size(); begin += block)
+    H_.solve_several(std::span(answers_).subspan(begin, block));
+  if (!find_correction(visit_dofs)) return;
+  for (std::size_t k = 0; k < m; ++k) {
+    const double* const Z = &answers_[k / kSeveral * block + k % kSeveral];
+    for (std::size_t i = 0; i < n; ++i) solution_[i] -= correction_[k] * Z[i * kSeveral];
+  }
+}
+
+/// correction_ := (1 + B^T Z)^-1 B^T x; false where there is none.
+template <class VisitDofs>
+bool NewtonSystem::find_correction(const VisitDofs& visit_dofs) {
+  constexpr std::size_t kSeveral = SparseLdl::kSeveral;
+  static_assert(DenseLu::kBlock % kSeveral == 0);
+  const std::size_t m = following_.size(), block = dofs_.size() * kSeveral;
+  correction_.assign(m, 0);
+  small_.reset(static_cast<int>(m));
   for (std::size_t k = 0; k < m; ++k) {
     const Motion<double>& normal = following_[k].normal;
-    const int row = static_cast<int>(k);
-    correction_[k] = 0;
-    small_.at(row, row) = 1;
+    const std::span<double> row = small_.row(static_cast<int>(k));
+    row[k] = 1;
     visit_dofs(following_[k], [&](std::size_t i, const Vec& v, const Vec& w) {
       const double b = dot(normal.v, v) + dot(normal.w, w);
       correction_[k] += b * solution_[i];
-      for (std::size_t j = 0; j < m; ++j) small_.at(row, static_cast<int>(j)) += b * answers_[j * n + i];
+      for (std::size_t j = 0; j < m; j += kSeveral) {
+        const double* const Z = &answers_[j / kSeveral * block + i * kSeveral];
+        for (std::size_t l = 0; l < kSeveral; ++l) row[j + l] += b * Z[l];
+      }
     });
   }
-  if (!small_.solve(correction_)) return;
-  for (std::size_t k = 0; k < m; ++k)
-    for (std::size_t i = 0; i < n; ++i) solution_[i] -= correction_[k] * answers_[k * n + i];
+  return small_.solve(correction_);
 }
 
 /// (M + penalty) x, for x (nv) that is 0 elsewhere.

@@ -50,6 +50,8 @@ class NewtonSystem {
   void add_products(const Pair& pair, const Vec3<double>* v, const Vec3<double>* w, const PatchSlope& slope);
   bool solve(const NewtonContext& context);
   void follow_normals(const NewtonContext& context);
+  template <class VisitDofs>
+  bool find_correction(const VisitDofs& visit_dofs);
   void multiply_M(const NewtonContext& context, const std::vector<double>& x, std::vector<double>& y);
   double find_defect(const NewtonContext& context, double t);
   double search_line(const NewtonContext& context, double before, double& length);
@@ -82,7 +84,7 @@ class NewtonSystem {
   std::vector<double> solution_;                  ///< (dofs)
 
   std::vector<Following> following_;
-  std::vector<double> answers_;     ///< (following, dofs) what H answers to each of them
+  std::vector<double> answers_;     ///< (blocks of kSeveral following, dofs, kSeveral) what H answers to each of them
   std::vector<double> correction_;  ///< (following)
   DenseLu small_;
 

@@ -11,6 +11,11 @@ namespace {
 /// Pivots smaller than this, relative to what they are the difference of, are rounding.
 constexpr double kLeastPivot = 64 * std::numeric_limits<double>::epsilon();
 
+/// to -= a from, (kSeveral) each.
+void subtract(double a, const double* __restrict from, double* __restrict to) {
+  for (std::size_t j = 0; j < SparseLdl::kSeveral; ++j) to[j] = std::fma(-a, from[j], to[j]);
+}
+
 }  // namespace
 
 void SparseLdl::set_pattern(int n, std::span<const Entry> entries, std::vector<std::size_t>& slots) {
@@ -175,6 +180,18 @@ void SparseLdl::solve(std::span<double> x) const {
     double sum = x[k] / D_[k];
     for (std::size_t p = L_begin_[k]; p < L_begin_[k + 1]; ++p) sum = std::fma(-L_[p], x[index(L_rows_[p])], sum);
     x[k] = sum;
+  }
+}
+
+void SparseLdl::solve_several(std::span<double> X) const {
+  const std::size_t n = index(n_);
+  const auto row = [&](std::size_t k) { return &X[k * kSeveral]; };
+  for (std::size_t k = 0; k < n; ++k)
+    for (std::size_t p = L_begin_[k]; p < L_begin_[k + 1]; ++p) subtract(L_[p], row(k), row(index(L_rows_[p])));
+  for (std::size_t k = n; k-- > 0;) {
+    double* const x = row(k);
+    for (std::size_t j = 0; j < kSeveral; ++j) x[j] /= D_[k];
+    for (std::size_t p = L_begin_[k]; p < L_begin_[k + 1]; ++p) subtract(L_[p], row(index(L_rows_[p])), x);
   }
 }
 

@@ -40,6 +40,12 @@ class SparseLdl {
   /// x := A^-1 x (n), after `factor`.
   void solve(std::span<double> x) const;
 
+  /// How many right-hand sides `solve_several` takes.
+  static constexpr std::size_t kSeveral = 8;
+
+  /// X := A^-1 X (n, kSeveral), by rows, after `factor`: each of its columns as `solve` has it, to the bit.
+  void solve_several(std::span<double> X) const;
+
   /// Multiplications of a factorisation, about.
   [[nodiscard]] double work() const noexcept;
 
