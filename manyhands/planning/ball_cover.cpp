@@ -13,6 +13,8 @@ namespace {
 
 using Vec = Vec3<double>;
 
+constexpr double kNone = -1e3;  // of Ball::inner, where the centre may be outside
+
 /// A box along the axes of a shape.
 struct Box {
   Vec centre, half;
@@ -46,7 +48,7 @@ class Cells {
     }
   }
 
-  std::vector<Ball> cells;  ///< balls about cells, with the depth of their centres in the shapes, 0 outside
+  std::vector<Ball> cells;  ///< balls about cells
   std::vector<Ball> candidates;
 
  private:
@@ -66,7 +68,7 @@ class Cells {
     }
     if (deepest > 0) candidates.push_back({centre, deepest + overshoot_, deepest});
     if (radius <= std::max(finest_, kShareOfDepth * depth)) {
-      cells.push_back(depth < 0 ? part_within(own, box.centre, radius, -depth) : Ball{centre, radius, std::max(0.0, deepest)});
+      cells.push_back(depth < 0 ? part_within(own, box.centre, radius, -depth) : Ball{centre, radius, deepest});
       return;
     }
     const auto [low, high] = split(box);
@@ -82,7 +84,7 @@ class Cells {
     };
     const Vec inwards{slope({1, 0, 0}), slope({0, 1, 0}), slope({0, 0, 1})};
     const Vec on_plane = centre + (outside / norm(inwards)) * inwards;
-    return {own.X * on_plane, std::sqrt(std::max(0.0, radius * radius - outside * outside)) + kStep, 0};
+    return {own.X * on_plane, std::sqrt(std::max(0.0, radius * radius - outside * outside)) + kStep, kNone};
   }
 
   std::span<const PlacedConvex> shapes_;

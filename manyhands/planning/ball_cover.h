@@ -12,7 +12,7 @@ namespace manyhands {
 struct Ball {
   Vec3<double> centre{};  ///< [m]
   double radius{};        ///< within which it covers [m]
-  double inner{};         ///< a ball of this radius about the centre lies within one of the shapes; 0 or more [m]
+  double inner{};         ///< a ball of this radius about the centre lies within one of the shapes; negative: none [m]
 };
 
 /// A convex shape at a pose.

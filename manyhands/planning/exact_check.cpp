@@ -47,13 +47,23 @@ double ExactCheck::distance(int part_index, int obstacle, double far) const {
     for (const SceneGeom& own : part.geoms) take_nearer(own, pose(part, own), geom, geom.X_BG, least);
     return least;
   }
-  for (const ObstaclePiece& piece : scene_.tree_of_obstacles.pieces()) {
-    if (piece.owner != obstacle) continue;
-    const Transform<double> X_WP{Mat3<double>::identity(), broadcast<double>(piece.p_WG)};
-    const SceneGeom ball{.shape = {.type = ShapeType::kSphere, .size = broadcast<double>(piece.size)},
-                         .radius = static_cast<double>(piece.size.x)};
-    for (const SceneGeom& own : part.geoms) take_nearer(own, pose(part, own), ball, X_WP, least);
-  }
+  return distance_from_cloud(part, obstacle, least);
+}
+
+double ExactCheck::distance_from_cloud(const MovingPart& part, int cloud, double far) const {
+  double least = far;
+  const PartBall& bound = part.nodes[0].bound;
+  const Vec3<double> centre = ws_.R_WB[part.body] * broadcast<double>(bound.centre) + ws_.p_OB[part.body] + ws_.p_WO[part.body];
+  const ObstacleTree& tree = scene_.tree_of_obstacles;
+  tree.visit_leaves(centre, static_cast<double>(bound.radius) + far, [&](int leaf) {
+    for (const ObstaclePiece& piece : tree.pieces_of(leaf)) {
+      if (piece.owner != cloud) continue;
+      const Transform<double> X_WP{Mat3<double>::identity(), broadcast<double>(piece.p_WG)};
+      const SceneGeom ball{.shape = {.type = ShapeType::kSphere, .size = broadcast<double>(piece.size)},
+                           .radius = static_cast<double>(piece.size.x)};
+      for (const SceneGeom& own : part.geoms) take_nearer(own, pose(part, own), ball, X_WP, least);
+    }
+  });
   return least;
 }
 

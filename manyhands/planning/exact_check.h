@@ -22,6 +22,7 @@ class ExactCheck {
   [[nodiscard]] Transform<double> pose(const MovingPart& part, const SceneGeom& geom) const;
   void take_nearer(const SceneGeom& a, const Transform<double>& X_WA, const SceneGeom& b, const Transform<double>& X_WB,
                    double& least) const;
+  [[nodiscard]] double distance_from_cloud(const MovingPart& part, int cloud, double far) const;
   [[nodiscard]] std::string name_of(int obstacle) const;
 
   const PlanningScene& scene_;

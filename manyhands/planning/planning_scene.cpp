@@ -13,6 +13,7 @@
 #include "manyhands/physics/dynamics/kinematics.h"
 #include "manyhands/planning/checks.h"
 #include "manyhands/planning/exact_check.h"
+#include "manyhands/planning/part_balls.h"
 
 namespace manyhands {
 
@@ -21,8 +22,6 @@ namespace {
 using Vec = Vec3<double>;
 
 constexpr double kHalfTurn = std::numbers::pi;  // how far joints without limits go to either side [rad]
-constexpr float kBallRounding = 1e-5f;        // of positions in single precision, generously [m]
-constexpr std::size_t kBallsOfLeaf = 4;   // at most
 constexpr double kTouchesHeld = 1e-3;         // what is held touches what is nearer than this [m]
 
 Transform<double> pose_of(const Workspace<double>& ws, std::size_t body) {
@@ -43,7 +42,7 @@ class SceneMaker {
     sort_geoms();
     if (scene_.parts.empty()) throw std::invalid_argument("nothing that the planned joints move has a collision shape");
     for (MovingPart& part : scene_.parts) {
-      cover(part);
+      internal::cover(part, settings_.margin, settings_.overshoot);
       set_reach(part);
     }
     add_clouds();
@@ -181,54 +180,6 @@ class SceneMaker {
       for (const Vec& p : cloud.points) scene_.tree_of_obstacles.add_point(owner, p, cloud.radius);
       ++owner;
     }
-  }
-
-  /// Its balls, in a tree by place.
-  void cover(MovingPart& part) const {
-    std::vector<PlacedConvex> shapes;
-    for (const SceneGeom& geom : part.geoms) shapes.push_back({geom.shape.convex(), geom.X_BG});
-    for (const Ball& ball : cover_with_balls(shapes, settings_.overshoot)) {
-      const auto margin = static_cast<float>(settings_.margin);
-      part.balls.push_back({broadcast<float>(ball.centre), static_cast<float>(ball.radius) + margin + kBallRounding,
-                            static_cast<float>(ball.inner) + margin - kBallRounding});
-    }
-    divide(part, 0, part.balls.size());
-  }
-
-  static void divide(MovingPart& part, std::size_t first, std::size_t last) {
-    const std::size_t node = part.nodes.size();
-    part.nodes.push_back({around(part, first, last), first, last});
-    if (last - first <= kBallsOfLeaf) return;
-    const auto [low, high] = corners(part, first, last);
-    const Vec3<float> side = high - low;
-    float Vec3<float>::*const axis =
-        side.x >= side.y && side.x >= side.z ? &Vec3<float>::x : side.y >= side.z ? &Vec3<float>::y : &Vec3<float>::z;
-    const auto begin = part.balls.begin();
-    const std::size_t half = (first + last) / 2;
-    std::nth_element(begin + static_cast<std::ptrdiff_t>(first), begin + static_cast<std::ptrdiff_t>(half),
-                     begin + static_cast<std::ptrdiff_t>(last),
-                     [axis](const PartBall& a, const PartBall& b) { return a.centre.*axis < b.centre.*axis; });
-    divide(part, first, half);
-    part.nodes[node].second = part.nodes.size();
-    divide(part, half, last);
-  }
-
-  static std::pair<Vec3<float>, Vec3<float>> corners(const MovingPart& part, std::size_t first, std::size_t last) {
-    Vec3<float> low = part.balls[first].centre, high = low;
-    for (std::size_t i = first; i < last; ++i) {
-      const Vec3<float>& c = part.balls[i].centre;
-      low = {min(low.x, c.x), min(low.y, c.y), min(low.z, c.z)};
-      high = {max(high.x, c.x), max(high.y, c.y), max(high.z, c.z)};
-    }
-    return {low, high};
-  }
-
-  static PartBall around(const MovingPart& part, std::size_t first, std::size_t last) {
-    const auto [low, high] = corners(part, first, last);
-    PartBall bound{.centre = 0.5f * (low + high)};
-    for (std::size_t i = first; i < last; ++i)
-      bound.radius = max(bound.radius, norm(part.balls[i].centre - bound.centre) + part.balls[i].radius);
-    return bound;
   }
 
   /// How far its points are from the axis of each joint that moves it, at most: the lengths of the links between,

@@ -114,7 +114,7 @@ class Planner:
         cloud: ArrayLike | None = None,
         cloud_radius: float = 0.01,
         margin: float = 0.0,
-        overshoot: float = 0.015,
+        overshoot: float = 0.01,
     ) -> None:
         model, now, mocap = _state(scene, q)
         self.model = model
