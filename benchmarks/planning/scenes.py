@@ -5,6 +5,7 @@ C. Chamzas and others, MotionBenchMaker: A tool to generate and benchmark motion
 hands that reach for something. Numbers and code are this project's.
 """
 
+import itertools
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
@@ -94,18 +95,30 @@ def _shelf(scene: Scene, rng: Random, x: float, y: float, boards: list[float], w
     for side in (-1, 1):
         scene.box((depth, 0.01, (top - bottom) / 2 + 0.01), (x, y + side * width, (top + bottom) / 2))
     scene.box((0.01, width, (top - bottom) / 2 + 0.01), (x + depth, y, (top + bottom) / 2))
-    for low, high in zip(boards, boards[1:], strict=False):
+    for low, high in itertools.pairwise(boards):
         half = rng.uniform(0.05, 0.09)
-        scene.cylinder(rng.uniform(0.025, 0.035), half, (x + 0.05, y + rng.uniform(-0.6, 0.6) * width, low + 0.01 + half))
+        scene.cylinder(
+            rng.uniform(0.025, 0.035), half, (x + 0.05, y + rng.uniform(-0.6, 0.6) * width, low + 0.01 + half)
+        )
         middle = (low + high) / 2
-        scene.places.append(Place((x - 0.05, y - 0.5 * width, middle - 0.03), (x, y + 0.5 * width, middle + 0.03), (1, 0, 0)))
+        scene.places.append(
+            Place((x - 0.05, y - 0.5 * width, middle - 0.03), (x, y + 0.5 * width, middle + 0.03), (1, 0, 0))
+        )
 
 
 def shelf(rng: Random, far: float) -> Scene:
     """A shelf of two compartments in front."""
     scene = Scene()
     base = rng.uniform(0.1, 0.2)
-    _shelf(scene, rng, 0.72 + far + rng.uniform(-0.03, 0.03), rng.uniform(-0.15, 0.15), [base, base + 0.33, base + 0.66], 0.35, 0.16)
+    _shelf(
+        scene,
+        rng,
+        0.72 + far + rng.uniform(-0.03, 0.03),
+        rng.uniform(-0.15, 0.15),
+        [base, base + 0.33, base + 0.66],
+        0.35,
+        0.16,
+    )
     return scene
 
 
@@ -130,7 +143,12 @@ def cage(rng: Random, far: float) -> Scene:
     for dx in (-half, half):
         for dy in (-half, half):
             scene.box((0.012, 0.012, 0.2), (x + dx, y + dy, height + 0.2))
-    for dx, dy, hx, hy in ((half, 0, 0.012, half), (-half, 0, 0.012, half), (0, half, half, 0.012), (0, -half, half, 0.012)):
+    for dx, dy, hx, hy in (
+        (half, 0, 0.012, half),
+        (-half, 0, 0.012, half),
+        (0, half, half, 0.012),
+        (0, -half, half, 0.012),
+    ):
         scene.box((hx, hy, 0.012), (x + dx, y + dy, height + 0.4))
         if dx >= 0:
             scene.box((hx, hy, 0.012), (x + dx, y + dy, height + 0.2))
@@ -208,7 +226,13 @@ def _configuration(rng: Random, planner: planning.Planner, robot: Robot, place: 
     position, quaternion = _hand(rng, place)
     start = planner.configuration(np.asarray(robot.home) + rng.uniform(-0.5, 0.5, len(robot.home)))
     found = kinematics.inverse(
-        planner.model, robot.frame, position=position, quaternion=quaternion, start=start, restarts=20, seed=int(rng.integers(2**31))
+        planner.model,
+        robot.frame,
+        position=position,
+        quaternion=quaternion,
+        start=start,
+        restarts=20,
+        seed=int(rng.integers(2**31)),
     )
     if not found.success:
         return None

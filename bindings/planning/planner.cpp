@@ -45,8 +45,7 @@ SceneSettings settings_of(const Model& model, const std::string& frame, const st
 
 PointCloud cloud_of(const Array<double, 2>& points, double radius) {
   PointCloud cloud{.radius = radius};
-  for (std::size_t i = 0; i < points.shape(0); ++i)
-    cloud.points.push_back({points(i, 0), points(i, 1), points(i, 2)});
+  for (std::size_t i = 0; i < points.shape(0); ++i) cloud.points.push_back({points(i, 0), points(i, 1), points(i, 2)});
   return cloud;
 }
 
@@ -141,35 +140,41 @@ void bindings::bind_planner(nb::module_& planning) {
       .def_prop_ro("lower", [](const Planner& self) { return numbers(self.scene.lower); })
       .def_prop_ro("upper", [](const Planner& self) { return numbers(self.scene.upper); })
       .def_prop_ro("velocity", [](const Planner& self) { return numbers(self.scene.velocity); })
-      .def("planned", [](const Planner& self, const Array<double, 1>& q) { return numbers(self.scene.planned(as_span(q))); },
-           "q"_a)
-      .def("configuration",
-           [](const Planner& self, const Array<double, 1>& q) { return numbers(self.scene.configuration(as_span(q))); },
-           "q"_a)
+      .def(
+          "planned",
+          [](const Planner& self, const Array<double, 1>& q) { return numbers(self.scene.planned(as_span(q))); }, "q"_a)
+      .def(
+          "configuration",
+          [](const Planner& self, const Array<double, 1>& q) { return numbers(self.scene.configuration(as_span(q))); },
+          "q"_a)
       .def("balls", &balls, "q"_a)
       .def_prop_ro("pairs", [](const Planner& self) { return names_of_pairs(self.scene); })
-      .def("are_free",
-           [](Planner& self, const Array<double, 2>& rows) {
-             return bindings::copied_bools(self.check.are_free(as_span(rows)));
-           },
-           "rows"_a)
-      .def("is_way_free",
-           [](Planner& self, const Array<float, 1>& a, const Array<float, 1>& b) {
-             return self.check.is_free(as_span(a), as_span(b));
-           },
-           "a"_a, "b"_a)
-      .def("nearest",
-           [](Planner& self, const Array<double, 1>& q) {
-             const Encounter found = self.check.nearest(as_span(q));
-             return nb::make_tuple(found.distance, found.a, found.b);
-           },
-           "q"_a)
-      .def("least_distance",
-           [](Planner& self, const Array<double, 2>& rows, double step) {
-             const Encounter found = least_distance(self.scene, self.check, as_span(rows), step);
-             return nb::make_tuple(found.distance, found.a, found.b);
-           },
-           "rows"_a, "step"_a)
+      .def(
+          "are_free",
+          [](Planner& self, const Array<double, 2>& rows) {
+            return bindings::copied_bools(self.check.are_free(as_span(rows)));
+          },
+          "rows"_a)
+      .def(
+          "is_way_free",
+          [](Planner& self, const Array<float, 1>& a, const Array<float, 1>& b) {
+            return self.check.is_free(as_span(a), as_span(b));
+          },
+          "a"_a, "b"_a)
+      .def(
+          "nearest",
+          [](Planner& self, const Array<double, 1>& q) {
+            const Encounter found = self.check.nearest(as_span(q));
+            return nb::make_tuple(found.distance, found.a, found.b);
+          },
+          "q"_a)
+      .def(
+          "least_distance",
+          [](Planner& self, const Array<double, 2>& rows, double step) {
+            const Encounter found = least_distance(self.scene, self.check, as_span(rows), step);
+            return nb::make_tuple(found.distance, found.a, found.b);
+          },
+          "rows"_a, "step"_a)
       .def("goals", &goals, "frame"_a, "position"_a, "quaternion"_a, "start"_a, "count"_a, "seed"_a, "time_limit"_a)
       .def("plan", &plan, "start"_a, "goals"_a, "time_limit"_a, "shorten"_a, "blend"_a, "range"_a, "seed"_a);
 }

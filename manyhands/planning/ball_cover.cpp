@@ -31,7 +31,7 @@ Box bounds_of(const ConvexShape& shape) {
 std::pair<Box, Box> split(const Box& box) {
   const Vec& h = box.half;
   Vec half = h, shift = Vec::zero();
-  double Vec::*const axis = h.x >= h.y && h.x >= h.z ? &Vec::x : h.y >= h.z ? &Vec::y : &Vec::z;
+  double Vec::* const axis = h.x >= h.y && h.x >= h.z ? &Vec::x : h.y >= h.z ? &Vec::y : &Vec::z;
   half.*axis *= 0.5;
   shift.*axis = half.*axis;
   return {{box.centre - shift, half}, {box.centre + shift, half}};

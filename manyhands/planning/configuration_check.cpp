@@ -150,13 +150,15 @@ std::vector<std::uint8_t> ConfigurationCheck::are_free(std::span<const double> r
     const std::size_t together = std::min<std::size_t>(kWidth, count - first);
     for (std::size_t k = 0; k < kWidth; ++k) {
       const double* row = &rows[(first + std::min(k, together - 1)) * n];
-      for (std::size_t j = 0; j < n; ++j) set_lane(s.lanes.coordinate(j), static_cast<int>(k), static_cast<float>(row[j]));
+      for (std::size_t j = 0; j < n; ++j)
+        set_lane(s.lanes.coordinate(j), static_cast<int>(k), static_cast<float>(row[j]));
     }
     s.lanes.look(s.sways, mask_t<NativeLanes>(false));
     const mask_t<NativeLanes>& doubtful = s.lanes.doubtful();
     for (std::size_t k = 0; k < together; ++k) {
       const int i = static_cast<int>(k);
-      found[first + k] = !lane(s.lanes.hit(), i) && (!lane(doubtful, i) || s.look_exactly(i) == Scratch::Finding::kClear);
+      found[first + k] =
+          !lane(s.lanes.hit(), i) && (!lane(doubtful, i) || s.look_exactly(i) == Scratch::Finding::kClear);
     }
   }
   return found;

@@ -9,11 +9,16 @@ namespace manyhands::internal {
 
 namespace {
 
-/// No more than the distance of two shapes: that of the balls that hold them, or of a ball and a plane.
+/// No more than the distance of two shapes: of the ball that holds one from a plane or a box, or from the other's ball.
 double least_distance(const SceneGeom& a, const Transform<double>& X_WA, const SceneGeom& b,
                       const Transform<double>& X_WB) {
-  if (b.shape.type == ShapeType::kPlane) return dot(X_WB.R.z, X_WA.p - X_WB.p) - a.radius;
-  return norm(X_WA.p - X_WB.p) - a.radius - b.radius;
+  const Vec3<double> apart = X_WA.p - X_WB.p;
+  if (b.shape.type == ShapeType::kPlane) return dot(X_WB.R.z, apart) - a.radius;
+  if (b.shape.type != ShapeType::kBox) return norm(apart) - a.radius - b.radius;
+  const Vec3<double> p = transpose_times(X_WB.R, apart), &half = b.shape.size;
+  const Vec3<double> out{abs(p.x) - half.x, abs(p.y) - half.y, abs(p.z) - half.z};
+  const double inside = min(0.0, max(out.x, max(out.y, out.z)));
+  return norm(Vec3<double>{max(0.0, out.x), max(0.0, out.y), max(0.0, out.z)}) + inside - a.radius;
 }
 
 }  // namespace
@@ -35,7 +40,11 @@ Transform<double> ExactCheck::pose(const MovingPart& part, const SceneGeom& geom
 void ExactCheck::take_nearer(const SceneGeom& a, const Transform<double>& X_WA, const SceneGeom& b,
                              const Transform<double>& X_WB, double& least) const {
   if (!(least_distance(a, X_WA, b, X_WB) < least)) return;
-  least = std::min(least, signed_distance(a.shape, X_WA, b.shape, X_WB).phi);
+  // Of convex bodies the search for the nearest points ends once they are known to be farther apart than asked.
+  const bool are_convex = a.shape.is_convex_body() && b.shape.is_convex_body();
+  const double d = are_convex ? core_distance(a.shape.convex(), b.shape.convex(), inverse(X_WA) * X_WB, least).phi
+                              : signed_distance(a.shape, X_WA, b.shape, X_WB).phi;
+  least = std::min(least, d);
 }
 
 double ExactCheck::distance(int part_index, int obstacle, double far) const {
@@ -53,7 +62,8 @@ double ExactCheck::distance(int part_index, int obstacle, double far) const {
 double ExactCheck::distance_from_cloud(const MovingPart& part, int cloud, double far) const {
   double least = far;
   const PartBall& bound = part.nodes[0].bound;
-  const Vec3<double> centre = ws_.R_WB[part.body] * broadcast<double>(bound.centre) + ws_.p_OB[part.body] + ws_.p_WO[part.body];
+  const Vec3<double> centre =
+      ws_.R_WB[part.body] * broadcast<double>(bound.centre) + ws_.p_OB[part.body] + ws_.p_WO[part.body];
   const ObstacleTree& tree = scene_.tree_of_obstacles;
   tree.visit_leaves(centre, static_cast<double>(bound.radius) + far, [&](int leaf) {
     for (const ObstaclePiece& piece : tree.pieces_of(leaf)) {

@@ -136,10 +136,9 @@ void LaneCheck<T>::look_at_node(std::size_t i, const BallNode& node, std::size_t
     const mask_t<T> near(low < reach);
     if (none(near)) continue;
     if (is_coarse) {
-      // No more to learn: lanes that are in doubt already, and cannot be hit.
-      const bool is_known = is_leaf || none(near & !doubtful_);
-      if (is_leaf) doubtful_ = doubtful_ | near;
-      if (is_known && none(mask_t<T>(low < certain))) continue;
+      // Small balls tell no more beside a large sway; no more is to be learnt of lanes that are in doubt already.
+      if (is_leaf || node.bound.radius < sway) doubtful_ = doubtful_ | near;
+      if (none(near & !doubtful_) && none(mask_t<T>(low < certain))) continue;
     }
     pieces_.push_back(pieces_[k]);
   }
@@ -180,9 +179,8 @@ void LaneCheck<T>::look_at_nodes(std::size_t i, const BallNode& x, const BallNod
   if (none(near)) return;
   const bool are_leaves = x.second == 0 && y.second == 0;
   if (sway > kCoarseSway) {
-    const bool is_known = are_leaves || none(near & !doubtful_);
-    if (are_leaves) doubtful_ = doubtful_ | near;
-    if (is_known && none(mask_t<T>(apart < T(touching * touching)))) return;
+    if (are_leaves || touching < 2 * sway) doubtful_ = doubtful_ | near;
+    if (none(near & !doubtful_) && none(mask_t<T>(apart < T(touching * touching)))) return;
   }
   if (are_leaves) {
     look_at_balls(i, x, y, sway);

@@ -11,8 +11,8 @@ namespace {
 
 using Vec = Vec3<double>;
 
-constexpr std::size_t kPiecesOfLeaf = 4;     // pieces of a leaf, at most
-constexpr double kBoxRounding = 1e-5;   // that boxes are larger by, for numbers in float [m]
+constexpr std::size_t kPiecesOfLeaf = 4;  // pieces of a leaf, at most
+constexpr double kBoxRounding = 1e-5;     // that boxes are larger by, for numbers in float [m]
 
 bool is_turned(const Mat3<double>& R) { return R.x.x < 1 || R.y.y < 1 || R.z.z < 1; }
 
@@ -106,8 +106,9 @@ void ObstacleTree::divide(std::span<int> order, int first) {
   }
   nodes_.push_back(node);
   const Vec3<float> side = node.high - node.low;
-  float Vec3<float>::*const axis =
-      side.x >= side.y && side.x >= side.z ? &Vec3<float>::x : side.y >= side.z ? &Vec3<float>::y : &Vec3<float>::z;
+  float Vec3<float>::* const axis = side.x >= side.y && side.x >= side.z ? &Vec3<float>::x
+                                    : side.y >= side.z                   ? &Vec3<float>::y
+                                                                         : &Vec3<float>::z;
   const auto middle = [&](int i) { return std::pair(extent(i).low.*axis + extent(i).high.*axis, i); };
   const auto half = static_cast<std::ptrdiff_t>(order.size() / 2);
   std::ranges::nth_element(order, order.begin() + half, {}, middle);

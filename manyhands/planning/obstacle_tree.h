@@ -121,9 +121,9 @@ MANYHANDS_INLINE T distance_from_triangle(const Vec3<float>& size, const Vec3<T>
   const T left_of_bc = fma(T(cx - bx), p.y, -(T(cy) * (p.x - T(bx))));
   const T left_of_ca = fma(T(cy), p.x, -(T(cx) * p.y));
   const mask_t<T> inside((p.y >= zero) & (left_of_bc >= zero) & (left_of_ca >= zero));
-  const T edges = min(squared_distance_2d(p.x, p.y, 0.0f, 0.0f, bx, 0.0f),
-                      min(squared_distance_2d(p.x, p.y, bx, 0.0f, cx - bx, cy),
-                          squared_distance_2d(p.x, p.y, 0.0f, 0.0f, cx, cy)));
+  const T edges =
+      min(squared_distance_2d(p.x, p.y, 0.0f, 0.0f, bx, 0.0f),
+          min(squared_distance_2d(p.x, p.y, bx, 0.0f, cx - bx, cy), squared_distance_2d(p.x, p.y, 0.0f, 0.0f, cx, cy)));
   return sqrt(fma(p.z, p.z, select(inside, zero, edges)));
 }
 
@@ -146,7 +146,8 @@ DistanceBounds<T> ObstacleTree::distance(const ObstaclePiece& piece, const Vec3<
       return exact(sqrt(fma(around, around, along * along)));
     }
     case ShapeType::kBox:
-      return exact(norm(Vec3<T>{max(zero, abs(g.x) - x), max(zero, abs(g.y) - y), max(zero, abs(g.z) - T(piece.size.z))}));
+      return exact(
+          norm(Vec3<T>{max(zero, abs(g.x) - x), max(zero, abs(g.y) - y), max(zero, abs(g.z) - T(piece.size.z))}));
     case ShapeType::kPlane:
       return exact(g.z);
     case ShapeType::kConvex: {

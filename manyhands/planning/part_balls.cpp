@@ -7,7 +7,7 @@ namespace manyhands {
 
 namespace {
 
-constexpr float kBallRounding = 1e-5f;    // of positions in single precision, generously [m]
+constexpr float kBallRounding = 1e-5f;   // of positions in single precision, generously [m]
 constexpr std::size_t kBallsOfLeaf = 4;  // at most
 
 std::pair<Vec3<float>, Vec3<float>> corners(std::span<const PartBall> balls) {
@@ -35,8 +35,9 @@ void add_node(MovingPart& part, std::size_t first, std::size_t last) {
   if (balls.size() <= kBallsOfLeaf) return;
   const auto [low, high] = corners(balls);
   const Vec3<float> side = high - low;
-  float Vec3<float>::*const axis =
-      side.x >= side.y && side.x >= side.z ? &Vec3<float>::x : side.y >= side.z ? &Vec3<float>::y : &Vec3<float>::z;
+  float Vec3<float>::* const axis = side.x >= side.y && side.x >= side.z ? &Vec3<float>::x
+                                    : side.y >= side.z                   ? &Vec3<float>::y
+                                                                         : &Vec3<float>::z;
   const std::size_t half = balls.size() / 2;
   std::ranges::nth_element(balls, balls.begin() + static_cast<std::ptrdiff_t>(half), {},
                            [axis](const PartBall& ball) { return ball.centre.*axis; });

@@ -50,7 +50,9 @@ class Shortening {
   void erase(std::size_t first, std::size_t last) {
     rows_.erase(rows_.begin() + place(first), rows_.begin() + place(last));
   }
-  void insert(std::size_t i, const std::vector<float>& q) { rows_.insert(rows_.begin() + place(i), q.begin(), q.end()); }
+  void insert(std::size_t i, const std::vector<float>& q) {
+    rows_.insert(rows_.begin() + place(i), q.begin(), q.end());
+  }
 
   void measure() {
     lengths_.assign(1, 0.0f);

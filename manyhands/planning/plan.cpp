@@ -114,8 +114,7 @@ class Planning {
     const std::size_t n = scene_.size();
     if (settings_.shorten) rows = shortened(check_, std::move(rows), n, settings_.shortening, deadline_);
     set_waypoints(rows);
-    if (plan_.waypoints.size() > n)
-      plan_.curve = blended(check_, plan_.waypoints, n, settings_.blend, deadline_);
+    if (plan_.waypoints.size() > n) plan_.curve = blended(check_, plan_.waypoints, n, settings_.blend, deadline_);
     plan_.shorten_time = since(begin);
     plan_.status = PlanStatus::kSolved;
     plan_.message = "solved";
@@ -126,8 +125,9 @@ class Planning {
     const std::size_t n = scene_.size();
     std::vector<double>& to = plan_.waypoints;
     for (std::size_t i = 0; i < rows.size(); i += n) {
-      if (i > 0 && std::equal(rows.begin() + static_cast<std::ptrdiff_t>(i - n),
-                              rows.begin() + static_cast<std::ptrdiff_t>(i), rows.begin() + static_cast<std::ptrdiff_t>(i)))
+      if (i > 0 &&
+          std::equal(rows.begin() + static_cast<std::ptrdiff_t>(i - n), rows.begin() + static_cast<std::ptrdiff_t>(i),
+                     rows.begin() + static_cast<std::ptrdiff_t>(i)))
         continue;
       to.insert(to.end(), rows.begin() + static_cast<std::ptrdiff_t>(i),
                 rows.begin() + static_cast<std::ptrdiff_t>(i + n));
@@ -136,7 +136,8 @@ class Planning {
     if (to.size() == n) return;
     for (std::size_t i = 0; i < goals_.size(); i += n) {
       const Rows goal = Rows(goals_).subspan(i, n);
-      if (std::ranges::equal(in_float(goal), in_float(Rows(to).last(n)))) std::ranges::copy(goal, to.end() - static_cast<std::ptrdiff_t>(n));
+      if (std::ranges::equal(in_float(goal), in_float(Rows(to).last(n))))
+        std::ranges::copy(goal, to.end() - static_cast<std::ptrdiff_t>(n));
     }
   }
 
@@ -159,8 +160,8 @@ Plan find_plan(const PlanningScene& scene, ConfigurationCheck& check, std::span<
                std::span<const double> goals, const PlanSettings& settings) {
   const std::size_t n = scene.size();
   require_rows("start", start, 1, n);
-  require(!goals.empty() && goals.size() % n == 0, "the goal has " + std::to_string(goals.size()) +
-                                                       " numbers; expected rows of " + std::to_string(n));
+  require(!goals.empty() && goals.size() % n == 0,
+          "the goal has " + std::to_string(goals.size()) + " numbers; expected rows of " + std::to_string(n));
   require_finite("goal", goals, n);
   require(settings.time_limit >= 0, "time_limit is " + as_text(settings.time_limit) + " s; expected 0 or more");
   require(settings.rrt.range > 0 && std::isfinite(settings.rrt.range),
@@ -215,7 +216,8 @@ Encounter least_distance(const PlanningScene& scene, ConfigurationCheck& check, 
     double farthest = 0;
     for (const MovingPart& part : scene.parts) {
       double way = 0;
-      for (std::size_t k = 0; k < n; ++k) way += static_cast<double>(part.reach[k]) * std::abs(rows[i + k] - rows[i - n + k]);
+      for (std::size_t k = 0; k < n; ++k)
+        way += static_cast<double>(part.reach[k]) * std::abs(rows[i + k] - rows[i - n + k]);
       farthest = std::max(farthest, way);
     }
     const double looks = std::max(1.0, std::ceil(farthest / step));

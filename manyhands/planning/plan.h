@@ -25,9 +25,9 @@ struct PlanSettings {
 
 struct Plan {
   PlanStatus status = PlanStatus::kTimeLimit;
-  std::string message{};  ///< what was found, in a sentence: which joint, which links
-  std::vector<double> waypoints{};           ///< rows of n; empty unless solved
-  std::optional<Trajectory> curve{};         ///< through them, corners blended, by its length; unless there is no way to go
+  std::string message{};              ///< what was found, in a sentence: which joint, which links
+  std::vector<double> waypoints{};    ///< rows of n; empty unless solved
+  std::optional<Trajectory> curve{};  ///< through them, corners blended, by its length; unless there is no way to go
   std::size_t nodes = 0, iterations = 0;     ///< of the search
   double search_time = 0, shorten_time = 0;  ///< [s], both, and with them the blending
 };
@@ -44,8 +44,8 @@ struct Plan {
                                                       const Transform<double>& X_WF, std::span<const double> start,
                                                       std::size_t count, std::uint64_t seed, const Deadline& deadline);
 
-/// The least distance on the way along waypoints (rows of n), looked at so often that no point moves by more than `step`
-/// [m] from one look to the next: the judge of plans, by exact distances of shapes alone.
+/// The least distance on the way along waypoints (rows of n), looked at so often that no point moves by more than
+/// `step` [m] from one look to the next: the judge of plans, by exact distances of shapes alone.
 [[nodiscard]] Encounter least_distance(const PlanningScene& scene, ConfigurationCheck& check,
                                        std::span<const double> rows, double step);
 

@@ -22,7 +22,7 @@ namespace {
 using Vec = Vec3<double>;
 
 constexpr double kHalfTurn = std::numbers::pi;  // how far joints without limits go to either side [rad]
-constexpr double kTouchesHeld = 1e-3;         // what is held touches what is nearer than this [m]
+constexpr double kTouchesHeld = 1e-3;           // what is held touches what is nearer than this [m]
 
 Transform<double> pose_of(const Workspace<double>& ws, std::size_t body) {
   return {ws.R_WB[body], ws.p_OB[body] + ws.p_WO[body]};
@@ -92,7 +92,8 @@ class SceneMaker {
     };
     if (joint.type == JointType::kFixed || configuration_size(joint.type) != 1)
       refuse("it has " + std::to_string(configuration_size(joint.type)) + " coordinates; planned joints have one");
-    if (joint.type == JointType::kPrismatic && !(std::isfinite(joint.limits.lower) && std::isfinite(joint.limits.upper)))
+    if (joint.type == JointType::kPrismatic &&
+        !(std::isfinite(joint.limits.lower) && std::isfinite(joint.limits.upper)))
       refuse("it slides without limits; give it some");
     for (const EqualityConstraint& e : model_.equalities()) {
       const bool couples = e.type == EqualityType::kJoint || e.type == EqualityType::kGear;
@@ -111,7 +112,8 @@ class SceneMaker {
     for (std::size_t b = 0; b < carrier_.size(); ++b) carrier_[b] = b;
     for (const Attachment& attachment : settings_.attached) {
       const std::size_t held = model_.link(attachment.link).body.index(), on = model_.link(attachment.on).body.index();
-      const std::string names = "'" + model_.link(attachment.link).name + "' to '" + model_.link(attachment.on).name + "'";
+      const std::string names =
+          "'" + model_.link(attachment.link).name + "' to '" + model_.link(attachment.on).name + "'";
       if (held == 0) throw std::invalid_argument("cannot attach " + names + ": it is fixed to the world");
       if (!moves_[on]) throw std::invalid_argument("cannot attach " + names + ": the planned joints do not move that");
       std::size_t root = held;
@@ -359,8 +361,7 @@ PlanningScene::PlanningScene(const Model& model, std::span<const double> q_now, 
 
 std::vector<JointId> joints_that_move(const Model& model, FrameId frame) {
   std::vector<JointId> joints;
-  for (const std::size_t dof : IkChain(model, frame).dofs)
-    joints.emplace_back(model.dof_joint()[dof]);
+  for (const std::size_t dof : IkChain(model, frame).dofs) joints.emplace_back(model.dof_joint()[dof]);
   return joints;
 }
 

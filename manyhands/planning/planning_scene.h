@@ -33,7 +33,7 @@ struct SceneSettings {
   std::vector<PointCloud> clouds{};
   std::vector<double> mocap{};  ///< poses of the mocap bodies, as State has them; empty: where the model has them
   double margin = 0;            ///< least distance that is kept [m]
-  double overshoot = 0.01;     ///< by which balls stick out of links; smaller ones are more balls [m]
+  double overshoot = 0.0125;    ///< by which balls stick out of links; smaller ones are more balls [m]
 };
 
 /// The joints that move a frame, as `SceneSettings::joints`. Throws ModelError as IkChain does.
@@ -67,7 +67,8 @@ struct MovingPart {
   std::vector<SceneGeom> geoms{};
   std::vector<BallNode> nodes{};  ///< a tree of balls, the root first
   std::vector<PartBall> balls{};
-  std::vector<float> reach{};  ///< (n) [m/rad or 1]: how far a point of it moves, at most, per change of each coordinate
+  std::vector<float>
+      reach{};  ///< (n) [m/rad or 1]: how far a point of it moves, at most, per change of each coordinate
   std::vector<int> ignored{};  ///< obstacles that it may touch, sorted
 };
 
@@ -86,8 +87,9 @@ struct Obstacle {
 /// Of a model at a configuration: the planned joints move parts, everything else stands. Immutable; knows nothing of
 /// balls being checked in lanes, only what they are.
 struct PlanningScene {
-  /// q: (nq), of everything that is not planned, and at which things are attached. Throws std::invalid_argument if a joint has several coordinates, slides without limits, or drives or
-  /// follows another one; if nothing that moves has a shape; and on numbers that are not finite.
+  /// q: (nq), of everything that is not planned, and at which things are attached. Throws std::invalid_argument if a
+  /// joint has several coordinates, slides without limits, or drives or follows another one; if nothing that moves has
+  /// a shape; and on numbers that are not finite.
   PlanningScene(const Model& model, std::span<const double> q, const SceneSettings& settings);
 
   [[nodiscard]] std::size_t size() const { return coordinates.size(); }  ///< n, planned coordinates

@@ -57,8 +57,7 @@ class RrtTree {
     float square = kUnreached;
     for (std::size_t k = 0; k < kNodeLanes; ++k) {
       const float d = lane(least, static_cast<int>(k));
-      const std::size_t node =
-          static_cast<std::size_t>(lane(block_of_least, static_cast<int>(k))) * kNodeLanes + k;
+      const std::size_t node = static_cast<std::size_t>(lane(block_of_least, static_cast<int>(k))) * kNodeLanes + k;
       if (d < square || (d == square && node < best)) {
         best = node;
         square = d;

@@ -68,9 +68,9 @@ TEST(BallCover, HoldsAHull) {
 
 TEST(BallCover, HoldsShapesThatCross) {
   const Transform<double> lying{to_matrix(quat_from_rotation_vector(Vec{1.5707963267948966, 0, 0})), {0, 0.05, 0}};
-  expect_covered({{ConvexShape::cylinder(0.05, 0.1), Transform<double>::identity()},
-                  {ConvexShape::cylinder(0.05, 0.09), lying}},
-                 0.01, 0.01 / 3);
+  expect_covered(
+      {{ConvexShape::cylinder(0.05, 0.1), Transform<double>::identity()}, {ConvexShape::cylinder(0.05, 0.09), lying}},
+      0.01, 0.01 / 3);
 }
 
 TEST(BallCover, TakesFewBallsForABall) {

@@ -5,8 +5,8 @@
 #include "manyhands/math/instantiate.h"
 #include "manyhands/math/philox.h"
 #include "manyhands/math/quaternion.h"
-#include "manyhands/planning/lane_check.h"
 #include "manyhands/physics/world/world.h"
+#include "manyhands/planning/lane_check.h"
 #include "manyhands/planning/plan.h"
 
 namespace manyhands {
@@ -30,18 +30,20 @@ TEST(ObstacleTree, DistancesFromPiecesAreThoseOfShapes) {
   RandomStream random(3, 0, 0);
   for (const Shape& shape : shapes) {
     for (int i = 0; i < 200; ++i) {
-      const Transform<double> X_WG = random_pose(random, 0.3), X_WP{Mat3<double>::identity(), random_pose(random, 0.5).p};
+      const Transform<double> X_WG = random_pose(random, 0.3),
+                              X_WP{Mat3<double>::identity(), random_pose(random, 0.5).p};
       ObstacleTree tree;
       tree.add(0, shape, nullptr, X_WG);
       tree.build();
       const ObstaclePiece& piece = tree.pieces().empty() ? tree.endless()[0] : tree.pieces()[0];
       const double found = static_cast<double>(tree.distance<float>(piece, broadcast<float>(X_WP.p)).low);
-      const double true_one =
-          signed_distance(ShapeView{.type = shape.type, .size = shape.size}, X_WG,
-                          ShapeView{.type = ShapeType::kSphere, .size = {1e-9, 0, 0}}, X_WP)
-              .phi;
-      if (true_one > 0) EXPECT_NEAR(found, true_one, 1e-6);
-      else EXPECT_LE(found, 1e-6);
+      const double true_one = signed_distance(ShapeView{.type = shape.type, .size = shape.size}, X_WG,
+                                              ShapeView{.type = ShapeType::kSphere, .size = {1e-9, 0, 0}}, X_WP)
+                                  .phi;
+      if (true_one > 0)
+        EXPECT_NEAR(found, true_one, 1e-6);
+      else
+        EXPECT_LE(found, 1e-6);
     }
   }
 }
@@ -54,9 +56,9 @@ TEST(ObstacleTree, DistancesFromTrianglesAreExact) {
     ObstacleTree tree;
     tree.add_triangle(0, {a, b, c});
     const double found = static_cast<double>(tree.distance<float>(tree.pieces()[0], broadcast<float>(X_WP.p)).low);
-    const double true_one = convex_distance(ConvexShape::triangle(a, b, c), Transform<double>::identity(),
-                                            ConvexShape::sphere(1e-9), X_WP)
-                                .phi;
+    const double true_one =
+        convex_distance(ConvexShape::triangle(a, b, c), Transform<double>::identity(), ConvexShape::sphere(1e-9), X_WP)
+            .phi;
     EXPECT_NEAR(found, true_one, 2e-6);
   }
 }
@@ -76,9 +78,7 @@ Model panda_among_things() {
 struct Panda {
   Panda() : model(panda_among_things()), scene(model, model.initial_configuration(), settings()), check(scene) {}
 
-  SceneSettings settings() const {
-    return {.joints = joints_that_move(model, model.frame_id("panda_hand"))};
-  }
+  SceneSettings settings() const { return {.joints = joints_that_move(model, model.frame_id("panda_hand"))}; }
   std::vector<double> random_row(RandomStream& random) const {
     std::vector<double> q;
     for (std::size_t k = 0; k < scene.size(); ++k) q.push_back(random.uniform(scene.lower[k], scene.upper[k]));

@@ -41,7 +41,18 @@ class Encounter(NamedTuple):
 class Plan:
     """What `Planner.plan` found. Rows are of the n planned joints, in the order of `joints`."""
 
-    __slots__ = ("_limits", "curve", "iterations", "joints", "message", "nodes", "search_time", "shorten_time", "status", "waypoints")
+    __slots__ = (
+        "_limits",
+        "curve",
+        "iterations",
+        "joints",
+        "message",
+        "nodes",
+        "search_time",
+        "shorten_time",
+        "status",
+        "waypoints",
+    )
 
     status: PlanStatus
     message: str
@@ -114,7 +125,7 @@ class Planner:
         cloud: ArrayLike | None = None,
         cloud_radius: float = 0.01,
         margin: float = 0.0,
-        overshoot: float = 0.01,
+        overshoot: float = 0.0125,
     ) -> None:
         model, now, mocap = _state(scene, q)
         self.model = model

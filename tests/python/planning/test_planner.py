@@ -1,5 +1,6 @@
 """Plans: what is free, by another way of looking; ways that are free all along; and why there is no plan."""
 
+import itertools
 import time
 from collections.abc import Iterator
 
@@ -31,7 +32,7 @@ def planner() -> planning.Planner:
 
 
 def random_rows(planner: planning.Planner, count: int, seed: int) -> Array:
-    lower, upper = (np.array([getattr(planner._core, name) for name in ("lower", "upper")]))
+    lower, upper = np.array([getattr(planner._core, name) for name in ("lower", "upper")])
     return np.random.default_rng(seed).uniform(lower, upper, (count, len(planner.joints)))
 
 
@@ -47,7 +48,7 @@ def least_distance(world: mh.World, planner: planning.Planner, row: Array) -> fl
     pairs = planner.self_pairs + [(a, b) for a in moving for b in ("post", "box")]
     pairs += [(a, "floor") for a in moving] + [(a, "panda_link0") for a in moving[1:]]
     found = [world.distance(a, b) for a, b in pairs]
-    return min(d.distance for d in found if d is not None)
+    return min(d.phi for d in found if d is not None)
 
 
 def test_free_is_what_the_world_calls_free(planner: planning.Planner) -> None:
@@ -63,7 +64,7 @@ def test_free_is_what_the_world_calls_free(planner: planning.Planner) -> None:
 def test_a_way_is_free_if_and_only_if_nothing_on_it_collides(planner: planning.Planner) -> None:
     rows = free_rows(planner, 60, 2)
     found = {True: 0, False: 0}
-    for a, b in zip(rows, rows[1:], strict=False):
+    for a, b in itertools.pairwise(rows):
         b = a + 0.3 * (b - a)
         free, least = planner.is_way_free(a, b), planner.least_distance([a, b]).distance
         found[free] += 1
