@@ -42,8 +42,9 @@ void ExactCheck::take_nearer(const SceneGeom& a, const Transform<double>& X_WA, 
   if (!(least_distance(a, X_WA, b, X_WB) < least)) return;
   // Of convex bodies the search for the nearest points ends once they are known to be farther apart than asked.
   const bool are_convex = a.shape.is_convex_body() && b.shape.is_convex_body();
-  const double d = are_convex ? core_distance(a.shape.convex(), b.shape.convex(), inverse(X_WA) * X_WB, least).phi
-                              : signed_distance(a.shape, X_WA, b.shape, X_WB).phi;
+  const double d =
+      are_convex ? core_distance(a.shape.convex(), b.shape.convex(), inverse(X_WA) * X_WB, std::max(0.0, least)).phi
+                 : signed_distance(a.shape, X_WA, b.shape, X_WB).phi;
   least = std::min(least, d);
 }
 

@@ -46,6 +46,24 @@ std::vector<float> in_float(Rows rows) {
   return all;
 }
 
+/// Rows sorted by their distance from the start.
+std::vector<double> nearest_first(Rows rows, Rows start) {
+  const std::size_t n = start.size();
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t i = 0; i < rows.size(); i += n) {
+    double sum = 0;
+    for (std::size_t k = 0; k < n; ++k) sum += square(rows[i + k] - start[k]);
+    order.emplace_back(sum, i);
+  }
+  std::ranges::sort(order);
+  std::vector<double> sorted;
+  for (const auto& [distance, i] : order) {
+    const Rows row = rows.subspan(i, n);
+    sorted.insert(sorted.end(), row.begin(), row.end());
+  }
+  return sorted;
+}
+
 class Planning {
  public:
   Planning(const PlanningScene& scene, ConfigurationCheck& check, Rows start, const PlanSettings& settings)
@@ -104,6 +122,7 @@ class Planning {
       }
     }
     if (goals_.empty()) return false;
+    goals_ = nearest_first(goals_, start_);
     plan_.status = PlanStatus::kTimeLimit;
     plan_.message.clear();
     return true;
@@ -174,7 +193,7 @@ Plan find_plan(const PlanningScene& scene, ConfigurationCheck& check, std::span<
 std::vector<double> goal_configurations(const Model& model, const PlanningScene& scene, ConfigurationCheck& check,
                                         FrameId frame, const Transform<double>& X_WF, std::span<const double> start,
                                         std::size_t count, std::uint64_t seed, const Deadline& deadline) {
-  constexpr std::size_t kMostStarts = 200;
+  constexpr std::size_t kStarts = 40;
   constexpr double kSame = 1e-3;  // [rad or m]
   const std::size_t n = scene.size();
   RandomStream random(seed, 2, 0);
@@ -187,7 +206,7 @@ std::vector<double> goal_configurations(const Model& model, const PlanningScene&
     }
     return true;
   };
-  for (std::size_t i = 0; i < kMostStarts && found.size() < count * n && !deadline.has_passed(); ++i) {
+  for (std::size_t i = 0; i < kStarts && !deadline.has_passed(); ++i) {
     IkSearchSettings settings{.restarts = i == 0 ? 100 : 0, .seed = seed};
     const IkSolutions solved = search_ik(model, frame, {&X_WF, 1}, scene.configuration(from), settings);
     if (solved.success[0] != 0) {
@@ -202,7 +221,9 @@ std::vector<double> goal_configurations(const Model& model, const PlanningScene&
       from[k] = random.uniform(std::max(scene.lower[k], -kFar), std::min(scene.upper[k], kFar));
     }
   }
-  return found;
+  std::vector<double> sorted = nearest_first(found, start);
+  sorted.resize(std::min(sorted.size(), count * n));
+  return sorted;
 }
 
 Encounter least_distance(const PlanningScene& scene, ConfigurationCheck& check, std::span<const double> rows,

@@ -37,8 +37,9 @@ struct Plan {
 [[nodiscard]] Plan find_plan(const PlanningScene& scene, ConfigurationCheck& check, std::span<const double> start,
                              std::span<const double> goals, const PlanSettings& settings = {});
 
-/// Up to `count` configurations (rows of n) that bring a frame, which only planned joints move, to X_WF, within limits
-/// and free, each found from another start: `start` (n) itself, then random ones. Ends when time runs out.
+/// Configurations (rows of n) that bring a frame, which only planned joints move, to X_WF, within limits and free: of
+/// those found from `start` (n) and from random configurations the `count` nearest to the start. Ends when time runs
+/// out.
 [[nodiscard]] std::vector<double> goal_configurations(const Model& model, const PlanningScene& scene,
                                                       ConfigurationCheck& check, FrameId frame,
                                                       const Transform<double>& X_WF, std::span<const double> start,

@@ -34,7 +34,7 @@ void expect_covered(const std::vector<PlacedConvex>& shapes, double overshoot, d
   RandomStream random(1, 0, 0);
   int inside = 0;
   for (int i = 0; i < 20000; ++i) {
-    const Vec p = random_point(random, 0.3);
+    const Vec p = random_point(random, 0.2);
     if (distance(shapes, p) > 0) continue;
     ++inside;
     EXPECT_TRUE(std::ranges::any_of(balls, [&](const Ball& b) { return norm(b.centre - p) <= b.radius; }));

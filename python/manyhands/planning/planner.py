@@ -24,7 +24,7 @@ PlanStatus: TypeAlias = Literal[
     "time limit",
 ]
 
-_MOST_GOALS = 16  # configurations that are sought for a pose
+_GOALS = 4  # configurations that reach a pose: the nearest
 _LARGEST_SEED = 2**63 - 1
 
 
@@ -232,7 +232,7 @@ class Planner:
         p, r = finite_rows("position", position, 3), unit_quaternions("quaternion", quaternion)
         if p.ndim != 1 or r.ndim != 1:
             raise ValueError(f"position has shape {p.shape} and quaternion {r.shape}; expected (3,) and (4,)")
-        return np.asarray(self._core.goals(self.frame, p, r, start, _MOST_GOALS, seed, time_limit))
+        return np.asarray(self._core.goals(self.frame, p, r, start, _GOALS, seed, time_limit))
 
     def _row(self, name: str, values: ArrayLike) -> Array:
         row = finite_rows(name, values, len(self.joints))
