@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import manyhands as mh
-from manyhands import kinematics, planning
+from manyhands import kinematics, planning, rotations
 
 Array = NDArray[np.float64]
 Random = np.random.Generator
@@ -43,7 +43,7 @@ class Solid:
 
     kind: str
     size: tuple[float, ...]
-    position: tuple[float, float, float]
+    position: tuple[float, ...]
     yaw: float = 0.0
 
 
@@ -217,11 +217,11 @@ def _hand(rng: Random, place: Place) -> tuple[Array, Array]:
     z /= np.linalg.norm(z)
     tilt = np.array([-z[1], z[0], 0, 1 + z[2]]) if z[2] > -0.99 else np.array([1.0, 0, 0, 0])  # turns the z axis there
     spin = rng.uniform(0, 2 * np.pi)
-    turn = mh.rotations.multiply(tilt / np.linalg.norm(tilt), np.array([0, 0, np.sin(spin / 2), np.cos(spin / 2)]))
+    turn = rotations.multiply(tilt / np.linalg.norm(tilt), np.array([0, 0, np.sin(spin / 2), np.cos(spin / 2)]))
     return rng.uniform(place.low, place.high), np.asarray(turn)
 
 
-def _configuration(rng: Random, planner: planning.Planner, robot: Robot, place: Place, q: Array) -> Array | None:
+def _configuration(rng: Random, planner: planning.Planner, robot: Robot, place: Place) -> Array | None:
     """One that is free, with the hand at that place."""
     position, quaternion = _hand(rng, place)
     start = planner.configuration(np.asarray(robot.home) + rng.uniform(-0.5, 0.5, len(robot.home)))
@@ -258,7 +258,7 @@ def problems(robot: Robot, scene: str, count: int) -> Iterator[Problem]:
                 place = made.places[rng.integers(len(made.places))]
                 if ends and place is ends[0][0]:
                     continue
-                planned = _configuration(rng, planner, robot, place, q)
+                planned = _configuration(rng, planner, robot, place)
                 if planned is not None:
                     ends.append((place, planned))
                 if len(ends) == 2:

@@ -23,6 +23,7 @@ struct PlanSettings {
   ShorteningSettings shortening{};
 };
 
+/// What was found.
 struct Plan {
   PlanStatus status = PlanStatus::kTimeLimit;
   std::string message{};              ///< what was found, in a sentence: which joint, which links

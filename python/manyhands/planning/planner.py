@@ -79,6 +79,7 @@ class Plan:
 
     @property
     def success(self) -> bool:
+        """Whether there are waypoints: the status is "solved"."""
         return self.status == "solved"
 
     @property
@@ -215,9 +216,13 @@ class Planner:
         if len(goals) == 0:
             message = f"no configuration was found that brings '{self.frame}' there without a collision"
             nothing = np.zeros((0, len(self.joints)))
-            return Plan(self.joints, self._core.velocity, ("goal unreachable", message, nothing, None, 0, 0, 0.0, 0.0))
+            return Plan(
+                self.joints,
+                np.asarray(self._core.velocity),
+                ("goal unreachable", message, nothing, None, 0, 0, 0.0, 0.0),
+            )
         found: Any = self._core.plan(begin, goals, time_limit, shorten, blend, range, number)
-        return Plan(self.joints, self._core.velocity, found)
+        return Plan(self.joints, np.asarray(self._core.velocity), found)
 
     def _goals(self, goal: Any, position: Any, quaternion: Any, start: Array, seed: int, time_limit: float) -> Array:
         if (goal is None) == (position is None) or (position is None) != (quaternion is None):
