@@ -13,17 +13,19 @@ from typing import Any
 import numpy as np
 
 from benchmarks.planning.scenes import ROBOTS, SCENES, Problem, problems
+from manyhands import planning
 
 _OUT = Path("build/planning.json")
 
 
 def measure(problem: Problem, repeats: int, time_limit: float) -> dict[str, Any]:
     """Times [s], length and least distance [m] of one problem's plan."""
-    plans = [
-        problem.planner.plan(problem.goal, start=problem.start, time_limit=time_limit, seed=problem.number)
-        for _ in range(repeats)
-    ]
-    plan = plans[0]
+
+    def plan_once() -> planning.Plan:
+        return problem.planner.plan(problem.goal, start=problem.start, time_limit=time_limit, seed=problem.number)
+
+    plan = plan_once()
+    plans = [plan, *(plan_once() for _ in range(repeats - 1 if plan.success else 0))]
     judged = problem.planner.least_distance(plan.waypoints) if plan.success else None
     return {
         "robot": problem.robot.name,
@@ -54,13 +56,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=100, help="problems of each scene and robot")
     parser.add_argument("--scenes", nargs="*", default=list(SCENES), choices=list(SCENES))
+    robots = [robot.name for robot in ROBOTS]
+    parser.add_argument("--robots", nargs="*", default=robots, choices=robots)
     parser.add_argument("--repeats", type=int, default=7)
     parser.add_argument("--time-limit", type=float, default=5.0, help="[s]")
     arguments = parser.parse_args()
     rows: list[dict[str, Any]] = []
     print(f"{'':<16}{'solved':>9}{'search us':>9}{'95 %':>9}{'+ short':>9}{'95 %':>9}{'length':>8}{'least mm':>9}")
     begin = time.perf_counter()
-    for robot in ROBOTS:
+    for robot in (robot for robot in ROBOTS if robot.name in arguments.robots):
         of_robot: list[dict[str, Any]] = []
         for scene in arguments.scenes:
             found = []

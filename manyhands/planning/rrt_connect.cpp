@@ -83,22 +83,18 @@ class RrtConnect {
  public:
   RrtConnect(const PlanningScene& scene, ConfigurationCheck& check, const RrtSettings& settings)
       : n_(scene.size()),
+        scene_(scene),
         check_(check),
         range_(static_cast<float>(settings.range)),
         random_(settings.seed, 0, 0),
         sample_(n_),
         from_(n_),
         to_(n_),
-        trees_{RrtTree(n_, kFirstDomain * range_), RrtTree(n_, kFirstDomain * range_)} {
-    constexpr float kFar = std::numbers::pi_v<float>;  // where there is no limit [rad]
-    for (std::size_t k = 0; k < n_; ++k) {
-      low_.push_back(std::isfinite(scene.lower[k]) ? static_cast<float>(scene.lower[k]) : -kFar);
-      high_.push_back(std::isfinite(scene.upper[k]) ? static_cast<float>(scene.upper[k]) : kFar);
-    }
-  }
+        trees_{RrtTree(n_, kFirstDomain * range_), RrtTree(n_, kFirstDomain * range_)} {}
 
   RrtPath search(std::span<const float> start, std::span<const float> goals, const Deadline& deadline) {
     RrtPath found;
+    set_bounds(start, goals);
     trees_[kFromStart].add(start, kNoParent);
     bool met = false;
     for (std::size_t i = 0; i < goals.size() / n_ && !met && !deadline.has_passed(); ++i) {
@@ -119,6 +115,21 @@ class RrtConnect {
   static constexpr float kGrowth = 1e-4f;   // of a domain where an edge is free; where it is not, it shrinks
   static constexpr float kLeastDomain = 0.5f;
   static constexpr std::size_t kFromStart = 0, kFromGoals = 1;
+
+  /// Samples lie within limits, and at most half a turn (or pi metres) beyond start and goals: joints that turn twice
+  /// around need not be tried in every turn.
+  void set_bounds(std::span<const float> start, std::span<const float> goals) {
+    constexpr float kBeyond = std::numbers::pi_v<float>;
+    for (std::size_t k = 0; k < n_; ++k) {
+      float low = start[k], high = start[k];
+      for (std::size_t i = k; i < goals.size(); i += n_) {
+        low = std::min(low, goals[i]);
+        high = std::max(high, goals[i]);
+      }
+      low_.push_back(std::max(static_cast<float>(scene_.lower[k]), low - kBeyond));
+      high_.push_back(std::min(static_cast<float>(scene_.upper[k]), high + kBeyond));
+    }
+  }
 
   /// One sample: the tree takes a step towards it, and the other one comes to meet it. Whether they met.
   bool grow(std::size_t side) {
@@ -186,6 +197,7 @@ class RrtConnect {
   }
 
   std::size_t n_;
+  const PlanningScene& scene_;
   ConfigurationCheck& check_;
   float range_;
   RandomStream random_;
