@@ -171,20 +171,22 @@ def test_a_gripper_goes_on_arms_of_others() -> None:
         mh.robots.attach(ur, ur, "tool0", prefix="")
 
 
-def hanging(gripper: str, half: float) -> mh.World:
+def hanging(gripper: str, half: float, mass: float = 0.1) -> mh.World:
     """A gripper that points down, open about a cube that stands on a post."""
     world = mh.World()
     world.add(mh.robots.load(gripper), [0, 0, 0.5], [1, 0, 0, 0], name="hand")
     tip = float(world.body_pose("hand/tool")[0][2])
     top = tip + half if mh.robots.describe(gripper).closed else tip
-    world.add_box("cube", [half] * 3, mass=0.1, position=[0, 0, top - half], friction=0.8)
+    world.add_box("cube", [half] * 3, mass=mass, position=[0, 0, top - half], friction=0.8)
     world.add_box("post", [half / 2, half / 2, 0.05], position=[0, 0, top - 2 * half - 0.05], fixed=True)
     return world
 
 
 @pytest.mark.parametrize("name", FINGERED)
-def test_fingers_close_hold_a_cube_and_let_it_go(name: str) -> None:
-    world, robot = hanging(name, 0.02), mh.robots.describe(name)
+@pytest.mark.parametrize("loaded", [False, True])
+def test_fingers_close_hold_a_cube_and_let_it_go(name: str, loaded: bool) -> None:
+    robot = mh.robots.describe(name)
+    world = hanging(name, 0.02, robot.payload if loaded else 0.1)
     ((joint, closed),) = robot.closed.items()
     start = world.body_pose("cube")[0]
     assert not world.near_links(0.002, "hand/palm")
