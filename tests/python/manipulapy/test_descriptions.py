@@ -18,7 +18,8 @@ PENDULUM = """<robot name="pendulum">
   <link name="arm"><inertial>
     <origin xyz="0 0 0.5" rpy="0.3 0 0"/><mass value="2"/>
     <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.2" iyz="0.01" izz="0.15"/>
-  </inertial><collision><origin xyz="0 0 0.5"/><geometry><cylinder radius="0.1" length="1"/></geometry></collision></link>
+  </inertial><collision><origin xyz="0 0 0.5"/>
+    <geometry><cylinder radius="0.1" length="1"/></geometry></collision></link>
   <joint name="hinge" type="revolute"><parent link="base"/><child link="arm"/>
     <origin xyz="0 0 1" rpy="0 0 0.5"/><axis xyz="0 2 0"/><limit lower="-3" upper="3" effort="5" velocity="2"/></joint>
   <link name="hand"/>
@@ -75,7 +76,7 @@ def test_masses_are_scaled_with_their_inertias(pendulum: URDF) -> None:
 def test_a_zero_that_is_offset_is_where_the_joint_was(pendulum: URDF) -> None:
     offset = URDFModifier(pendulum).apply_calibration({"hinge": {"offset": 0.3}, "slide": {"offset": 0.05}}).urdf
     for q in (np.zeros(2), np.array([0.4, 0.1])):
-        moved = pendulum.get_transform("hand", cfg=q + [0.3, 0.05])
+        moved = pendulum.get_transform("hand", cfg=q + np.array([0.3, 0.05]))
         np.testing.assert_allclose(offset.get_transform("hand", cfg=q), moved, atol=1e-12)
 
 
@@ -114,7 +115,7 @@ def test_what_is_written_is_read_again(pendulum: URDF, tmp_path: Path) -> None:
 
 def test_robots_of_files_change() -> None:
     arm = URDFToSerialManipulator(get_robot_urdf("xarm6"))
-    changed = arm.create_modifier().add_payload(arm.tip_link, 2.0).urdf
+    changed = arm.create_modifier().add_payload(arm.tip_link, 2.0, com=np.zeros(3)).urdf
     q = np.array([0.3, -0.4, -0.9, 0.2, 0.8, 0.1])
     J = arm.jacobian(q)
     p = arm.forward_kinematics(q)[:3, 3]

@@ -178,7 +178,7 @@ class Scene:
         world, links = World(), dict[str, list[str]]()
         for name, robot in self._robots.items():
             world.add(robot.urdf.model, *kinematics.pose(robot.base_transform), name=name)
-        q = world.q
+        q = world.q.copy()
         for name, angles in self._all(configurations).items():
             urdf = self._robots[name].urdf
             at = [world.model.joint(f"{name}/{joint}").iq for joint in urdf.actuated_joint_names]
