@@ -96,16 +96,17 @@ class TrainingRun:
                     raise
                 self.save(folder.checkpoint)
                 self._save_policy(folder)
-                self._draw_curve(folder, recorder)
             begin = time.perf_counter()
             evaluation = None if interrupts.requested else self._evaluate(folder)
+            evaluated = time.perf_counter() - begin
+            self._draw_curve(folder, recorder, evaluation)
             if evaluation is not None and self.settings.randomize and has("onnx") and has("matplotlib"):
                 self._draw_randomization(folder)
             return Outcome(
                 solved=self.metrics.solved,
                 env_steps=self.metrics.env_steps,
                 training_seconds=recorder.seconds,
-                evaluation_seconds=time.perf_counter() - begin,
+                evaluation_seconds=evaluated,
                 waited_seconds=0.0 if self._workers is None else self._workers.waited_seconds,
                 evaluation=evaluation,
             )
@@ -149,12 +150,12 @@ class TrainingRun:
 
         save_policy(self._trainer.policy(), self.settings.env_id, folder.policy, self.settings.cameras)
 
-    def _draw_curve(self, folder: RunFolder, recorder: Recorder) -> None:
+    def _draw_curve(self, folder: RunFolder, recorder: Recorder, last: Evaluation | None) -> None:
         if not recorder.rows or not has("matplotlib"):
             return
         from manyhands.training.curve import draw_curve
 
-        draw_curve(folder, recorder.rows, f"{self.settings.env_id}, seed {self.settings.seed}")
+        draw_curve(folder, recorder.rows, f"{self.settings.env_id}, seed {self.settings.seed}", last)
 
     def _draw_randomization(self, folder: RunFolder) -> None:
         """Success over each range, as a picture."""
