@@ -27,7 +27,12 @@ class Worlds:
     batch: EnvBatch
     observation: ObservationLayout
     action: ActionLayout
-    native: bool  # whether they are stepped in C++
+    host: PythonWorlds | None  # that steps the batch, which does not keep it; None: they are stepped in C++
+
+    @property
+    def native(self) -> bool:
+        """Whether they are stepped in C++."""
+        return self.host is None
 
 
 def make_worlds(env: AnyEnv, n_envs: int | None, num_threads: int | None) -> Worlds:
@@ -52,12 +57,12 @@ def make_worlds(env: AnyEnv, n_envs: int | None, num_threads: int | None) -> Wor
     name = type(single.unwrapped).__name__ if spec is None else spec.id
     batch = _native_batch(single, count, num_threads)
     if batch is not None:
-        return Worlds(name, batch, observation, action, True)
+        return Worlds(name, batch, observation, action, None)
     if isinstance(made, list):
         for _ in range((count or 1) - 1):
             made += _copies(env)
     host = PythonWorlds(as_stepped(made, observation), observation, action)
-    return Worlds(name, host.batch(name, episode_limit(single)), observation, action, False)
+    return Worlds(name, host.batch(name, episode_limit(single)), observation, action, host)
 
 
 def _made(env: AnyEnv) -> list[gymnasium.Env[Any, Any]] | VectorEnv[Any, Any, Any]:
