@@ -20,11 +20,11 @@ from manyhands.extras import needs
 from manyhands.files import replacing
 from manyhands.interrupts import Interrupts
 from manyhands.learn.course import Log, Schedule, first_rate, rate_at
+from manyhands.learn.report import Report
 from manyhands.learn.worlds import AnyEnv, make_worlds
 from manyhands.training.settings import override
 
 _SECONDS_PER_PIECE = 0.1
-_SECONDS_PER_LINE = 2.0
 _ROLLOUT = 2048  # transitions between PPO's updates, if nothing is said
 _FORMAT = 1  # of saved files
 
@@ -92,8 +92,13 @@ class Model:
 
     @property
     def has_goals(self) -> bool:
-        """Whether the environment has goals, and knows whether they are reached."""
+        """Whether the environment has goals."""
         return self._worlds.batch.spec.goal_dim > 0
+
+    @property
+    def has_success(self) -> bool:
+        """Whether the environment says of an episode if it succeeded; one in Python says so first by its infos."""
+        return self._worlds.host is None or self._worlds.host.has_success
 
     @property
     def metrics(self) -> TrainMetrics:
@@ -125,9 +130,9 @@ class Model:
             raise ValueError("reset_num_timesteps is True: steps are always counted on; make a new model instead")
         left = math.ceil(whole_number("total_timesteps", total_timesteps, 0, 2**62) / self.n_envs)
         end = self.num_timesteps + left * self.n_envs
-        piece, last_line = 1, time.monotonic()
+        piece = 1
         log = Log(self.tensorboard_log, tb_log_name or type(self).__name__)
-        with Interrupts() as interrupts, log, _Bar(progress_bar, total_timesteps) as bar:
+        with Interrupts() as interrupts, log, Report(self, end, progress_bar, self.verbose > 0) as report:
             while left > 0:
                 begin = time.perf_counter()
                 self._set_rate(1 - self.num_timesteps / end)
@@ -139,10 +144,7 @@ class Model:
                 if callback is None and not callable(self.learning_rate):
                     elapsed = max(time.perf_counter() - begin, 1e-6)
                     piece = max(1, round(piece * min(_SECONDS_PER_PIECE / elapsed, 2.0)))
-                bar.show(self)
-                if self.verbose > 0 and (left == 0 or time.monotonic() - last_line > _SECONDS_PER_LINE):
-                    last_line = time.monotonic()
-                    print(_line(self.metrics), flush=True)
+                report.show()
                 if interrupts.requested:
                     raise KeyboardInterrupt
         return self
@@ -253,45 +255,6 @@ def _read(path: Path) -> tuple[dict[str, Any], bytes]:
     if missing or about["format"] != _FORMAT:
         raise ValueError(f"{path} is no saved model of this version")
     return about, checkpoint
-
-
-def _line(metrics: TrainMetrics) -> str:
-    seconds = max(metrics.collect_seconds + metrics.learn_seconds, 1e-9)
-    return (
-        f"{metrics.env_steps:,} steps  {metrics.env_steps / seconds:,.0f} steps/s  {metrics.episodes:,} episodes  "
-        f"mean return {metrics.mean_return:.4g}  success {metrics.success_rate:.0%}"
-    )
-
-
-class _Bar:
-    """A progress bar, if one is wanted."""
-
-    def __init__(self, wanted: bool, total: int) -> None:
-        self._progress = None
-        self._begin: int | None = None
-        if wanted:
-            with needs("train", "a progress bar"):
-                from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-            text = TextColumn("{task.fields[text]}")
-            self._progress = Progress(BarColumn(20), TextColumn("{task.percentage:.0f} %"), TimeRemainingColumn(), text)
-            self._task = self._progress.add_task("training", total=total, text="")
-
-    def show(self, model: Model) -> None:
-        if self._progress is None:
-            return
-        metrics = model.metrics
-        if self._begin is None:
-            self._begin = metrics.env_steps - model.n_envs
-        self._progress.update(self._task, completed=metrics.env_steps - self._begin, text=_line(metrics))
-
-    def __enter__(self) -> "_Bar":
-        if self._progress is not None:
-            self._progress.start()
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        if self._progress is not None:
-            self._progress.stop()
 
 
 def evaluate_policy(

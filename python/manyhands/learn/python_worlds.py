@@ -95,6 +95,7 @@ class PythonWorlds:
         self.achieved_goal, self.desired_goal = np.zeros((2, n, ng), np.float32)
         self.reward = np.zeros(n, np.float32)
         self.is_success, self.terminated, self.truncated = np.zeros((3, n), bool)
+        self.has_success = observation.has_goals  # or once an info says so
 
     def batch(self, name: str, limit: int) -> PythonBatch:
         """The batch; episodes are cut after `limit` steps."""
@@ -134,6 +135,7 @@ class PythonWorlds:
             raise ValueError("a reward of the environment is not finite")
         self.terminated[:], self.truncated[:] = terminated, truncated
         self.is_success[:] = [bool(info.get("is_success", False)) for info in infos]
+        self.has_success = self.has_success or any("is_success" in info for info in infos)
 
     def compute_reward(self, achieved: NDArray[np.float32], desired: NDArray[np.float32]) -> NDArray[np.float32]:
         """Called from C++, to give old transitions new goals."""
