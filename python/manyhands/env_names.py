@@ -54,14 +54,18 @@ def variant_of(name: str) -> dict[str, Any]:
 def resolve_env_id(name: str) -> str:
     """The id that `name` means, with or without its version: "PandaReach" is "PandaReach-v3".
 
-    Raises ValueError on an unknown name, with the nearest ones.
+    Raises ValueError on an unknown name, with the nearest ones, TypeError on what is no name.
     """
+    versioned(name)
     ids = env_ids()
     for candidate in (name, name + VERSION):
         if candidate in ids:
             return candidate
     if name in gymnasium.registry:
-        raise ValueError(f"{name!r} is stepped in Python: gymnasium.make({name!r}) makes it; this takes manyhands envs")
+        raise ValueError(
+            f"{name!r} is stepped in Python, and this takes the environments that `manyhands envs` lists: "
+            f"gymnasium.make({name!r}) makes it, and manyhands.learn trains on it"
+        )
     near = difflib.get_close_matches(name, ids, cutoff=0.4)
     hint = f"did you mean {', '.join(near)}?" if near else "manyhands envs lists them"
     raise ValueError(f"there is no environment {name!r}; {hint}")

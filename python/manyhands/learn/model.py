@@ -3,30 +3,55 @@
 import io
 import json
 import math
+import re
+import secrets
 import tempfile
 import time
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
 from manyhands._core.learn import Policy, Trainer, TrainerConfig, TrainMetrics
-from manyhands.arguments import whole_number
+from manyhands.arguments import whole, whole_number
 from manyhands.extras import needs
 from manyhands.files import replacing
 from manyhands.interrupts import Interrupts
 from manyhands.learn.course import Log, Schedule, first_rate, rate_at
 from manyhands.learn.report import Report
-from manyhands.learn.worlds import AnyEnv, make_worlds
+from manyhands.learn.sb3_arguments import METHODS
+from manyhands.learn.worlds import AnyEnv, Worlds, make_worlds
 from manyhands.training.settings import override
 
 _SECONDS_PER_PIECE = 0.1
-_ROLLOUT = 2048  # transitions between PPO's updates, if nothing is said
 _FORMAT = 1  # of saved files
+
+_ARGUMENTS = {
+    "activation": "activation_fn",
+    "actor_learning_rate": "learning_rate",
+    "dropped_quantiles": "top_quantiles_to_drop_per_net",
+    "entropy_weight": "ent_coef",
+    "epochs": "n_epochs",
+    "exploration_noise": "action_noise",
+    "hidden_layers": "net_arch",
+    "initial_std": "exp(log_std_init)",
+    "max_gradient_norm": "max_grad_norm",
+    "num_critics": "n_critics",
+    "num_quantiles": "n_quantiles",
+    "replay_capacity": "buffer_size",
+    "return_steps": "n_steps",
+    "rollout_steps": "n_steps",
+    "target_noise": "target_policy_noise",
+    "target_rate": "tau",
+    "temperature": "ent_coef",
+    "updates_per_iteration": "gradient_steps",
+    "value_weight": "vf_coef",
+    "warmup_transitions": "learning_starts",
+}  # that set the trainer's settings
 
 Callback = Callable[["Model"], bool | None]
 
@@ -38,11 +63,10 @@ class Model:
 
     def __init__(
         self,
-        env: AnyEnv,
+        worlds: Worlds,
         settings: dict[str, Any],
-        n_envs: int | None,
         num_threads: int | None,
-        seed: int,
+        seed: int | None,
         verbose: int,
         learning_rate: float | Schedule,
         tensorboard_log: str | Path | None,
@@ -50,8 +74,8 @@ class Model:
         """`settings` are the trainer's. Raises ValueError on those that make no sense."""
         rate = first_rate(learning_rate)
         settings = settings | {"actor_learning_rate": rate, "critic_learning_rate": rate}
-        self._worlds = make_worlds(env, n_envs, num_threads)
-        self._settings = settings
+        self._settings = {name: _plain(value) for name, value in settings.items()}
+        self._num_threads = num_threads
         self.learning_rate = learning_rate
         """A number, or a function of what is left of the training, from 1 down to 0. May be set between trainings."""
         self.present_rate = rate
@@ -59,26 +83,23 @@ class Model:
         self.tensorboard_log = None if tensorboard_log is None else Path(tensorboard_log)
         """The folder of TensorBoard's events, None for no such."""
         self.verbose = verbose
-        self.seed = whole_number("seed", seed, 0, 2**63 - 1)
-        batch = self._worlds.batch
-        if settings["algorithm"] == "PPO" and "rollout_steps" not in settings:
-            self._settings["rollout_steps"] = max(_ROLLOUT // batch.num_envs, 1)
-        if not self.has_goals:
-            self._settings["hindsight_fraction"] = 0.0
-        if "replay_capacity" in settings:
-            whole_number("buffer_size", settings["replay_capacity"], 1)
-            self._settings["replay_capacity"] = max(settings["replay_capacity"], batch.spec.max_episode_steps)
-        self._trainer = Trainer(batch, None, self._config(num_threads))
+        self.seed = secrets.randbits(62) if seed is None else whole("seed", seed, 0, 2**63 - 1)
+        self._worlds = worlds
+        self._trainer = self._make_trainer(worlds)
 
-    def _config(self, num_threads: int | None) -> TrainerConfig:
+    def _make_trainer(self, worlds: Worlds) -> Trainer:
         config = TrainerConfig()
         config.seed = self.seed
-        if num_threads is not None:
-            config.num_threads = num_threads
-        for name, value in self._settings.items():
-            override(config, name, value)
-        config.validate()
-        return config
+        if self._num_threads is not None:
+            config.num_threads = self._num_threads
+        try:
+            for name, value in self._settings.items():
+                is_whole = isinstance(value, float) and value.is_integer() and isinstance(getattr(config, name), int)
+                override(config, name, int(value) if is_whole else value)
+            config.validate()
+            return Trainer(worlds.batch, None, config)
+        except ValueError as error:
+            raise ValueError(_with_names_of_arguments(str(error))) from None
 
     @property
     def n_envs(self) -> int:
@@ -93,7 +114,7 @@ class Model:
     @property
     def has_goals(self) -> bool:
         """Whether the environment has goals."""
-        return self._worlds.batch.spec.goal_dim > 0
+        return self._worlds.has_goals
 
     @property
     def has_success(self) -> bool:
@@ -112,23 +133,28 @@ class Model:
 
     def learn(
         self: _M,
-        total_timesteps: int,
+        total_timesteps: float,
         callback: Callback | None = None,
         progress_bar: bool = False,
         reset_num_timesteps: bool = False,
         tb_log_name: str | None = None,
+        log_interval: int | None = None,
     ) -> _M:
         """Trains for `total_timesteps` more steps of all worlds together, rounded up to whole steps of every world.
 
         callback: called with the model after each step of the worlds; False ends the training.
-        reset_num_timesteps: must be False; steps are counted on, and of schedules what was trained before is done.
+        reset_num_timesteps: must be False once there were steps, which are counted on, as schedules are.
         tb_log_name: of this training in the folder `tensorboard_log`; None is the algorithm's.
+        log_interval: taken for programs that give it; lines and events come every few seconds, by the clock.
 
         Ctrl-C ends it after the present step, and the model can be saved. Raises RuntimeError if networks diverge.
         """
-        if reset_num_timesteps:
+        del log_interval
+        if reset_num_timesteps and self.num_timesteps > 0:
             raise ValueError("reset_num_timesteps is True: steps are always counted on; make a new model instead")
-        left = math.ceil(whole_number("total_timesteps", total_timesteps, 0, 2**62) / self.n_envs)
+        if callback is not None and not callable(callback):
+            raise TypeError(f"callback is a {type(callback).__name__}, expected a function that takes the model")
+        left = math.ceil(whole("total_timesteps", total_timesteps, 0, 2**62) / self.n_envs)
         end = self.num_timesteps + left * self.n_envs
         piece = 1
         log = Log(self.tensorboard_log, tb_log_name or type(self).__name__)
@@ -164,10 +190,15 @@ class Model:
         """(action, None) for an observation, or (n actions, None) for n of them, as the environment gives them.
 
         deterministic: True acts best, False as in training, by chance (TD3 and DDPG have no chance in them). `state`
-        and `episode_start` are of policies with a memory, which these are not. Raises ValueError on a wrong shape.
+        and `episode_start` are of policies with a memory, which these are not. Raises ValueError on a wrong shape and
+        on numbers that are not finite.
         """
         observations, several = self._worlds.observation.unbatch(observation)
-        rows = self._trainer.predict(*self._worlds.observation.rows(observations), draw=not deterministic)
+        parts = self._worlds.observation.rows(observations)
+        for name, part in zip(("observation", "achieved_goal", "desired_goal"), parts, strict=True):
+            if not np.isfinite(part).all():
+                raise ValueError(f"the {name} holds {part[~np.isfinite(part)][0]}, expected finite numbers")
+        rows = self._trainer.predict(*parts, draw=not deterministic)
         actions = self._worlds.action.actions(rows)
         return (actions if several else actions[0]), None
 
@@ -218,9 +249,8 @@ class Model:
         model = cls.__new__(cls)
         Model.__init__(
             model,
-            about["environment"] if env is None else env,
+            _worlds_of_saved(path, about, env, num_threads),
             about["settings"],
-            about["n_envs"],
             num_threads,
             about["seed"],
             verbose,
@@ -230,11 +260,57 @@ class Model:
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / path.name
             file.write_bytes(checkpoint)
-            try:
-                model._trainer.load(file)
-            except RuntimeError as error:
-                raise ValueError(f"{path} does not fit {model._worlds.name}: {error}") from error
+            _load(model._trainer, file, f"{path} does not fit {model._worlds.name}")
         return model
+
+    def set_env(self, env: AnyEnv) -> None:
+        """From now on trains on `env`, which has as many worlds as the last one, its id, spaces and length of episodes.
+        Raises ValueError if it does not, and changes nothing."""
+        worlds = make_worlds(env, self.n_envs, self._num_threads, self.n_envs)
+        trainer = self._make_trainer(worlds)
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "checkpoint"
+            self._trainer.save(file, True)
+            _load(trainer, file, f"the model, of {self._worlds.name}, does not fit {worlds.name}")
+        self._worlds, self._trainer = worlds, trainer
+
+    if not TYPE_CHECKING:  # which would take every name for one that is there
+
+        def __getattr__(self, name: str) -> Any:
+            instead = f": {METHODS[name]}" if name in METHODS else ""
+            raise AttributeError(f"{type(self).__name__} has no {name}{instead}")
+
+
+def _load(trainer: Trainer, file: Path, misfit: str) -> None:
+    """Raises ValueError, which begins with `misfit`."""
+    try:
+        trainer.load(file)
+    except RuntimeError as error:
+        reason = str(error).removeprefix(f"cannot load checkpoint {file}: ")
+        raise ValueError(f"{misfit}: {reason}") from None
+
+
+def _worlds_of_saved(path: Path, about: dict[str, Any], env: AnyEnv | None, num_threads: int | None) -> Worlds:
+    """Those that a saved model is given, or was trained on. Raises ValueError if it must be given some."""
+    count = about["n_envs"]
+    if env is not None:
+        return make_worlds(env, count, num_threads, count)
+    name = about["environment"]
+    try:
+        return make_worlds(name, count, num_threads, count)
+    except gymnasium.error.Error as error:
+        raise ValueError(f"{path} was trained on {name}, which Gymnasium does not know: give it as env") from error
+
+
+def _plain(value: Any) -> Any:
+    """Numbers of numpy as Python's, which a saved model can hold."""
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _with_names_of_arguments(text: str) -> str:
+    """What the trainer says of its settings, with the arguments that set them."""
+    text = text.removeprefix("TrainerConfig: ").removeprefix("the trainer setting ")
+    return re.sub(r"\w+", lambda word: _ARGUMENTS.get(word[0], word[0]), text)
 
 
 def _zip_path(path: str | Path) -> Path:
