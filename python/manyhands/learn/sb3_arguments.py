@@ -25,7 +25,7 @@ _PPO = {
 _OFF_POLICY = {
     "action_noise": ((None,), "actions are drawn from the policy, which sets its own noise; leave it out"),
     "target_update_interval": ((1,), "targets follow each gradient step; set tau lower instead"),
-    "optimize_memory_usage": ((False,), "a state is stored once anyway; replay_folder keeps the replay in a file"),
+    "optimize_memory_usage": ((False,), "states are stored in full; replay_folder keeps the replay in a file"),
     "use_sde_at_warmup": ((False,), "noise does not depend on the state; leave it out"),
 }
 

@@ -122,7 +122,9 @@ def test_what_does_not_is_said(algorithm: Any, arguments: dict[str, Any], says: 
 
 SHARED = "learning_rate=3e-4 gamma=0.99 stats_window_size=100 tensorboard_log=None policy_kwargs=None verbose=0"
 SHARED += " seed=None device='auto' _init_setup_model=True"
-OFF_POLICY = "buffer_size=1_000_000 learning_starts=100 batch_size=256 tau=0.005 train_freq=1 gradient_steps=1 n_steps=1"
+OFF_POLICY = (
+    "buffer_size=1_000_000 learning_starts=100 batch_size=256 tau=0.005 train_freq=1 gradient_steps=1 n_steps=1"
+)
 OFF_POLICY += " action_noise=None replay_buffer_class=None replay_buffer_kwargs=None optimize_memory_usage=False"
 SOFT = "ent_coef='auto' target_update_interval=1 target_entropy='auto' use_sde=False sde_sample_freq=-1"
 SOFT += " use_sde_at_warmup=False"
