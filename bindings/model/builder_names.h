@@ -12,6 +12,7 @@
 namespace manyhands {
 
 void bind_builder_actuators(nanobind::class_<ModelBuilder>& builder);  // actuators and sensors
+void bind_builder_composition(nanobind::class_<ModelBuilder>& builder);
 
 namespace bindings {
 

@@ -395,6 +395,7 @@ void bind_model_builder(nb::module_& m) {
   bind_shapes(builder);
   bind_couplings(builder);
   bind_builder_actuators(builder);
+  bind_builder_composition(builder);
   bind_whole(builder);
   m.def(
       "with_convex_parts",

@@ -61,14 +61,27 @@ class Appender {
   }
 
   void add_links() {
-    map_.links[0] = 0;
+    map_.links[0] = options_.onto.value();
     for (std::size_t i = 1; i < model_.links().size(); ++i) {
       if (is_left_out(LinkId(i))) continue;
       const Link& from = model_.links()[i];
       const LinkId id = builder_.add_link(named(from.name), from.inertial);
       map_.links[i] = id.value();
-      if (!from.joint.is_valid()) builder_.place_root(id, moved() * from.X_BL);
+      Link& to = builder_.link(id);
+      to.inertial_axes = from.inertial_axes;
+      to.inertia_scale = from.inertia_scale;
+      to.gravity_compensation = from.gravity_compensation;
+      if (!from.joint.is_valid()) place_base(id, moved() * from.X_BL);
     }
+  }
+
+  void place_base(LinkId base, const Transform<double>& X_PB) {
+    if (options_.onto == builder_.world()) {
+      builder_.place_root(base, X_PB);
+      return;
+    }
+    const std::string name = builder_.link(base).name + "_mount";
+    builder_.add_joint({.name = name, .type = JointType::kFixed, .parent = options_.onto, .child = base, .X_PF = X_PB});
   }
 
   void add_joints() {
@@ -94,7 +107,7 @@ class Appender {
 
   /// A floating joint's q is a pose in its frame F: where the body starts moves, not F.
   void move_base(Joint& joint) const {
-    if (joint.type != JointType::kFloating) {
+    if (joint.type != JointType::kFloating || options_.onto != builder_.world()) {
       joint.X_PF = moved() * joint.X_PF;
       return;
     }

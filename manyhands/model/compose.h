@@ -16,16 +16,18 @@ struct PartMap {
 };
 
 struct AppendOptions {
-  Transform<double> X_WM = Transform<double>::identity();  ///< where the model's world frame comes to lie
+  Transform<double> X_WM = Transform<double>::identity();  ///< where the model's world frame comes to lie, in `onto`
   std::string prefix{};                                    ///< goes before the name of every part
   std::span<const std::uint8_t> left_out{};                ///< (links) 1 for links that stay behind; empty: none
+  LinkId onto{0};                                          ///< the builder's link that stands for the model's world
 };
 
-/// Adds copies of the model's parts; its world becomes the builder's. What hangs on the world is moved by X_WM: bases,
-/// geoms and joint frames, and for free bodies where they start, so that their q stays a pose in the world. A link that
-/// is left out takes along its joint, geoms, tendons, equality constraints, actuators and what hangs on it; keyframes
-/// stay behind too. Gravity, time step and the rules of contact are the builder's. Throws ModelError if a name is
-/// taken.
+/// Adds copies of the model's parts; its world becomes the builder's, or the link `onto`, to which bases are fixed by
+/// joints 'BASE_mount'. What hangs on the world is moved by X_WM: bases, geoms and joint frames, and for free bodies in
+/// the world where they start, so that their q stays a pose in the world. A link that is left out takes along its
+/// joint, geoms, tendons, equality constraints, actuators and what hangs on it; keyframes stay behind too. Gravity,
+/// time step and the rules of contact are the builder's. Throws ModelError if a name is taken, or if there is no link
+/// `onto`.
 PartMap append(ModelBuilder& builder, const Model& model, const AppendOptions& options = {});
 
 /// A builder that holds the model, its gravity, time step and rules of contact.

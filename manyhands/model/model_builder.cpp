@@ -88,6 +88,12 @@ JointId ModelBuilder::add_joint(Joint joint) {
   return id;
 }
 
+void ModelBuilder::set_initial(JointId joint, std::vector<double> q) {
+  Joint& moved = joints_[joint.index()];
+  require_coordinates("joint '" + moved.name + "': its initial configuration", moved.type, q);
+  moved.initial = std::move(q);
+}
+
 GeomId ModelBuilder::add_geom(Geom geom) {
   require_link("a geom", geom.link);
   check_geom(geom);

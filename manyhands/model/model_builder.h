@@ -26,6 +26,8 @@ class ModelBuilder {
   /// Adds a joint; parent and child must be added before. Throws ModelError on a taken name, a second parent, a zero
   /// axis, limits out of order, or an initial configuration of the wrong size.
   JointId add_joint(Joint joint);
+  /// Where a joint starts, in q; empty: neutral. Throws ModelError on a wrong length or what is not finite.
+  void set_initial(JointId joint, std::vector<double> q);
   /// Puts a link that will have no joint to a parent at X_WL in the world.
   void place_root(LinkId link, const Transform<double>& X_WL) { links_[link.index()].X_BL = X_WL; }
   /// Throws ModelError on a size that is not above 0, numbers that are not finite, a negative friction, or a mesh or

@@ -8,7 +8,7 @@ from manyhands.isa import VERSION, BuildInfo, build_info
 
 # isort: split
 # The build of the extension is chosen.
-from manyhands import collision, control, dynamics, envs, kinematics, perception, planning, world_envs
+from manyhands import collision, control, dynamics, envs, kinematics, perception, planning, robots, world_envs
 from manyhands._core import (
     Actuator,
     Batch,
@@ -146,6 +146,7 @@ __all__ = [
     "plots",
     "policy",
     "recording",
+    "robots",
     "save_mjcf",
     "save_mjcf_string",
     "save_urdf",

@@ -63,8 +63,8 @@ def resolve_env_id(name: str) -> str:
             return candidate
     if name in gymnasium.registry:
         raise ValueError(
-            f"{name!r} is stepped in Python, and this takes the environments that `manyhands envs` lists: "
-            f"gymnasium.make({name!r}) makes it, and manyhands.learn trains on it"
+            f"{name!r} is stepped in Python, and this takes the ids that manyhands envs lists; "
+            f"manyhands.learn trains in any environment: learn.PPO('MlpPolicy', {name!r}).learn(100_000)"
         )
     near = difflib.get_close_matches(name, ids, cutoff=0.4)
     hint = f"did you mean {', '.join(near)}?" if near else "manyhands envs lists them"

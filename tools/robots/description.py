@@ -94,6 +94,7 @@ class Link:
     turned: bool = False  # visual and collision turned by pi about z
     looks: list[tuple[Shape, str]] = field(default_factory=list)  # what is seen beside the shells, and its material
     contact: Mapping[str, float] = field(default_factory=dict)  # of PyBullet's <contact>
+    products: Vec3 = ZERO  # of inertia: ixy, ixz, iyz
 
 
 @dataclass(frozen=True)
@@ -110,6 +111,7 @@ class Joint:
     damping: float = 0.0  # N m s/rad or N s/m
     friction: float = 0.0  # N m or N
     drive: tuple[float, float] | None = None  # effort, velocity of a joint without limits
+    mimic_multiplier: float = 1.0
 
 
 @dataclass(frozen=True)

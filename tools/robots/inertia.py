@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -78,3 +79,27 @@ def inertia_of(mass: float, shapes: list[Shape], com: Vec3) -> Vec3:
     scale = mass / sum(volume for volume, _, _ in solids)
     x, y, z = (float(f"{scale * total[i, i]:.4g}") for i in range(3))
     return x, y, z
+
+
+def mass_properties(parts: Sequence[tuple[Shape, float]]) -> tuple[float, Vec3, Vec3, Vec3]:
+    """Mass, centre of mass, and moments and products (xy, xz, yz) of inertia about it, of shapes and their densities.
+
+    The mass to 0.1 g, the centre to 1 um, the inertia to four digits of its largest moment. Overlaps count twice.
+    """
+    solids = [
+        (density * volume, centre, density * tensor)
+        for shape, density in parts
+        for volume, centre, tensor in [_solid(shape)]
+    ]
+    mass = sum(m for m, _, _ in solids)
+    com = np.round(sum(m * c for m, c, _ in solids) / mass, 6) + 0.0
+    total = np.zeros((3, 3))
+    for m, centre, tensor in solids:
+        arm = centre - com
+        total += tensor + m * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    unit = 10.0 ** (math.floor(math.log10(float(total.max()))) - 3)
+    ixx, iyy, izz, ixy, ixz, iyz = (
+        float(f"{round(float(total[i, j]) / unit) * unit:.4g}")
+        for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+    )
+    return round(mass, 4), (float(com[0]), float(com[1]), float(com[2])), (ixx, iyy, izz), (ixy, ixz, iyz)

@@ -74,11 +74,11 @@ def placement(shape: Shape, meshes: str) -> tuple[Vec3, Vec3, str]:
 
 
 def _inertial(link: Link) -> Iterator[str]:
-    ixx, iyy, izz = (number(i) for i in link.inertia)
+    ixx, iyy, izz, ixy, ixz, iyz = (number(i) for i in (*link.inertia, *link.products))
     yield "    <inertial>"
     yield f"      {_origin(link.com, ZERO)}"
     yield f'      <mass value="{number(link.mass)}"/>'
-    yield f'      <inertia ixx="{ixx}" ixy="0" ixz="0" iyy="{iyy}" iyz="0" izz="{izz}"/>'
+    yield f'      <inertia ixx="{ixx}" ixy="{ixy}" ixz="{ixz}" iyy="{iyy}" iyz="{iyz}" izz="{izz}"/>'
     yield "    </inertial>"
 
 
@@ -121,7 +121,7 @@ def _joint(joint: Joint) -> Iterator[str]:
     if joint.limits is not None or joint.damping or joint.friction:
         yield f'    <dynamics damping="{number(joint.damping)}" friction="{number(joint.friction)}"/>'
     if joint.mimic:
-        yield f'    <mimic joint="{joint.mimic}" multiplier="1" offset="0"/>'
+        yield f'    <mimic joint="{joint.mimic}" multiplier="{number(joint.mimic_multiplier)}" offset="0"/>'
     yield "  </joint>"
 
 

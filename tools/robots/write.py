@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Mapping
 from pathlib import Path
 
 from robots import urdf
@@ -44,3 +45,16 @@ def main(robot: Robot, description: str | None) -> None:
     triangles = write(robot, out)
     size = sum(f.stat().st_size for f in out.rglob("*") if f.is_file())
     print(f"{out}: {len(triangles)} meshes, {sum(triangles.values())} triangles, {size / 1e6:.2f} MB")
+
+
+def write_folder(files: Mapping[str, bytes], default: Path, description: str | None) -> None:
+    """The command line of a script that writes a whole folder; what is there and not among the files goes."""
+    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--out", type=Path, default=default, help="folder to write to")
+    out: Path = parser.parse_args().out
+    for path in [p for p in out.rglob("*") if p.is_file() and p.relative_to(out).as_posix() not in files]:
+        path.unlink()
+    for name, data in files.items():
+        (out / name).parent.mkdir(parents=True, exist_ok=True)
+        (out / name).write_bytes(data)
+    print(f"{out}: {len(files)} files, {sum(map(len, files.values())) / 1e6:.2f} MB")

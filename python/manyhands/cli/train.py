@@ -4,7 +4,8 @@ import argparse
 import shlex
 import shutil
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,15 +13,17 @@ from typing import TYPE_CHECKING, Any
 from manyhands.arguments import MOST_THREADS, whole_number
 from manyhands.env_names import resolve_env_id
 from manyhands.interrupts import INTERRUPTED
+from manyhands.training.console import counted
 
 if TYPE_CHECKING:
+    from manyhands._core.learn import TrainerConfig
     from manyhands.training.console import Console
     from manyhands.training.recipe import Recipe
     from manyhands.training.run import Outcome, TrainingRun
     from manyhands.training.run_folder import RunFolder
     from manyhands.training.settings import TrainSettings
 
-    _Begin = Callable[[TrainSettings], tuple[TrainingRun, str]]
+    _Begin = Callable[[TrainSettings], AbstractContextManager[tuple[TrainingRun, RunFolder, str]]]
 
 _MOST_WORKERS = 4096
 
@@ -86,13 +89,15 @@ def run(arguments: argparse.Namespace) -> int:
     prepare = _prepare_new if arguments.resume is None else _prepare_resumed
     settings, begin = prepare(arguments)
     if arguments.ray is None:
-        return _train(arguments, console, *begin(settings))
+        with begin(settings) as begun:
+            return _train(arguments, console, *begun)
     from manyhands.training.cluster import Cluster
 
     with Cluster(arguments.ray) as cluster:
         if arguments.resume is None and arguments.workers is None:
             settings = replace(settings, workers=min(cluster.default_workers(), settings.num_envs))
-        return _train(arguments, console, *begin(settings))
+        with begin(settings) as begun:
+            return _train(arguments, console, *begun)
 
 
 def _check_numbers(arguments: argparse.Namespace) -> None:
@@ -107,6 +112,7 @@ def _check_numbers(arguments: argparse.Namespace) -> None:
 def _prepare_new(arguments: argparse.Namespace) -> "tuple[TrainSettings, _Begin]":
     """Settings that make sense, and what begins the run."""
     from manyhands.training.announcement import announce
+    from manyhands.training.lock import locked
     from manyhands.training.optional import left_out
     from manyhands.training.randomization import randomized
     from manyhands.training.run import TrainingRun
@@ -126,17 +132,21 @@ def _prepare_new(arguments: argparse.Namespace) -> "tuple[TrainSettings, _Begin]
         settings = randomized(settings, changes["overrides"], arguments.max_steps)
     settings.trainer_config()
 
-    def begin(settings: "TrainSettings") -> "tuple[TrainingRun, str]":
-        folder = RunFolder.create(arguments.runs, settings)
+    @contextmanager
+    def begin(settings: "TrainSettings") -> "Iterator[tuple[TrainingRun, RunFolder, str]]":
+        run = TrainingRun(settings)
+        folder = RunFolder.create(arguments.runs, settings, run.save)
         lines = [f"Training {settings.env_id}, seed {settings.seed}: {folder.path}", *announce(recipe, settings)]
         lines += left_out()
-        return TrainingRun(folder, settings), "\n".join(lines)
+        with locked(folder.path):
+            yield run, folder, "\n".join(lines)
 
     return settings, begin
 
 
 def _prepare_resumed(arguments: argparse.Namespace) -> "tuple[TrainSettings, _Begin]":
     """The settings of a run that is there, and what resumes it."""
+    from manyhands.training.lock import locked
     from manyhands.training.run import TrainingRun
     from manyhands.training.run_folder import RunFolder
 
@@ -149,21 +159,23 @@ def _prepare_resumed(arguments: argparse.Namespace) -> "tuple[TrainSettings, _Be
         wanted = "without --ray" if settings.workers is None else "with --ray"
         raise ValueError(f"{folder.path} was begun {wanted}, and can only go on so")
 
-    def begin(settings: "TrainSettings") -> "tuple[TrainingRun, str]":
-        run = TrainingRun(folder, settings, resume=True)
-        done = run.metrics.env_steps
-        if run.metrics.solved:
-            text = f"Solved already, after {done:,} steps; only evaluated again: {folder.path}"
-        elif done < settings.max_env_steps:
-            text = f"Resuming at {done:,} steps: {folder.path}"
-        elif arguments.max_steps is not None:
-            raise ValueError(
-                f"{folder.path} has done {done} steps already: --max-steps {arguments.max_steps} adds none"
-            )
-        else:
-            text = f"All {done:,} steps are done, --max-steps would add more; only evaluated again: {folder.path}"
-        folder.write_config(settings)
-        return run, text
+    @contextmanager
+    def begin(settings: "TrainSettings") -> "Iterator[tuple[TrainingRun, RunFolder, str]]":
+        with locked(folder.path):
+            run = TrainingRun(settings, folder.checkpoint)
+            done = run.metrics.env_steps
+            if run.iterations_left > 0:
+                folder.write_config(settings)
+                text = f"Resuming at {done:,} steps: {folder.path}"
+            elif run.metrics.solved:
+                text = f"Solved already, after {done:,} steps; only evaluated again: {folder.path}"
+            elif arguments.max_steps is not None:
+                raise ValueError(
+                    f"{folder.path} has done {done} steps already: --max-steps {arguments.max_steps} adds none"
+                )
+            else:
+                text = f"All {done:,} steps are done, --max-steps would add more; only evaluated again: {folder.path}"
+            yield run, folder, text
 
     return settings, begin
 
@@ -177,10 +189,12 @@ def _changes(arguments: argparse.Namespace) -> dict[str, Any]:
     }
 
 
-def _train(arguments: argparse.Namespace, console: "Console", run: "TrainingRun", introduction: str) -> int:
+def _train(
+    arguments: argparse.Namespace, console: "Console", run: "TrainingRun", folder: "RunFolder", introduction: str
+) -> int:
     console.print(introduction, highlight=False, markup=False, soft_wrap=True)
-    outcome = run.train(console)
-    _summarise(outcome, run.folder, run.settings.seed, arguments.ray, console.print)
+    outcome = run.train(folder, console)
+    _summarise(outcome, folder, run.settings, arguments.ray, console.print)
     if outcome.evaluation is None:
         return INTERRUPTED
     required = arguments.require_success
@@ -206,7 +220,9 @@ def new_settings(
     return recipe, TrainSettings(env_id, **given) if recipe is None else recipe.settings(**given)
 
 
-def _summarise(outcome: "Outcome", folder: "RunFolder", seed: int, ray: str | None, say: Callable[..., None]) -> None:
+def _summarise(
+    outcome: "Outcome", folder: "RunFolder", settings: "TrainSettings", ray: str | None, say: Callable[..., None]
+) -> None:
     lines = [""]
     with_ray = "" if ray is None else f" --ray {shlex.quote(ray)}"
     program, path = _program("manyhands"), shlex.quote(str(folder.path))
@@ -217,10 +233,11 @@ def _summarise(outcome: "Outcome", folder: "RunFolder", seed: int, ray: str | No
         ]
     else:
         result = outcome.evaluation
-        verdict = "Solved" if outcome.solved else "Not solved within the step limit"
         lines += [
-            f"{verdict}: success {result.success_rate:.1%} on {result.episodes} fresh episodes "
+            f"{'Solved' if outcome.solved else 'At the step limit'}: success {result.success_rate:.1%} on "
+            f"{counted(result.episodes, 'fresh episode')} "
             f"(return {result.mean_return:.2f}, length {result.mean_length:.1f})",
+            *([] if outcome.solved else [_not_solved(settings.trainer_config())]),
             f"Training took {outcome.training_seconds:.1f} s for {outcome.env_steps:,} steps, "
             f"the evaluation after it {outcome.evaluation_seconds:.1f} s.",
             *([f"It waited {outcome.waited_seconds:.1f} s for its workers."] if outcome.waited_seconds else []),
@@ -232,12 +249,22 @@ def _summarise(outcome: "Outcome", folder: "RunFolder", seed: int, ray: str | No
         ]
         if folder.policy.exists():
             lines += [f"  {program} evaluate {path}", f"  {program} view {result.env_id} --policy {path}"]
-        lines.append(f"  {program} train {result.env_id} --seed {seed + 1}{with_ray}")
+        lines.append(f"  {program} train {result.env_id} --seed {settings.seed + 1}{with_ray}")
         if any(folder.path.glob("events.*")):
             lines.append(f"  {_program('tensorboard')} --logdir {shlex.quote(str(folder.path.parent))}")
         if not outcome.solved:
             lines.append(f"  {program} train --resume {path}{with_ray} --max-steps {2 * outcome.env_steps}")
     say("\n".join(lines), highlight=False, markup=False, soft_wrap=True)
+
+
+def _not_solved(config: "TrainerConfig") -> str:
+    """What the run would have stopped for before its limit."""
+    if config.stop_streak == 0:
+        return "It was to train up to the limit (stop_streak is 0)."
+    return (
+        f"Solved would be {counted(config.stop_streak, 'evaluation')} of "
+        f"{config.evaluation_episodes} episodes in a row with at least {config.stop_success_rate:.1%}."
+    )
 
 
 def _files(folder: "RunFolder") -> dict[Path, str]:

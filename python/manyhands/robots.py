@@ -1,0 +1,133 @@
+"""Arms, grippers and furniture that ship with the package, and what puts a gripper on an arm.
+
+    arm = robots.load("six_axis", gripper="parallel")
+    world.add(arm, name="arm")  # starts at home, its gripper open
+
+Names are of a kind, not of a maker's product; docs/robots.md shows them. All is written by tools/make_robots.py.
+"""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+
+from manyhands._core import Model, ModelBuilder, World, asset_path, load_urdf
+
+__all__ = ["Description", "Vacuum", "attach", "describe", "load", "names", "path"]
+
+GRIPPER = "gripper/"
+
+
+@dataclass(frozen=True)
+class Description:
+    """What the catalogue says of a robot; names are those of its file."""
+
+    kind: str
+    """One of "arm", "gripper" and "furniture"."""
+    about: str
+    """In a line."""
+    home: Mapping[str, float] = field(default_factory=dict)
+    """Position of each joint that no other drives [rad or m]; of a gripper, open."""
+    flange: str = ""
+    """The link where a gripper goes, z outwards; empty if there is none."""
+    tool: str = ""
+    """The link between the fingers, z outwards; empty if there is none."""
+    closed: Mapping[str, float] = field(default_factory=dict)
+    """Where the joint that drives the fingers closes them [rad or m]."""
+    payload: float = 0.0
+    """What the motors hold in any posture, at the flange or tool; of a gripper, between its fingers [kg]."""
+
+
+def names(kind: str | None = None) -> list[str]:
+    """All robots, or those of a kind: "arm", "gripper", "furniture"."""
+    return [name for name, robot in _catalogue().items() if kind in (None, robot.kind)]
+
+
+def describe(name: str) -> Description:
+    """What the catalogue says of a robot. Raises ValueError on an unknown name."""
+    try:
+        return _catalogue()[name]
+    except KeyError:
+        raise ValueError(f"there is no robot {name!r}; there are {', '.join(_catalogue())}") from None
+
+
+def path(name: str) -> Path:
+    """The robot's URDF file. Raises ValueError on an unknown name."""
+    describe(name)
+    return asset_path(f"robots/{name}.urdf")
+
+
+def load(name: str, *, gripper: str | None = None, fixed_base: bool = True) -> Model:
+    """A robot that starts at home, with a gripper on its flange if one is named.
+
+    The gripper's parts are called 'gripper/part', so its tool is 'gripper/tool'. fixed_base: False lets it float: a bin
+    that can be carried. Raises ValueError on an unknown name, and on a gripper where there is no flange.
+    """
+    robot = describe(name)
+    model, _ = load_urdf(path(name), fixed_base=fixed_base)
+    builder = ModelBuilder.of(model)
+    for joint, value in robot.home.items():
+        builder.set_initial(joint, [value])
+    model = builder.build()
+    if gripper is None:
+        return model
+    if not robot.flange:
+        raise ValueError(f"{name} has no flange for a gripper; {', '.join(_with_flange())} have")
+    return attach(model, gripper, robot.flange)
+
+
+def attach(arm: Model, gripper: str | Model, frame: str, *, prefix: str = GRIPPER) -> Model:
+    """The arm with a gripper, by its name here or any model, fixed in a link or frame of it.
+
+    The gripper's world frame comes to lie in `frame`, z away from the arm; names of its parts follow `prefix`.
+    Raises ValueError on an unknown gripper or frame and on names that are taken.
+    """
+    builder = ModelBuilder.of(arm)
+    builder.add_model(load(gripper) if isinstance(gripper, str) else gripper, frame=frame, prefix=prefix)
+    return builder.build()
+
+
+class Vacuum:
+    """A suction cup in a world: holds what it touches, as a weld, until it is turned off.
+
+    cup: the link's name there, 'arm/gripper/cup'. The weld knows no limit of force; `describe("vacuum").payload` says
+    what such a cup may lift.
+    """
+
+    def __init__(self, world: World, cup: str) -> None:
+        self._world, self._cup, self._weld = world, cup, ""
+
+    def on(self, *, reach: float = 0.003) -> str | None:
+        """Takes hold of the nearest link within `reach` [m] of the cup; its name, or None if there is none.
+
+        Holds on to what it has already, and returns None. Raises KeyError if there is no such cup.
+        """
+        near = self._world.near_links(reach, self._cup)
+        if self._weld or not near:
+            return None
+        nearest = min(near, key=lambda pair: pair.phi)
+        held = nearest.link_b if nearest.link_a == self._cup else nearest.link_a
+        self._weld = self._world.weld(self._cup, held)
+        return held
+
+    def off(self) -> None:
+        """Lets go, if it holds something."""
+        if self._weld:
+            self._world.unweld(self._weld)
+            self._weld = ""
+
+    @property
+    def holds(self) -> bool:
+        """Whether it has hold of something."""
+        return bool(self._weld)
+
+
+@cache
+def _catalogue() -> dict[str, Description]:
+    entries = json.loads(asset_path("robots/catalogue.json").read_text(encoding="utf-8"))
+    return {name: Description(**entry) for name, entry in entries.items()}
+
+
+def _with_flange() -> list[str]:
+    return [name for name, robot in _catalogue().items() if robot.flange]

@@ -1,0 +1,273 @@
+"""The robots of assets/robots: as their generator writes them, in their physics, and with grippers on."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pytest
+import robot_files  # puts tools/ on the path
+from robots.collection.all_files import all_entries, collection_files
+
+import manyhands as mh
+
+FOLDER = robot_files.ASSETS / "robots"
+ENTRIES = {entry.robot.name: entry for entry in all_entries()}
+ARMS, GRIPPERS, FURNITURE = (mh.robots.names(kind) for kind in ("arm", "gripper", "furniture"))
+FINGERED = [name for name in GRIPPERS if mh.robots.describe(name).closed]
+MAKERS = ("ur5", "xarm", "gen3", "iiwa", "panda", "so-101", "so101", "robotiq", "kuka", "kinova", "franka")
+
+
+def test_generator_reproduces_the_committed_files() -> None:
+    files = collection_files()
+    assert {p.relative_to(FOLDER).as_posix() for p in FOLDER.rglob("*") if p.is_file()} == set(files)
+    assert not [name for name, data in files.items() if (FOLDER / name).read_bytes() != data], (
+        "run tools/make_robots.py"
+    )
+    assert sum(map(len, files.values())) < 400_000
+
+
+def test_the_catalogue_lists_what_there_is() -> None:
+    assert mh.robots.names() == list(ENTRIES)
+    assert len(ARMS) == 7 and len(GRIPPERS) == 4 and len(FURNITURE) == 5
+    assert not [name for name in ENTRIES for maker in MAKERS if maker in name]
+    with pytest.raises(ValueError, match="six_axis"):
+        mh.robots.load("sixaxis")
+    with pytest.raises(ValueError, match="no flange"):
+        mh.robots.load("desktop", gripper="parallel")
+
+
+@pytest.mark.parametrize("name", ENTRIES)
+def test_it_loads_with_nothing_repaired(name: str) -> None:
+    model, report = mh.load_urdf(mh.robots.path(name))
+    assert len(report) == 0, str(report)
+    robot = mh.robots.describe(name)
+    for link in (robot.flange, robot.tool):
+        assert not link or model.link(link).mass == 0
+    mimics = {joint.get("name") for joint in ET.parse(mh.robots.path(name)).getroot().findall("joint[mimic]")}
+    assert set(robot.home) == {joint.name for joint in model.joints if joint.type != "fixed"} - mimics
+
+
+@pytest.mark.parametrize("name", ENTRIES)
+def test_masses_and_inertias_are_those_of_bodies(name: str) -> None:
+    for link in ENTRIES[name].robot.links:
+        if not link.shapes:
+            continue
+        (xx, yy, zz), (xy, xz, yz) = link.inertia, link.products
+        tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        moments = np.linalg.eigvalsh(tensor)
+        assert moments[0] > 0 and moments[2] < (moments[0] + moments[1]) * (1 + 1e-3), link.name
+        # The mass fills a part of the box of the shapes, and no more of its length than there is.
+        low, high = bounds(link.shapes)
+        density = link.mass / np.prod(high - low)
+        assert 5 < density < 8000, link.name
+        spread = np.sqrt((np.trace(tensor) / 2 - np.diag(tensor)) / link.mass)
+        assert (spread <= (high - low) / 2).all(), link.name
+        assert (low <= link.com).all() and (link.com <= high).all(), link.name
+
+
+def bounds(shapes) -> tuple[np.ndarray, np.ndarray]:
+    """Corners of the box around boxes, cylinders and capsules along axes."""
+    corners = []
+    for shape in shapes:
+        if hasattr(shape, "radius"):
+            cap = shape.radius if type(shape).__name__ == "Capsule" else 0.0
+            low, high = (np.array(shape.centre) + side * shape.radius for side in (-1, 1))
+            axis = "xyz".index(shape.axis)
+            low[axis], high[axis] = shape.low - cap, shape.high + cap
+        else:
+            low, high = np.array(shape.low), np.array(shape.high)
+        corners.append((low, high))
+    return np.min([low for low, _ in corners], axis=0), np.max([high for _, high in corners], axis=0)
+
+
+def test_a_link_of_two_materials_has_the_inertia_of_its_grains() -> None:
+    """A tube with an off-centre drive, summed over a million points."""
+    from robots.collection.common import DENSITIES, Part, link
+    from robots.description import Box, Cylinder
+
+    parts = [
+        Part(Cylinder("z", 0.0, 0.3, 0.04), "tube", "shell"),
+        Part(Box((0.05, -0.03, 0.1), (0.11, 0.05, 0.2)), "drive", "shell"),
+    ]
+    made = link("made", parts)
+    rng = np.random.default_rng(0)
+    n = 1_000_000
+    turn, radius = rng.uniform(0, 2 * np.pi, n), 0.04 * np.sqrt(rng.uniform(0, 1, n))
+    clouds = [
+        np.stack([radius * np.cos(turn), radius * np.sin(turn), rng.uniform(0, 0.3, n)], 1),
+        rng.uniform((0.05, -0.03, 0.1), (0.11, 0.05, 0.2), (n, 3)),
+    ]
+    masses = [DENSITIES["tube"] * np.pi * 0.04**2 * 0.3, DENSITIES["drive"] * 0.06 * 0.08 * 0.1]
+    assert made.mass == pytest.approx(sum(masses), abs=1e-4)
+    com = sum(m * cloud.mean(0) for m, cloud in zip(masses, clouds, strict=True)) / sum(masses)
+    np.testing.assert_allclose(made.com, com, atol=2e-4)
+    tensor = np.zeros((3, 3))
+    for m, cloud in zip(masses, clouds, strict=True):
+        r = cloud - com
+        tensor += m * ((r**2).sum(1).mean() * np.eye(3) - r.T @ r / n)
+    ours = [*made.inertia, *made.products]
+    np.testing.assert_allclose(ours, tensor[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]], atol=3e-3 * tensor.max())
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_an_arm_stands_still_at_home_and_touches_nothing(name: str) -> None:
+    world = mh.World()
+    world.add(mh.robots.load(name))
+    home = mh.robots.describe(name).home
+    assert not world.near_links(0.002)
+    world.move(dict(home))
+    world.step(1000)  # two seconds
+    for joint, value in home.items():
+        assert world.q[world.model.joint(joint).iq] == pytest.approx(value, abs=1e-6), joint
+    assert not world.contacts()
+    assert not [str(finding) for finding in world.diagnose()]
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_the_tool_points_down_at_home(name: str) -> None:
+    world = mh.World(mh.robots.load(name))
+    robot = mh.robots.describe(name)
+    x, y, _, _ = world.body_pose(robot.flange or robot.tool)[1]
+    assert 1 - 2 * (x * x + y * y) == pytest.approx(-1, abs=1e-4)  # z of the frame along the world's z
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_motors_hold_the_payload_in_any_posture(name: str) -> None:
+    model, robot = mh.robots.load(name), mh.robots.describe(name)
+    joints = [joint for joint in model.joints if joint.type != "fixed"]
+    lower, upper, effort = (np.array([getattr(joint, key) for joint in joints]) for key in ("lower", "upper", "effort"))
+    q = np.random.default_rng(3).uniform(lower, upper, (20_000, model.nq))
+    rest = np.zeros((len(q), model.nv))
+    arm = mh.dynamics.rnea(model, q, rest, rest)
+    load = mh.dynamics.jacobian(model, q, robot.flange or robot.tool)[:, 5] * 9.81 * robot.payload
+    assert robot.payload > 0 and (np.abs(arm + load) < effort).all()
+
+
+@pytest.mark.parametrize("gripper", GRIPPERS)
+@pytest.mark.parametrize("arm", [name for name in ARMS if mh.robots.describe(name).flange])
+def test_a_gripper_goes_on_any_flange(arm: str, gripper: str) -> None:
+    model = mh.robots.load(arm, gripper=gripper)
+    alone, hand = mh.robots.load(arm), mh.robots.load(gripper)
+    assert model.nv == alone.nv + hand.nv
+    mass = [sum(link.mass for link in part.links) for part in (model, alone, hand)]
+    assert mass[0] == pytest.approx(mass[1] + mass[2])
+    world = mh.World(model)
+    flange, tool = world.body_pose("flange"), world.body_pose("gripper/tool")
+    length = mh.World(hand).body_pose("tool")[0][2]
+    np.testing.assert_allclose(tool[0], flange[0] - [0, 0, length], atol=1e-5)
+    world.move({**mh.robots.describe(arm).home, **{f"gripper/{j}": 0.0 for j in mh.robots.describe(gripper).home}})
+    world.step(100)
+    assert not world.contacts()
+
+
+def test_a_gripper_goes_on_arms_of_others() -> None:
+    ur, _ = mh.load_urdf(mh.asset_path("bullet/universal/ur5e.urdf"))
+    model = mh.robots.attach(ur, "vacuum", "tool0", prefix="cup/")
+    assert model.link("cup/palm").body == model.link("tool0").body
+    with pytest.raises(ValueError, match="nowhere"):
+        mh.robots.attach(ur, "vacuum", "nowhere")
+    with pytest.raises(ValueError, match="base_link"):
+        mh.robots.attach(ur, ur, "tool0", prefix="")
+
+
+def hanging(gripper: str, half: float, mass: float = 0.1) -> mh.World:
+    """A gripper that points down, open about a cube that stands on a post."""
+    world = mh.World()
+    world.add(mh.robots.load(gripper), [0, 0, 0.5], [1, 0, 0, 0], name="hand")
+    tip = float(world.body_pose("hand/tool")[0][2])
+    top = tip + half if mh.robots.describe(gripper).closed else tip
+    world.add_box("cube", [half] * 3, mass=mass, position=[0, 0, top - half], friction=0.8)
+    world.add_box("post", [half / 2, half / 2, 0.05], position=[0, 0, top - 2 * half - 0.05], fixed=True)
+    return world
+
+
+@pytest.mark.parametrize("name", FINGERED)
+@pytest.mark.parametrize("loaded", [False, True])
+def test_fingers_close_hold_a_cube_and_let_it_go(name: str, loaded: bool) -> None:
+    robot = mh.robots.describe(name)
+    world = hanging(name, 0.02, robot.payload if loaded else 0.1)
+    ((joint, closed),) = robot.closed.items()
+    start = world.body_pose("cube")[0]
+    assert not world.near_links(0.002, "hand/palm")
+    world.move({f"hand/{joint}": closed})
+    world.step(500)
+    world.remove("post")
+    world.step(250)
+    held = world.body_pose("cube")[0]
+    # Three pads cannot lie flat on a square: they turn the cube into a grip. Two do not move it.
+    assert np.abs(held - start).max() < (8e-3 if name == "three_finger" else 1e-3)
+    world.step(1000)
+    assert np.abs(world.body_pose("cube")[0] - held).max() < 1e-5
+    world.move({f"hand/{joint}": 0.0})
+    world.step(250)
+    assert world.body_pose("cube")[0][2] < held[2] - 0.05
+
+
+@pytest.mark.parametrize("name", FINGERED)
+def test_fingers_reach_their_ends_with_nothing_between(name: str) -> None:
+    world = mh.World(mh.robots.load(name))
+    ((joint, closed),) = mh.robots.describe(name).closed.items()
+    for goal in (closed, 0.0):
+        world.move({joint: goal})
+        world.step(500)
+        assert world.q[world.model.joint(joint).iq] == pytest.approx(goal, abs=2e-2 * closed)
+
+
+def test_a_vacuum_holds_a_cube_until_it_is_off() -> None:
+    world = hanging("vacuum", 0.02)
+    cup = mh.robots.Vacuum(world, "hand/cup")
+    assert cup.on() == "cube" and cup.holds
+    assert cup.on() is None
+    world.remove("post")
+    before = world.body_pose("cube")[0]
+    world.step(1000)
+    assert np.abs(world.body_pose("cube")[0] - before).max() < 1e-6
+    cup.off()
+    cup.off()
+    assert not cup.holds
+    world.step(250)
+    assert world.body_pose("cube")[0][2] < before[2] - 0.05
+    assert cup.on() is None
+
+
+def test_the_desktop_arm_holds_a_cube_in_its_jaw() -> None:
+    world = mh.World()
+    world.add(mh.robots.load("desktop"), name="arm")
+    robot = mh.robots.describe("desktop")
+    world.move({f"arm/{joint}": value for joint, value in robot.home.items()})
+    tool, turn = world.body_pose("arm/tool")
+    half = 0.012
+    x = (
+        np.array([-1.0, 0, 0]) if abs(turn[1]) > 0.5 else np.array([1.0, 0, 0])
+    )  # of the tool: it points down by a turn about y
+    at = tool + (half + 0.001) * x
+    world.add_box("cube", [half] * 3, mass=0.03, position=at, friction=0.8)
+    world.add_box("post", [half / 2, half / 2, 0.02], position=at - [0, 0, half + 0.02], fixed=True)
+    world.move({f"arm/{joint}": value for joint, value in robot.closed.items()})
+    world.step(500)
+    world.remove("post")
+    before = world.body_pose("cube")[0]
+    world.step(1000)
+    assert np.abs(world.body_pose("cube")[0] - before).max() < 1e-3
+
+
+def test_a_cube_falls_into_the_bin_and_a_drawer_opens() -> None:
+    world = mh.World()
+    world.add(mh.robots.load("bin"), name="bin")
+    world.add_box("cube", [0.02] * 3, mass=0.1, position=[0.05, 0.03, 0.3])
+    world.add(mh.robots.load("drawer_cabinet"), [1, 0, 0], name="cabinet")
+    world.move({"cabinet/drawer2_joint": 0.25})
+    world.step(1000)
+    assert world.body_pose("cube")[0][2] == pytest.approx(0.026, abs=1e-3)
+    assert world.q[world.model.joint("cabinet/drawer2_joint").iq] == pytest.approx(0.25, abs=1e-3)
+
+
+def test_furniture_stands_where_it_is_put() -> None:
+    for name in FURNITURE:
+        world = mh.World()
+        world.add_plane("floor")
+        world.add(mh.robots.load(name, fixed_base=False), name=name)
+        world.step(500)
+        position, turn = world.body_pose(f"{name}/base")
+        assert np.abs(position).max() < 2e-3 and turn[3] == pytest.approx(1, abs=1e-4), name
