@@ -94,8 +94,7 @@ class Model:
             config.num_threads = self._num_threads
         try:
             for name, value in self._settings.items():
-                is_whole = isinstance(value, float) and value.is_integer() and isinstance(getattr(config, name), int)
-                override(config, name, int(value) if is_whole else value)
+                override(config, name, value)
             config.validate()
             return Trainer(worlds.batch, None, config)
         except ValueError as error:
