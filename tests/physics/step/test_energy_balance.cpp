@@ -66,8 +66,8 @@ TEST(EnergyBalance, AnArmThatWhirlsTooFastIsNamed) {
   EXPECT_LT(world.energy().kinetic, 100 * before);
 }
 
-/// A pendulum and an arm of ball joints that turn by a quarter of a radian to one a step: what is explicit there feeds on
-/// itself.
+/// A pendulum and an arm of ball joints that turn by a quarter of a radian to one a step: what is explicit there feeds
+/// on itself.
 TEST(EnergyBalance, TreesThatTurnFastGainNothing) {
   const std::string balls =
       "<body><joint name='a' type='ball'/><geom type='box' size='.02 .05 .2' pos='0 0 .2'/>"
