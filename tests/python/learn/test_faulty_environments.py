@@ -81,7 +81,7 @@ def test_errors_of_the_first_reset_come_through() -> None:
         def reset(self, *, seed: int | None = None, options: Any = None) -> Any:
             raise ValueError("the temperature is too low")
 
-    with pytest.raises(ValueError, match="^the temperature is too low$") as error:
+    with pytest.raises(ValueError, match=r"^the temperature is too low$") as error:
         PPO("MlpPolicy", Cold(), n_steps=8, **SMALL)
     assert error.traceback[-1].name == "reset"
 
