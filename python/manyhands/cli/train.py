@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from manyhands.arguments import MOST_THREADS, whole_number
+from manyhands.arguments import MOST_THREADS, rate, whole_number
 from manyhands.env_names import resolve_env_id
 from manyhands.interrupts import INTERRUPTED
 from manyhands.training.console import counted
@@ -76,8 +76,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--set", action="append", metavar="NAME=VALUE", help="a setting of the trainer; may be given more than once"
     )
     parser.add_argument(
-        "--require-success", type=float, metavar="RATE", help="exit with 1 if the evaluation's success rate is below"
-    )
+        "--require-success", type=float, metavar="RATE",
+        help="exit with 1 if the evaluation's success is below, 0 to 1: 0.9 for 90 %%",
+    )  # fmt: skip
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -103,6 +104,8 @@ def run(arguments: argparse.Namespace) -> int:
 def _check_numbers(arguments: argparse.Namespace) -> None:
     if arguments.threads is not None:
         whole_number("--threads", arguments.threads, 1, MOST_THREADS)
+    if arguments.require_success is not None:
+        rate("--require-success", arguments.require_success)
     if arguments.workers is not None:
         whole_number("--workers", arguments.workers, 1, _MOST_WORKERS)
         if arguments.ray is None:
@@ -150,9 +153,10 @@ def _prepare_resumed(arguments: argparse.Namespace) -> "tuple[TrainSettings, _Be
     from manyhands.training.run import TrainingRun
     from manyhands.training.run_folder import RunFolder
 
-    fixed = ("task", "seed", "recipe", "num_envs", "workers", "set", "randomize")
-    if given := [name for name in fixed if getattr(arguments, name) not in (None, False)]:
-        raise ValueError(f"a resumed run keeps its {', '.join(given)}: leave it out, or start a new run")
+    fixed = ("seed", "recipe", "num_envs", "workers", "set", "randomize")
+    given = [f"--{name.replace('_', '-')}" for name in fixed if getattr(arguments, name) not in (None, False)]
+    if given := [*([] if arguments.task is None else [arguments.task]), *given]:
+        raise ValueError(f"a resumed run keeps its task and settings: leave out {', '.join(given)}, or start a new run")
     folder = RunFolder(arguments.resume)
     settings = folder.read_settings(**_changes(arguments))
     if (settings.workers is None) != (arguments.ray is None):
