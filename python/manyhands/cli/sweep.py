@@ -57,13 +57,14 @@ def run(arguments: argparse.Namespace) -> int:
 
     from manyhands.training.comparison import read_groups
     from manyhands.training.lock import locked
-    from manyhands.training.sweep import default_jobs, prepare
+    from manyhands.training.sweep import default_jobs, grid, prepare
 
     seeds = whole_number("--seeds", arguments.seeds, 1, 10_000)
     jobs = default_jobs() if arguments.jobs is None else whole_number("--jobs", arguments.jobs, 1, MOST_THREADS)
     choices = parse_choices(arguments.set or [])
     out = Path("sweeps") / resolve_env_id(arguments.task) if arguments.out is None else arguments.out
-    runs = prepare(out, lambda chosen: _settings(arguments, chosen), choices, seeds)
+    at_once = min(jobs, seeds * len(grid(choices)))
+    runs = prepare(out, lambda chosen: _settings(arguments, chosen, at_once), choices, seeds)
     console = Console()
     with locked(out):
         interrupted = _train(console, runs, jobs, out)
@@ -81,8 +82,12 @@ def run(arguments: argparse.Namespace) -> int:
     return 0 if len(done) == len(runs) else 1
 
 
-def _settings(arguments: argparse.Namespace, chosen: dict[str, Any]) -> "TrainSettings":
-    """Those of `manyhands train` with the same options, and the chosen values of trainer settings."""
+def _settings(arguments: argparse.Namespace, chosen: dict[str, Any], at_once: int) -> "TrainSettings":
+    """Those of `manyhands train` with the same options, and the chosen values of trainer settings.
+
+    Raises ValueError unless there is memory for so many runs at once.
+    """
+    from manyhands.training.memory import require_memory
     from manyhands.training.randomization import randomized
 
     changes = {
@@ -92,7 +97,10 @@ def _settings(arguments: argparse.Namespace, chosen: dict[str, Any]) -> "TrainSe
         "overrides": chosen,
     }
     _, settings = new_settings(arguments.task, arguments.recipe, changes)
-    return randomized(settings, chosen, arguments.max_steps) if arguments.randomize else settings
+    if arguments.randomize:
+        settings = randomized(settings, chosen, arguments.max_steps)
+    require_memory(settings, at_once)
+    return settings
 
 
 def parse_choices(assignments: Sequence[str]) -> dict[str, list[Any]]:

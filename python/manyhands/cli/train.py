@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     _Begin = Callable[[TrainSettings], AbstractContextManager[tuple[TrainingRun, RunFolder, str]]]
 
 _MOST_WORKERS = 4096
+_MANY_WORLDS = 20_000  # take a while to make
 
 EXAMPLES = """\
 examples:
@@ -90,15 +91,26 @@ def run(arguments: argparse.Namespace) -> int:
     prepare = _prepare_new if arguments.resume is None else _prepare_resumed
     settings, begin = prepare(arguments)
     if arguments.ray is None:
-        with begin(settings) as begun:
-            return _train(arguments, console, *begun)
+        return _make_and_train(arguments, console, settings, begin)
     from manyhands.training.cluster import Cluster
 
     with Cluster(arguments.ray) as cluster:
         if arguments.resume is None and arguments.workers is None:
             settings = replace(settings, workers=min(cluster.default_workers(), settings.num_envs))
-        with begin(settings) as begun:
-            return _train(arguments, console, *begun)
+        return _make_and_train(arguments, console, settings, begin)
+
+
+def _make_and_train(
+    arguments: argparse.Namespace, console: "Console", settings: "TrainSettings", begin: "_Begin"
+) -> int:
+    from manyhands.training.memory import in_gigabytes, require_memory
+
+    taken = require_memory(settings)
+    if settings.num_envs > _MANY_WORLDS and settings.workers is None:
+        text = f"Making {settings.num_envs:,} worlds, which takes about {in_gigabytes(taken)} of memory"
+        console.print(text, highlight=False, markup=False, soft_wrap=True)
+    with begin(settings) as begun:
+        return _train(arguments, console, *begun)
 
 
 def _check_numbers(arguments: argparse.Namespace) -> None:
