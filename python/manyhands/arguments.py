@@ -37,6 +37,14 @@ def _real(name: str, values: ArrayLike) -> NDArray[Any]:
     return array
 
 
+def rate(name: str, value: float) -> float:
+    """`value`, which is a share of a whole. Raises ValueError unless it is from 0 to 1."""
+    if not 0 <= value <= 1:
+        hint = f" ({value:g} % is {value / 100:g})" if 1 < value <= 100 else ""
+        raise ValueError(f"{name} is {value:g}, expected 0 to 1{hint}")
+    return value
+
+
 def whole_number(name: str, value: Any, lowest: int, highest: int | None = None) -> int:
     """`value` as an int. Raises ValueError unless it is a whole number of `lowest` to `highest`, both included."""
     expected = f"{lowest} or more" if highest is None else f"{lowest} to {highest}"
@@ -45,3 +53,9 @@ def whole_number(name: str, value: Any, lowest: int, highest: int | None = None)
     if value < lowest or (highest is not None and value > highest):
         raise ValueError(f"{name} is {value}, expected {expected}")
     return int(value)
+
+
+def whole(name: str, value: Any, lowest: int, highest: int | None = None) -> int:
+    """As `whole_number`, for what people also write as 1e6: a float that is whole is taken."""
+    is_whole = isinstance(value, float | np.floating) and value.is_integer()
+    return whole_number(name, int(value) if is_whole else value, lowest, highest)
