@@ -52,7 +52,7 @@ def test_the_bar_fits_the_terminal(capfd: Any, monkeypatch: pytest.MonkeyPatch, 
     PPO("MlpPolicy", "CartPole-v1", **SMALL).learn(512, progress_bar=True)
     shown = capfd.readouterr().out.strip()
     assert len(shown) <= width and shown.endswith("0:00 left")
-    assert ("mean return" in shown) == (width > 50) and ("episodes" in shown) == (width > 80)
+    assert width < 80 or "mean return" in shown
 
 
 def test_a_training_that_a_callback_ends_shows_where_it_came_to(capfd: Any) -> None:
