@@ -35,6 +35,8 @@ class Description:
     """The link between the fingers, z outwards; empty if there is none."""
     closed: Mapping[str, float] = field(default_factory=dict)
     """Where the joint that drives the fingers closes them [rad or m]."""
+    width: tuple[float, float] = (0.0, 0.0)
+    """Of a gripper, between its fingers at the tool, closed and open; of three, twice their distance from z [m]."""
     payload: float = 0.0
     """What the motors hold in any posture, at the flange or tool; of a gripper, between its fingers [kg]."""
 
@@ -126,7 +128,9 @@ class Vacuum:
 @cache
 def _catalogue() -> dict[str, Description]:
     entries = json.loads(asset_path("robots/catalogue.json").read_text(encoding="utf-8"))
-    return {name: Description(**entry) for name, entry in entries.items()}
+    return {
+        name: Description(**entry | {"width": tuple(entry.get("width", (0.0, 0.0)))}) for name, entry in entries.items()
+    }
 
 
 def _with_flange() -> list[str]:

@@ -67,18 +67,79 @@ def test_masses_and_inertias_are_those_of_bodies(name: str) -> None:
 
 
 def bounds(shapes) -> tuple[np.ndarray, np.ndarray]:
-    """Corners of the box around boxes, cylinders and capsules along axes."""
+    """Corners of the box around boxes, balls, and cylinders along axes."""
     corners = []
     for shape in shapes:
         if hasattr(shape, "radius"):
-            cap = shape.radius if type(shape).__name__ == "Capsule" else 0.0
             low, high = (np.array(shape.centre) + side * shape.radius for side in (-1, 1))
-            axis = "xyz".index(shape.axis)
-            low[axis], high[axis] = shape.low - cap, shape.high + cap
+            if hasattr(shape, "axis"):
+                axis = "xyz".index(shape.axis)
+                low[axis], high[axis] = shape.low, shape.high
         else:
             low, high = np.array(shape.low), np.array(shape.high)
         corners.append((low, high))
     return np.min([low for low, _ in corners], axis=0), np.max([high for _, high in corners], axis=0)
+
+
+@pytest.mark.parametrize("name", ENTRIES)
+def test_its_shapes_are_those_that_every_reader_of_urdf_knows(name: str) -> None:
+    shapes = {element.tag for element in ET.parse(mh.robots.path(name)).getroot().findall("link/*/geometry/*")}
+    assert shapes <= {"box", "cylinder", "sphere"}
+
+
+@pytest.mark.parametrize("name", [name for name, entry in ENTRIES.items() if entry.home])
+def test_its_mass_matrix_is_pinocchios(name: str) -> None:
+    pin = pytest.importorskip("pinocchio")
+    ours, _ = mh.load_urdf(mh.robots.path(name))
+    theirs = pin.buildModelFromUrdf(str(mh.robots.path(name)))
+    order = [ours.joint(joint).iv for joint in list(theirs.names)[1:]]
+    for q in np.random.default_rng(4).uniform(-0.5, 0.5, (10, ours.nv)):
+        upper = np.triu(pin.crba(theirs, theirs.createData(), q[order]))
+        expected = upper + np.triu(upper, 1).T
+        np.testing.assert_allclose(mh.dynamics.crba(ours, q)[np.ix_(order, order)], expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ENTRIES)
+def test_pybullet_reads_it_as_we_do(name: str) -> None:
+    bullet = pytest.importorskip("pybullet")
+    model, _ = mh.load_urdf(mh.robots.path(name))
+    client = bullet.connect(bullet.DIRECT)
+    try:
+        flags = bullet.URDF_USE_INERTIA_FROM_FILE
+        body = bullet.loadURDF(str(mh.robots.path(name)), useFixedBase=True, flags=flags, physicsClientId=client)
+        joints = [
+            bullet.getJointInfo(body, i, physicsClientId=client)
+            for i in range(bullet.getNumJoints(body, physicsClientId=client))
+        ]
+        for index, joint in enumerate(joints):
+            mass = bullet.getDynamicsInfo(body, index, physicsClientId=client)[0]
+            assert mass == pytest.approx(model.link(joint[12].decode()).mass)
+        world, q = mh.World(model), np.random.default_rng(5).uniform(-0.5, 0.5, model.nq)
+        world.q = q
+        for index, joint in enumerate(joints):
+            if joint[2] != bullet.JOINT_FIXED:
+                place = q[model.joint(joint[1].decode()).iq]
+                bullet.resetJointState(body, index, place, physicsClientId=client)
+        for index, joint in enumerate(joints):
+            theirs = bullet.getLinkState(body, index, computeForwardKinematics=True, physicsClientId=client)[4]
+            np.testing.assert_allclose(world.body_pose(joint[12].decode())[0], theirs, atol=1e-6)
+    finally:
+        bullet.disconnect(client)
+
+
+@pytest.mark.parametrize("name", ENTRIES)
+def test_mujocos_mass_matrix_is_ours(name: str) -> None:
+    mujoco = pytest.importorskip("mujoco")
+    ours, theirs = mh.load_urdf(mh.robots.path(name))[0], mujoco.MjModel.from_xml_path(str(mh.robots.path(name)))
+    assert theirs.nq == ours.nq
+    order = [ours.joint(theirs.joint(i).name).iv for i in range(theirs.njnt)]
+    data, dense = mujoco.MjData(theirs), np.zeros((theirs.nv, theirs.nv))
+    for q in np.random.default_rng(6).uniform(-0.5, 0.5, (5, ours.nq)) if ours.nq else []:
+        data.qpos[:] = q[order]
+        mujoco.mj_forward(theirs, data)
+        for unit, column in zip(np.eye(theirs.nv), dense, strict=True):
+            mujoco.mj_mulM(theirs, data, column, unit)
+        np.testing.assert_allclose(mh.dynamics.crba(ours, q)[np.ix_(order, order)], dense, atol=1e-9)
 
 
 def test_a_link_of_two_materials_has_the_inertia_of_its_grains() -> None:
