@@ -61,7 +61,10 @@ def resolve_env_id(name: str) -> str:
         if candidate in ids:
             return candidate
     if name in gymnasium.registry:
-        raise ValueError(f"{name!r} is stepped in Python: gymnasium.make({name!r}) makes it; this takes manyhands envs")
+        raise ValueError(
+            f"{name!r} is stepped in Python, and this takes the ids that manyhands envs lists; "
+            f"manyhands.learn trains in any environment: learn.PPO('MlpPolicy', {name!r}).learn(100_000)"
+        )
     near = difflib.get_close_matches(name, ids, cutoff=0.4)
     hint = f"did you mean {', '.join(near)}?" if near else "manyhands envs lists them"
     raise ValueError(f"there is no environment {name!r}; {hint}")

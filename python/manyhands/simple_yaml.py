@@ -20,14 +20,17 @@ class Entry:
 
 
 def read_yaml(path: Path) -> dict[str, Entry]:
-    """The entries of a file by name. Raises ValueError with file and line where one cannot be read."""
+    """The entries of a file by name. Raises ValueError with file and line where one cannot be read, OSError where the
+    file cannot."""
     top: dict[str, Entry] = {}
     inner: dict[str, Entry] | None = None
-    for number, text in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
+    for number, text in enumerate(_lines(path), start=1):
         where = f"{path}:{number}"
         content = _without_comment(text)
         if not content:
             continue
+        if "\t" in content[: len(content) - len(content.lstrip())]:
+            raise ValueError(f"{where}: the line begins with a tab; YAML indents by spaces")
         name, colon, rest = content.strip().partition(":")
         if not colon or (rest and not rest.startswith(" ")):
             raise ValueError(f"{where}: expected 'name: value', found {content.strip()!r}")
@@ -43,18 +46,37 @@ def read_yaml(path: Path) -> dict[str, Entry]:
     return top
 
 
+def _lines(path: Path) -> list[str]:
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise ValueError(f"{path}: byte {error.start} is not UTF-8; expected a text file in UTF-8") from None
+    if "\0" in text:
+        raise ValueError(f"{path} is no text file")
+    lines = text.splitlines()
+    return ["", *lines[1:]] if lines[:1] == ["---"] else lines  # where a document begins
+
+
 def _without_comment(text: str) -> str:
     """A line up to a # that begins it or follows a space, if it is not in quotes."""
-    if text.lstrip().startswith("#"):
-        return ""
-    quoted = '"' in text.partition(" #")[0]
-    return text.rstrip() if quoted else text.partition(" #")[0].rstrip()
+    quote = ""
+    for at, mark in enumerate(text):
+        before = text[at - 1] if at > 0 else " "
+        if quote:
+            quote = "" if mark == quote and before != "\\" else quote
+        elif mark in "\"'" and before in " [,":
+            quote = mark
+        elif mark == "#" and before in " \t":
+            return text[:at].rstrip()
+    return text.rstrip()
 
 
 def _value(text: str, where: str) -> object:
-    """A number, truth value or list as in JSON; anything else is a text."""
+    """A number, truth value or list as in JSON, or a text in single quotes; anything else is a plain text."""
     if not text:
         return None
+    if len(text) > 1 and text[0] == text[-1] == "'" and "'" not in text[1:-1].replace("''", ""):
+        return text[1:-1].replace("''", "'")
     try:
         return json.loads(text)
     except json.JSONDecodeError:

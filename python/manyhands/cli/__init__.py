@@ -68,9 +68,10 @@ def _parser() -> argparse.ArgumentParser:
             name, help=brief, description=description, epilog=module.EXAMPLES, formatter_class=raw
         )
         module.add_arguments(command)
-        command.set_defaults(run=module.run)
+        command.set_defaults(run=module.run, parser=command)
     parser.add_argument("--version", action="version", version=f"manyhands {VERSION}")
-    commands.add_parser("envs", help="list the environments").set_defaults(run=_envs)
+    envs = commands.add_parser("envs", help="list the environments")
+    envs.set_defaults(run=_envs, parser=envs)
     return parser
 
 
@@ -87,7 +88,9 @@ def _envs(_: argparse.Namespace) -> int:
 def main(argv: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code: 2 for a request that makes no sense, 130 after Ctrl-C."""
     parser = _parser()
-    arguments = parser.parse_args(argv)
+    arguments, unknown = parser.parse_known_args(argv)
+    if unknown:  # told with the usage of the command that was meant
+        arguments.parser.error(f"unrecognized arguments: {' '.join(unknown)}")
     try:
         code = arguments.run(arguments)
         sys.stdout.flush()

@@ -33,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("dataset", type=Path, metavar="DATASET", help="a folder of Minari's or LeRobot's, or FILE.npz")
     parser.add_argument("--chunk", type=int, default=1, metavar="K", help="actions predicted at a time (1)")
     parser.add_argument("--env", metavar="ID", help="default: the environment that the dataset names")
-    parser.add_argument("--out", type=Path, metavar="FILE.onnx", help="default: ENV-clone.onnx")
+    parser.add_argument("-o", "--out", type=Path, metavar="FILE.onnx", help="default: ENV-clone.onnx")
     parser.add_argument("--steps", type=int, default=20_000, metavar="N", help="gradient steps (20000)")
     parser.add_argument("--hidden", type=int, nargs="+", default=[256, 256], metavar="UNITS", help="layers (256 256)")
     parser.add_argument("--batch-size", type=int, default=256, metavar="N", help="steps of a gradient step, even (256)")

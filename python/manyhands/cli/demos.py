@@ -19,6 +19,7 @@ from manyhands.demos.formats import FORMATS, write
 from manyhands.env_names import VERSION, resolve_env_id
 from manyhands.envs.vector import ArmVectorEnv
 from manyhands.files import require_new
+from manyhands.training.console import counted
 
 EXAMPLES = """\
 examples:
@@ -41,7 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=int, default=0, help="of the first episode; the others count up")
     parser.add_argument("--format", choices=FORMATS, help="default: npz if --out ends so, else minari")
     parser.add_argument(
-        "--out", type=Path, metavar="PATH",
+        "-o", "--out", type=Path, metavar="PATH",
         help="default: datasets/ENV/expert-v0 for Minari, ENV-lerobot or ENV.npz for the others",
     )  # fmt: skip
     parser.add_argument("--force", action="store_true", help="replace what is there")
@@ -86,7 +87,7 @@ def run(arguments: argparse.Namespace) -> int:
     )  # fmt: skip
     write(format, tally.count(shown), source, out, arguments.force)
     print(
-        f"manyhands: {tally.episodes} {'episode is' if tally.episodes == 1 else 'episodes are'} in {out} "
+        f"manyhands: {counted(tally.episodes, 'episode')} {'is' if tally.episodes == 1 else 'are'} in {out} "
         f"({tally.steps:,} steps, success {tally.successes / tally.episodes:.1%}, {time.perf_counter() - begin:.1f} s)"
     )
     print(f"  load them:        {_loading(format, out)}\n  learn from them:  manyhands clone {out}")

@@ -11,6 +11,7 @@ from manyhands.arguments import MOST_THREADS, whole_number
 from manyhands.cli.named_env import POLICY, TRAINED, NamedEnv
 from manyhands.env_names import resolve_env_id, versioned
 from manyhands.envs import transfer_ranges
+from manyhands.training.console import counted
 
 if TYPE_CHECKING:
     from manyhands.policies import Policy
@@ -54,7 +55,7 @@ def run(arguments: argparse.Namespace) -> int:
         print(json.dumps(asdict(result), indent=2))
     else:
         print(
-            f"{result.env_id}: success {result.success_rate:.1%} on {result.episodes} episodes from seed "
+            f"{result.env_id}: success {result.success_rate:.1%} on {counted(result.episodes, 'episode')} from seed "
             f"{result.first_seed} (return {result.mean_return:.2f}, length {result.mean_length:.1f})"
         )
     return 0
@@ -76,7 +77,9 @@ def _over_ranges(arguments: argparse.Namespace, env_id: str, policy: "PolicyFile
     if arguments.json:
         print(json.dumps(run.to_dict(), indent=2))
     else:
-        print(f"{env_id}: success {run.success.mean():.1%} on {arguments.episodes} episodes under these ranges")
+        print(
+            f"{env_id}: success {run.success.mean():.1%} on {counted(arguments.episodes, 'episode')} under these ranges"
+        )
         print(table(run))
         print(f"Success over each range, as a picture: {picture}")
     return 0

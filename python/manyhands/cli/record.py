@@ -17,13 +17,15 @@ from manyhands.envs.single import ArmEnv
 from manyhands.envs.spaces import RENDER_FPS
 from manyhands.extras import needs
 from manyhands.interrupts import INTERRUPTED, Interrupts
+from manyhands.training.console import counted
+from manyhands.training.run_folder import RunFolder
 from manyhands.video import captioned, write_video
 
 EXAMPLES = """\
 examples:
   manyhands record PandaPickAndPlace                          three episodes of the scripted expert, as MP4
   manyhands record PandaPush --out push.gif --episodes 1 --speed 0.5
-  manyhands record PandaReach --policy runs/PandaReach-v3-...  of what was learned
+  manyhands record runs/PandaReach-v3-...                     of what was learned
   manyhands record PandaPush --policy trained                 of the policy that ships
   manyhands record PandaPush --robot arm6 --option render_yaw=90
 
@@ -36,9 +38,11 @@ _CAMERA = {"render_target_position": [-0.06, 0.0, 0.14], "render_distance": 0.95
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What comes after `manyhands record`."""
-    parser.add_argument("env", metavar="ENV", help="environment, with or without its version")
+    parser.add_argument(
+        "env", metavar="ENV|RUN_DIR", help="environment, with or without its version; or a run, of what it learned"
+    )
     parser.add_argument("--policy", metavar=POLICY, help="default: the scripted expert")
-    parser.add_argument("--out", type=Path, help="FILE.mp4 or FILE.gif; default: ENV.mp4")
+    parser.add_argument("-o", "--out", type=Path, help="FILE.mp4 or FILE.gif; default: ENV.mp4")
     parser.add_argument("--episodes", type=int, default=3, metavar="N")
     parser.add_argument("--seed", type=int, default=0, help="of the first episode; the others count up")
     parser.add_argument("--size", type=int, nargs=2, default=(640, 480), metavar=("WIDTH", "HEIGHT"), help="[pixels]")
@@ -55,7 +59,8 @@ def run(arguments: argparse.Namespace) -> int:
     from rich.console import Console
     from rich.progress import track
 
-    env = NamedEnv(resolve_env_id(arguments.env), given_options(arguments))
+    env_id, policy = _named(arguments.env, arguments.policy)
+    env = NamedEnv(env_id, given_options(arguments))
     out = arguments.out or Path(f"{env.id}.mp4")
     if arguments.episodes < 1:
         raise ValueError(f"--episodes is {arguments.episodes}; expected 1 or more")
@@ -65,7 +70,7 @@ def run(arguments: argparse.Namespace) -> int:
             expected = "a number from 0.05 to 20" if name == "speed" else "0 or more seconds"
             raise ValueError(f"--{name} is {value}; expected {expected}")
     width, height = arguments.size
-    env, act = _policy(arguments.policy, env)
+    env, act = _policy(policy, env)
     filmed = env.make(render_mode="rgb_array", render_width=width, render_height=height, **_CAMERA)
     caption = env.title if arguments.caption is None else arguments.caption
     fps = RENDER_FPS * arguments.speed
@@ -83,7 +88,7 @@ def run(arguments: argparse.Namespace) -> int:
             write_video(captioned(pictures, caption), out, fps)
     n = len(begun)
     is_whole = n == wanted
-    count = f"{n} {'episode' if n == 1 else 'episodes'}" if is_whole else f"stopped; {n} of {wanted} episodes"
+    count = counted(n, "episode") if is_whole else f"stopped; {n} of {wanted} episodes"
     print(f"manyhands: {count} of {env.title} {'is' if n == 1 else 'are'} in {out}")
     return 0 if is_whole else INTERRUPTED
 
@@ -117,6 +122,15 @@ def _picture(env: ArmEnv) -> NDArray[np.uint8]:
     picture = env.render()
     assert picture is not None
     return picture
+
+
+def _named(target: str, policy: str | None) -> tuple[str, str | None]:
+    """The id and the policy that a command names: an environment's, or of a run both."""
+    if not (Path(target) / "config.json").is_file():
+        return resolve_env_id(target), policy
+    if policy is not None:
+        raise ValueError(f"--policy {policy} names a second policy beside that of {target}: name the environment")
+    return RunFolder(Path(target)).read_settings().env_id, target
 
 
 def _policy(given: str | None, env: NamedEnv) -> tuple[NamedEnv, Callable[[], Callable[[Any], Any]]]:

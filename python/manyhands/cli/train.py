@@ -12,8 +12,10 @@ from typing import TYPE_CHECKING, Any
 from manyhands.arguments import MOST_THREADS, whole_number
 from manyhands.env_names import resolve_env_id
 from manyhands.interrupts import INTERRUPTED
+from manyhands.training.console import counted
 
 if TYPE_CHECKING:
+    from manyhands._core.learn import TrainerConfig
     from manyhands.training.console import Console
     from manyhands.training.recipe import Recipe
     from manyhands.training.run import Outcome, TrainingRun
@@ -180,7 +182,7 @@ def _changes(arguments: argparse.Namespace) -> dict[str, Any]:
 def _train(arguments: argparse.Namespace, console: "Console", run: "TrainingRun", introduction: str) -> int:
     console.print(introduction, highlight=False, markup=False, soft_wrap=True)
     outcome = run.train(console)
-    _summarise(outcome, run.folder, run.settings.seed, arguments.ray, console.print)
+    _summarise(outcome, run.folder, run.settings, arguments.ray, console.print)
     if outcome.evaluation is None:
         return INTERRUPTED
     required = arguments.require_success
@@ -206,7 +208,9 @@ def new_settings(
     return recipe, TrainSettings(env_id, **given) if recipe is None else recipe.settings(**given)
 
 
-def _summarise(outcome: "Outcome", folder: "RunFolder", seed: int, ray: str | None, say: Callable[..., None]) -> None:
+def _summarise(
+    outcome: "Outcome", folder: "RunFolder", settings: "TrainSettings", ray: str | None, say: Callable[..., None]
+) -> None:
     lines = [""]
     with_ray = "" if ray is None else f" --ray {shlex.quote(ray)}"
     program, path = _program("manyhands"), shlex.quote(str(folder.path))
@@ -217,10 +221,11 @@ def _summarise(outcome: "Outcome", folder: "RunFolder", seed: int, ray: str | No
         ]
     else:
         result = outcome.evaluation
-        verdict = "Solved" if outcome.solved else "Not solved within the step limit"
         lines += [
-            f"{verdict}: success {result.success_rate:.1%} on {result.episodes} fresh episodes "
+            f"{'Solved' if outcome.solved else 'At the step limit'}: success {result.success_rate:.1%} on "
+            f"{counted(result.episodes, 'fresh episode')} "
             f"(return {result.mean_return:.2f}, length {result.mean_length:.1f})",
+            *([] if outcome.solved else [_not_solved(settings.trainer_config())]),
             f"Training took {outcome.training_seconds:.1f} s for {outcome.env_steps:,} steps, "
             f"the evaluation after it {outcome.evaluation_seconds:.1f} s.",
             *([f"It waited {outcome.waited_seconds:.1f} s for its workers."] if outcome.waited_seconds else []),
@@ -232,12 +237,22 @@ def _summarise(outcome: "Outcome", folder: "RunFolder", seed: int, ray: str | No
         ]
         if folder.policy.exists():
             lines += [f"  {program} evaluate {path}", f"  {program} view {result.env_id} --policy {path}"]
-        lines.append(f"  {program} train {result.env_id} --seed {seed + 1}{with_ray}")
+        lines.append(f"  {program} train {result.env_id} --seed {settings.seed + 1}{with_ray}")
         if any(folder.path.glob("events.*")):
             lines.append(f"  {_program('tensorboard')} --logdir {shlex.quote(str(folder.path.parent))}")
         if not outcome.solved:
             lines.append(f"  {program} train --resume {path}{with_ray} --max-steps {2 * outcome.env_steps}")
     say("\n".join(lines), highlight=False, markup=False, soft_wrap=True)
+
+
+def _not_solved(config: "TrainerConfig") -> str:
+    """What the run would have stopped for before its limit."""
+    if config.stop_streak == 0:
+        return "It was to train up to the limit (stop_streak is 0)."
+    return (
+        f"Solved would be {counted(config.stop_streak, 'evaluation')} of "
+        f"{config.evaluation_episodes} episodes in a row with at least {config.stop_success_rate:.1%}."
+    )
 
 
 def _files(folder: "RunFolder") -> dict[Path, str]:

@@ -1,6 +1,7 @@
 """What environments show: the pictures of `render`, and those of cameras in the observation."""
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any, cast
 
@@ -185,6 +186,7 @@ def _variation(name: str, options: CameraOptions) -> PictureVariation:
     try:
         return PictureVariation(**options.get("vary", {}))
     except TypeError as reason:
+        known = re.findall(r"(\w+): ", (PictureVariation.__init__.__doc__ or "").partition("->")[0])
         raise ValueError(
-            f"cameras: {name!r} varies {options.get('vary')!r}; {PictureVariation.__init__.__doc__}"
+            f"cameras: {name!r} varies {options.get('vary')!r}; what can vary is {', '.join(known)}"
         ) from reason

@@ -10,6 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 from manyhands.manipulapy.utils import logm, rotation_matrix_to_euler_angles
 
 Array = NDArray[np.float64]
+_ABOVE = 1e-6  # [m]: a goal this near the base's axis is above it
+_NO_STRATEGY = "none (failed)"
+
 Limits: TypeAlias = Sequence[tuple[float | None, float | None]]
 
 
@@ -30,12 +33,12 @@ def clipped(theta: ArrayLike, limits: Limits) -> Array:
 
 
 def workspace_heuristic_guess(T_desired: ArrayLike, n_joints: int, joint_limits: Limits) -> Array:
-    """The arm points at the goal, elbow half bent, wrist as the goal is turned."""
+    """The arm points at the goal, elbow half bent, wrist as the goal is turned; above the base it points ahead."""
     T = np.asarray(T_desired, np.float64)
     x, y, z = T[:3, 3]
     roll, pitch, yaw = rotation_matrix_to_euler_angles(T[:3, :3])
-    guess = np.zeros(n_joints)
-    shape = [np.arctan2(y, x), np.arctan2(z, np.hypot(x, y)), np.pi / 4, yaw, pitch, roll][:n_joints]
+    reach, guess = np.hypot(x, y), np.zeros(n_joints)
+    shape = [np.arctan2(y, x), np.arctan2(z, reach) if reach > _ABOVE else 0.0, np.pi / 4, yaw, pitch, roll][:n_joints]
     guess[: len(shape)] = shape
     return clipped(guess, joint_limits)
 
@@ -111,9 +114,10 @@ def adaptive_multi_start_ik(
     verbose: bool = False,
 ) -> tuple[Array, bool, int, str]:
     """Calls a solver with one strategy after the other until it succeeds: angles, success, iterations of all attempts,
-    and the strategy."""
+    and the strategy. Where none succeeds, the angles are the first's, since solvers do not say how near they came, and
+    the strategy is "none (failed)"."""
     strategies = ("workspace_heuristic", "midpoint", "random")
-    best: tuple[Array, bool, int, str] | None = None
+    first: Array | None = None
     total = 0
     for attempt in range(max(1, max_attempts)):
         strategy = strategies[min(attempt, len(strategies) - 1)]
@@ -121,10 +125,10 @@ def adaptive_multi_start_ik(
             T_desired, strategy=strategy, eomg=eomg, ev=ev, max_iterations=max_iterations
         )
         total += iterations
-        best = best or (theta, success, total, strategy)
+        first = theta if first is None else first
         if verbose:
             print(f"attempt {attempt + 1}, {strategy}: {'reached' if success else 'not reached'}")
         if success:
             return theta, True, total, strategy
-    assert best is not None
-    return best[0], False, total, best[3]
+    assert first is not None
+    return first, False, total, _NO_STRATEGY

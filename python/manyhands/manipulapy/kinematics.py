@@ -2,7 +2,7 @@
 
 import os
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Literal
 
 import numpy as np
@@ -15,6 +15,7 @@ from manyhands.manipulapy import utils
 from manyhands.manipulapy.ik_helpers import (
     IKInitialGuessCache,
     Limits,
+    adaptive_multi_start_ik,
     extrapolate_from_current,
     limit_array,
     midpoint_of_limits,
@@ -199,20 +200,11 @@ class SerialManipulator:
         verbose: bool = False,
     ) -> tuple[Array, bool, int, str]:
         """The same from as many guesses as it takes: angles, success, attempts, and the strategy that found them."""
-        total = 0
-        strategies = ("workspace_heuristic", "midpoint", "random")
-        theta = midpoint_of_limits(self.joint_limits)
-        for attempt in range(max(1, max_attempts)):
-            strategy = strategies[min(attempt, 2)]
-            theta, success, attempts = self.smart_inverse_kinematics(
-                T_desired, strategy, eomg=eomg, ev=ev, max_iterations=max_iterations, auto_fallback=False
-            )
-            total += attempts
-            if verbose:
-                print(f"attempt {attempt + 1}, {strategy}: {'reached' if success else 'not reached'}")
-            if success:
-                return theta, True, total, strategy
-        return theta, False, total, strategies[min(max_attempts - 1, 2)]
+
+        def solve(T: ArrayLike, **options: Any) -> tuple[Array, bool, int]:
+            return self.smart_inverse_kinematics(T, auto_fallback=False, **options)
+
+        return adaptive_multi_start_ik(solve, T_desired, max_attempts, eomg, ev, max_iterations, verbose)
 
     def trac_ik(
         self,
@@ -224,8 +216,19 @@ class SerialManipulator:
         num_restarts: int = 5,
         use_parallel: bool = False,
     ) -> tuple[Array, bool, float]:
-        """The same within a time [s]: angles, success, and the seconds it took."""
-        return TracIKSolver(self, timeout, eomg, ev, num_restarts, use_parallel).solve(T_desired, theta0)
+        """The same within a time [s]: angles, success, and the seconds it took. After theta0 it starts from up to 140
+        random places. num_restarts and use_parallel have nothing to tune."""
+        del num_restarts, use_parallel
+        begin = time.perf_counter()
+        goal = np.asarray(T_desired, np.float64)
+        guess = workspace_heuristic_guess(goal, self.S_list.shape[1], self.joint_limits) if theta0 is None else theta0
+        start = self._within(guess)
+        theta, success = start, False
+        for restarts in (0, 10, 30, 100):
+            theta, success, _, _ = self._solve(goal, start, eomg, ev, restarts, 1.0, 1.0)
+            if success or time.perf_counter() - begin > timeout:
+                break
+        return theta, success, time.perf_counter() - begin
 
     def _guess(
         self,
@@ -290,40 +293,70 @@ class SerialManipulator:
 
 
 class TracIKSolver:
-    """Inverse kinematics within a time."""
+    """`SerialManipulator.trac_ik` of an arm that is given by its functions.
+
+    fk_func: angles (n_joints,) to the pose (4, 4) of the end effector. jacobian_func: angles to the space Jacobian
+    (6, n_joints), angular first. joint_limits: (low, high) of each joint, None for none; `bounds` has 2 pi in its
+    place. error_func is kept for those who ask: errors are the angle [rad] and the distance [m], and where another
+    measure is given `solve` raises NotImplementedError.
+    """
 
     def __init__(
         self,
-        manipulator: SerialManipulator,
+        fk_func: Callable[[Array], ArrayLike],
+        jacobian_func: Callable[[Array], ArrayLike],
+        joint_limits: Limits,
+        n_joints: int,
+        error_func: Callable[..., Any] | None = None,
+    ) -> None:
+        if len(joint_limits) != n_joints:
+            raise ValueError(f"joint_limits has {len(joint_limits)} pairs; expected n_joints, {n_joints}")
+        self.fk_func, self.jacobian_func, self.error_func = fk_func, jacobian_func, error_func
+        self.joint_limits, self.n_joints = joint_limits, n_joints
+        self.bounds: list[tuple[float, float]] = [tuple(pair) for pair in limit_array(joint_limits, 2 * np.pi).tolist()]
+        self._arm: SerialManipulator | None = None
+
+    def solve(
+        self,
+        T_desired: ArrayLike,
+        theta0: ArrayLike | None = None,
         timeout: float = 0.2,
         eomg: float = 1e-4,
         ev: float = 1e-4,
         num_restarts: int = 5,
         use_parallel: bool = False,
-    ) -> None:
-        del use_parallel
-        self.manipulator, self.timeout, self.eomg, self.ev = manipulator, timeout, eomg, ev
-        self.num_restarts = num_restarts
+    ) -> tuple[Array, bool, float]:
+        """Angles, success, seconds. Raises ValueError where the functions are not those of one serial arm."""
+        if self.error_func is not None:
+            raise NotImplementedError("errors are the angle and the distance; leave error_func out")
+        if self._arm is None:
+            self._arm = self._serial_arm()
+        return self._arm.trac_ik(T_desired, theta0, timeout, eomg, ev, num_restarts, use_parallel)
 
-    def solve(self, T_desired: ArrayLike, theta0: ArrayLike | None = None) -> tuple[Array, bool, float]:
-        """Angles, success, seconds. Ten random places at a time, until it succeeds or the time is over."""
-        arm, begin = self.manipulator, time.perf_counter()
-        goal = np.asarray(T_desired, np.float64)
-        guess = workspace_heuristic_guess(goal, arm.S_list.shape[1], arm.joint_limits) if theta0 is None else theta0
-        start = arm._within(guess)
-        theta, success = start, False
-        for restarts in (0, 10, 30, 100):
-            theta, success, _, _ = arm._solve(goal, start, self.eomg, self.ev, restarts, 1.0, 1.0)
-            if success or time.perf_counter() - begin > self.timeout:
-                break
-        return theta, success, time.perf_counter() - begin
+    def _serial_arm(self) -> SerialManipulator:
+        """The space Jacobian at zero is the arm's screws; a pose elsewhere tells whether they say it all."""
+        zero, elsewhere = np.zeros(self.n_joints), np.linspace(0.3, 0.9, self.n_joints)
+        screws = np.asarray(self.jacobian_func(zero), np.float64)
+        arm = SerialManipulator(self.fk_func(zero), screws[:3], S_list=screws, joint_limits=self.bounds)
+        if not np.allclose(arm.forward_kinematics(elsewhere), self.fk_func(elsewhere), atol=1e-6):
+            raise ValueError(
+                "fk_func is not the chain of screws that jacobian_func has at 0; is it the space Jacobian?"
+            )
+        return arm
 
 
 def trac_ik_solve(
-    manipulator: SerialManipulator, T_desired: ArrayLike, theta0: ArrayLike | None = None, **options: Any
+    robot: SerialManipulator,
+    T_desired: ArrayLike,
+    theta0: ArrayLike | None = None,
+    timeout: float = 0.2,
+    eomg: float = 1e-4,
+    ev: float = 1e-4,
+    num_restarts: int = 5,
+    use_parallel: bool = False,
 ) -> tuple[Array, bool, float]:
-    """`TracIKSolver` in one call."""
-    return TracIKSolver(manipulator, **options).solve(T_desired, theta0)
+    """`SerialManipulator.trac_ik` as a function."""
+    return robot.trac_ik(T_desired, theta0, timeout, eomg, ev, num_restarts, use_parallel)
 
 
 def _plot_residuals(errors: Sequence[tuple[float, float]], png_name: str | os.PathLike[str]) -> None:

@@ -32,13 +32,13 @@ class Perception:
         """Points (N, 3) of obstacles in the world [m], one of step² pixels, and their clusters (N,), -1 of noise.
         Floors and robots are no obstacles. Without any both are empty."""
         none = np.zeros((0, 3), np.float32), np.zeros(0, np.int32)
-        rgb, depth = self.vision.capture_image(camera_index)
+        rgb, depth = self.vision.capture_image(camera_index=camera_index)
         if depth is None or rgb is None:
             return none
         points, _ = self.vision.detect_obstacles(
             depth, rgb, depth_threshold=depth_threshold, camera_index=camera_index, step=step
         )
-        if len(points) == 0:
+        if points is None or len(points) == 0:  # a `Vision` of the program's own may answer None
             self.logger.info("camera %d sees no obstacle", camera_index)
             return none
         labels, _ = self.cluster_obstacles(points, eps, min_samples)

@@ -27,16 +27,16 @@ class Singularity:
         """Whether the smallest singular value of the Jacobian is below 1e-4."""
         return bool(self._lengths(thetalist)[-1] < _SINGULAR)
 
-    def condition_number(self, thetalist: ArrayLike) -> float:
+    def condition_number(self, thetalist: ArrayLike) -> np.float64:
         """The largest singular value over the smallest; infinite where a direction is lost."""
         lengths = self._lengths(thetalist)
         lost = lengths[-1] <= np.finfo(float).eps * max(6, len(lengths)) * lengths[0]
-        return float("inf") if lost else float(lengths[0] / lengths[-1])
+        return np.float64(np.inf) if lost else lengths[0] / lengths[-1]
 
-    def near_singularity_detection(self, thetalist: ArrayLike, threshold: float = 1e-2) -> bool:
+    def near_singularity_detection(self, thetalist: ArrayLike, threshold: float = 1e-2) -> np.bool_:
         """A threshold below 1 is of the smallest singular value over the largest, one of 1 or more of its inverse."""
         condition = self.condition_number(thetalist)
-        return bool(condition > threshold) if threshold >= 1 else bool(1 / condition < threshold)
+        return condition > threshold if threshold >= 1 else 1 / condition < threshold
 
     def manipulability_ellipsoid(self, thetalist: ArrayLike, ax: Any = None) -> Any:
         """Draws where a unit of joint velocity takes the end effector, linear and angular; returns the Matplotlib

@@ -135,11 +135,14 @@ def extract_omega_list(S_list: ArrayLike | None) -> Array:
     return S[:, :3] if S.shape[1] == 6 else S[:3].T
 
 
-def extract_screw_list(omega_list: ArrayLike, r_list: ArrayLike) -> Array:
-    """Screw axes (6, n) of joints that turn about omega (3, n) through the points r, (3, n) or (n, 3); one of either
-    goes with all of the other."""
+def extract_screw_list(omega_list: ArrayLike | None, r_list: ArrayLike | None) -> Any:
+    """Screw axes (6, n) of joints that turn about omega (3, n) through the points r, (3, n) or (n, 3), or rows of
+    three numbers one after the other; one of either goes with all of the other. Points that are empty or None are the
+    origin; None without axes."""
+    if omega_list is None:
+        return None
     omega = _columns("omega_list", omega_list)
-    r = np.asarray(r_list, np.float64)
+    r: Array = np.asarray(np.zeros(3) if r_list is None or np.size(r_list) == 0 else r_list, np.float64)
     r = _columns("r_list", r.T if r.ndim == 2 and r.shape != omega.shape and r.shape[1] == 3 else r)
     if omega.shape[1] != r.shape[1] and 1 not in (omega.shape[1], r.shape[1]):
         raise ValueError(f"there are {omega.shape[1]} axes and {r.shape[1]} points; expected as many, or one")
@@ -148,9 +151,9 @@ def extract_screw_list(omega_list: ArrayLike, r_list: ArrayLike) -> Array:
 
 
 def _columns(name: str, values: ArrayLike) -> Array:
-    """(3, n) of that, or of (3,)."""
+    """(3, n) of that, or of (3 n,)."""
     array = np.asarray(values, np.float64)
-    array = array[:, None] if array.shape == (3,) else array
+    array = array.reshape(-1, 3).T if array.ndim == 1 and array.size % 3 == 0 else array
     if array.ndim != 2 or array.shape[0] != 3:
         raise ValueError(f"{name} has shape {np.shape(values)}; expected (3, n)")
     return array

@@ -56,7 +56,7 @@ class Vision:
         physics_client: int | None = None,
     ) -> None:
         del show_plot
-        self.logger = logging.getLogger(logger_name)
+        self.logger, self.yolo_model = logging.getLogger(logger_name), None
         self.physics_client = sim.newest_client() if physics_client is None else physics_client
         self.use_pybullet_debug, self.stereo_enabled = use_pybullet_debug, False
         if stereo_configs is not None:

@@ -1,4 +1,4 @@
-"""Motions: trajectories through waypoints and poses, and how fast a path can be followed.
+"""Motions: trajectories through waypoints and poses, how fast a path can be followed, and plans among obstacles.
 
 A trajectory is a value: `duration`, and `sample(t)` at one time or many. Numbers of joints are followed as they are, so
 quaternions in q (spherical and floating joints) have no trajectory here; poses have (`cartesian`). Units are SI,
@@ -6,6 +6,7 @@ quaternions are xyzw, spatial vectors have the angular part first. Wrong shapes,
 that are not above 0 raise ValueError, which names the array.
 """
 
+from manyhands.planning.planner import Encounter, Plan, Planner, PlanStatus, plan
 from manyhands.planning.timing import time_optimal
 from manyhands.planning.trajectories import (
     CartesianPath,
@@ -24,10 +25,15 @@ __all__ = [
     "CartesianPath",
     "CartesianSample",
     "CartesianTrajectory",
+    "Encounter",
+    "Plan",
+    "PlanStatus",
+    "Planner",
     "Sample",
     "Trajectory",
     "cartesian",
     "cubic",
+    "plan",
     "quintic",
     "spline",
     "time_optimal",

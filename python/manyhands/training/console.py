@@ -24,6 +24,11 @@ class PlainConsole:
         print(*objects, flush=True)
 
 
+def counted(number: int, thing: str) -> str:
+    """For example "1 episode", "1,000 episodes"."""
+    return f"{number:,} {thing}{'' if number == 1 else 's'}"
+
+
 def make_console() -> Console:
     """rich's where it is installed."""
     try:

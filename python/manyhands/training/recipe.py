@@ -1,13 +1,15 @@
 """Recipes: the settings with which an environment is known to be learned."""
 
+import difflib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
-from manyhands._core.envs import env_ids, make_env_batch
+from manyhands._core.envs import make_env_batch
+from manyhands.env_names import resolve_env_id
 from manyhands.envs.cameras import eyes
 from manyhands.simple_yaml import Entry, read_yaml
-from manyhands.training.settings import TrainSettings, require_setting
+from manyhands.training.settings import KINDS, TrainSettings, require_setting
 
 _FOLDER = Path(__file__).parent / "recipes"
 
@@ -77,6 +79,8 @@ def named_recipe(name: Path, env_id: str) -> Recipe:
         if recipe is None:
             known = ", ".join(sorted(path.stem for path in (_FOLDER / name).glob("*.yaml")))
             raise ValueError(f"no recipe {name} is shipped for {env_id}; there are {known}")
+    elif name.is_dir():
+        raise ValueError(f"{name} is a folder; expected a recipe's file")
     elif not name.is_file():
         raise ValueError(f"there is no file {name} with a recipe, nor a kind of that name; pixels is one")
     else:
@@ -89,10 +93,8 @@ def named_recipe(name: Path, env_id: str) -> Recipe:
 def load_recipe(path: Path) -> Recipe:
     """The recipe in a file. Raises ValueError that names the line of what is wrong, OSError if it cannot be read."""
     top = _Block(path, Entry(1, entries=read_yaml(path)))
-    env_id = top.take("environment", str)
-    if env_id not in env_ids():
-        raise top.error("environment", f"there is no environment {env_id!r}")
-    base = _base(top)
+    env_id = _id(top, "environment")
+    base = _base(top, path)
     trainer, beyond = top.block("trainer"), top.block("beyond")
     own_trainer = {name: entry.value for name, entry in trainer.entry.entries.items()}
     own_beyond = {name: beyond.take(name, str) for name in list(beyond.entry.entries)}
@@ -111,16 +113,25 @@ def load_recipe(path: Path) -> Recipe:
     return recipe
 
 
-def _base(top: "_Block") -> Recipe | None:
-    """The recipe that this one is like, but for what it says itself."""
+def _id(top: "_Block", name: str) -> str:
+    """An environment's, with or without its version."""
+    given = top.take(name, str)
+    try:
+        return resolve_env_id(given)
+    except ValueError as reason:
+        raise top.error(name, str(reason)) from None
+
+
+def _base(top: "_Block", path: Path) -> Recipe | None:
+    """The shipped recipe that this one is like, but for what it says itself."""
     if "like" not in top.entry.entries:
         return None
-    name = top.take("like", str)
-    if name not in recipe_ids():
-        raise top.error("like", f"no recipe is shipped for {name!r}; there are {', '.join(recipe_ids())}")
-    if name == top.entry.entries["environment"].value:
+    shipped = _FOLDER / f"{_id(top, 'like')}.yaml"
+    if not shipped.is_file():
+        raise top.error("like", f"no recipe is shipped for {shipped.stem!r}; there are {', '.join(recipe_ids())}")
+    if path.resolve() == shipped.resolve():
         raise top.error("like", "a recipe cannot be like itself")
-    return load_recipe(_FOLDER / f"{name}.yaml")
+    return load_recipe(shipped)
 
 
 def _cameras(top: "_Block", env_id: str) -> dict[str, Any]:
@@ -181,31 +192,43 @@ class _Block:
         self._path = path
         self.entry = entry
         self._left = dict(entry.entries)
+        self._known: list[str] = []  # names that were asked for
 
     def error(self, name: str, complaint: str) -> ValueError:
         return ValueError(f"{self._path}:{self.entry.entries[name].line}: {complaint}")
 
     def take(self, name: str, kind: type[_T], default: _T | None = None) -> _T:
         """A value that must be there, unless there is a default."""
-        if name not in self._left and default is not None:
-            return default
+        self._known.append(name)
         if name not in self._left:
-            raise ValueError(f"{self._path}:{self.entry.line}: {name} is missing here")
+            if default is not None:
+                return default
+            raise self._missing(name)
         value = self._left.pop(name).value
         if kind is float and type(value) is int:
             value = float(value)
+        if kind is int and isinstance(value, float) and value.is_integer():  # 1e4
+            value = int(value)
         if type(value) is not kind:
-            raise self.error(name, f"{name} is {value!r}, expected {kind.__name__}")
+            raise self.error(name, f"{name} is {value!r}, expected {KINDS[kind]}")
         return value
+
+    def _missing(self, name: str) -> ValueError:
+        for near in difflib.get_close_matches(name, self._left, cutoff=0.8):
+            return self.error(near, f"there is no {near!r}; did you mean {name}?")
+        return ValueError(f"{self._path}:{self.entry.line}: {name} is missing here")
 
     def block(self, name: str) -> "_Block":
         """Entries below a name, none if it is not there."""
+        self._known.append(name)
         entry = self._left.pop(name, Entry(self.entry.line))
         if entry.value is not None:
-            raise self.error(name, f"{name} is {entry.value!r}, expected indented lines below it")
+            raise self.error(name, f"{name} is {entry.value!r}, expected indented lines 'name: value' below it")
         return _Block(self._path, entry)
 
     def finish(self) -> None:
         """Raises ValueError if something is left."""
         for name in self._left:
-            raise self.error(name, f"a recipe has no {name!r} here")
+            near = difflib.get_close_matches(name, self._known)
+            hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(self._known)}"
+            raise self.error(name, f"a recipe has no {name!r} here; {hint}")

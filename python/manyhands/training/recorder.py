@@ -16,6 +16,8 @@ from manyhands.training.run_folder import RunFolder
 if TYPE_CHECKING:
     from manyhands.training.events import Events
 
+_RECENT = 100  # episodes over which the trainer averages
+
 
 @dataclass(frozen=True)
 class Row:
@@ -25,7 +27,7 @@ class Row:
     env_steps: int  # over all worlds
     gradient_steps: int
     episodes: int
-    success_rate: float  # of the last 100 training episodes, which explore; NaN while only quick ones have ended
+    success_rate: float  # of the last 100 training episodes, which explore; NaN before these are the learner's own
     evaluation_success_rate: float  # of the last evaluation without noise
     evaluations: int
     critic_loss: float
@@ -58,7 +60,7 @@ class Recorder:
             env_steps=metrics.env_steps,
             gradient_steps=metrics.gradient_steps,
             episodes=metrics.episodes,
-            success_rate=metrics.success_rate if metrics.episodes >= self._num_envs else math.nan,
+            success_rate=metrics.success_rate if self._are_its_own(metrics) else math.nan,
             evaluation_success_rate=metrics.evaluation_success_rate,
             evaluations=metrics.evaluations,
             critic_loss=metrics.critic_loss,
@@ -72,6 +74,14 @@ class Recorder:
         if self._events is not None:
             self._events.add(row.env_steps, {f"train/{name}": value for name, value in asdict(row).items()})
         return row
+
+    def _are_its_own(self, metrics: TrainMetrics) -> bool:
+        """Whether the last episodes are the learner's: before it learns, the expert acts or chance, and the first that
+        end are the quick ones."""
+        if metrics.gradient_steps == 0:
+            return False
+        begin = next((row.episodes for row in self.rows if row.gradient_steps > 0), metrics.episodes)
+        return metrics.episodes - begin >= max(self._num_envs, _RECENT)
 
     def _write_csv(self) -> None:
         text = io.StringIO()

@@ -84,16 +84,17 @@ class TrainingRun:
                     raise
                 self._trainer.save(self.folder.checkpoint)
                 self._save_policy()
-                self._draw_curve(recorder)
             begin = time.perf_counter()
             evaluation = None if interrupts.requested else self._evaluate()
+            evaluated = time.perf_counter() - begin
+            self._draw_curve(recorder, evaluation)
             if evaluation is not None and self.settings.randomize and has("onnx") and has("matplotlib"):
                 self._draw_randomization()
             return Outcome(
                 solved=self.metrics.solved,
                 env_steps=self.metrics.env_steps,
                 training_seconds=recorder.seconds,
-                evaluation_seconds=time.perf_counter() - begin,
+                evaluation_seconds=evaluated,
                 waited_seconds=0.0 if self._workers is None else self._workers.waited_seconds,
                 evaluation=evaluation,
             )
@@ -143,12 +144,12 @@ class TrainingRun:
 
         save_policy(self._trainer.policy(), self.settings.env_id, self.folder.policy, self.settings.cameras)
 
-    def _draw_curve(self, recorder: Recorder) -> None:
+    def _draw_curve(self, recorder: Recorder, last: Evaluation | None) -> None:
         if not recorder.rows or not has("matplotlib"):
             return
         from manyhands.training.curve import draw_curve
 
-        draw_curve(self.folder, recorder.rows, f"{self.settings.env_id}, seed {self.settings.seed}")
+        draw_curve(self.folder, recorder.rows, f"{self.settings.env_id}, seed {self.settings.seed}", last)
 
     def _draw_randomization(self) -> None:
         """Success over each range, as a picture."""

@@ -11,6 +11,7 @@ from manyhands._core.learn import TrainerConfig
 from manyhands.arguments import whole_number
 from manyhands.envs.spaces import as_range
 
+KINDS = {bool: "true or false", int: "a whole number", float: "a number", str: "a text", list: "a list in brackets"}
 FIRST_EVALUATION_SEED = 10**9  # of the last evaluation: training draws its seeds from all 64-bit numbers by hash
 
 
@@ -44,12 +45,13 @@ def parse_overrides(assignments: Sequence[str]) -> dict[str, Any]:
 
 
 def override(config: TrainerConfig, name: str, value: Any) -> None:
-    """Sets one trainer setting. Raises ValueError on another type."""
+    """Sets one trainer setting; whole numbers may be written as 1e4. Raises ValueError on another type."""
+    kind = type(getattr(config, name))
+    whole = kind is int and isinstance(value, float) and value.is_integer()
     try:
-        setattr(config, name, value)
+        setattr(config, name, int(value) if whole else value)
     except TypeError as error:
-        expected = type(getattr(config, name)).__name__
-        raise ValueError(f"the trainer setting {name} is {value!r}, expected {expected}") from error
+        raise ValueError(f"the trainer setting {name} is {value!r}, expected {KINDS[kind]}") from error
 
 
 def shares_of(worlds: int, workers: int) -> list[int]:

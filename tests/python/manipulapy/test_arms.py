@@ -10,9 +10,11 @@ from manyhands import dynamics
 from manyhands.manipulapy import utils
 from manyhands.manipulapy.control import ManipulatorController
 from manyhands.manipulapy.dynamics import ManipulatorDynamics
-from manyhands.manipulapy.kinematics import SerialManipulator
+from manyhands.manipulapy.ik_helpers import adaptive_multi_start_ik, workspace_heuristic_guess
+from manyhands.manipulapy.kinematics import SerialManipulator, TracIKSolver, trac_ik_solve
 from manyhands.manipulapy.ManipulaPy_data import ROBOT_DATABASE, get_robot_urdf, list_robots
 from manyhands.manipulapy.path_planning import TrajectoryPlanning
+from manyhands.manipulapy.perception import Perception
 from manyhands.manipulapy.potential_field import CollisionChecker, PotentialField
 from manyhands.manipulapy.singularity import Singularity
 from manyhands.manipulapy.urdf import URDF
@@ -328,3 +330,71 @@ def test_robots_by_name() -> None:
     assert get_robot_urdf("Franka-Panda") == get_robot_urdf("panda") and "xarm6" in list_robots()
     with pytest.raises(ValueError, match="there are"):
         get_robot_urdf("no such robot")
+
+
+def test_an_arm_may_be_given_by_its_functions(xarm: URDFToSerialManipulator) -> None:
+    robot, goal = xarm.serial_manipulator, np.array([0.3, -0.4, -0.9, 0.2, 0.8, 0.1])
+    T = robot.forward_kinematics(goal)
+    solver = TracIKSolver(robot.forward_kinematics, robot.jacobian, robot.joint_limits, 6)
+    for theta, success, seconds in (solver.solve(T, goal + 0.1, timeout=2.0), trac_ik_solve(robot, T, timeout=2.0)):
+        assert success and seconds > 0
+        np.testing.assert_allclose(robot.forward_kinematics(theta), T, atol=2e-4)
+    assert TracIKSolver(robot.forward_kinematics, robot.jacobian, [(None, 1.0)] * 6, 6).bounds[0] == (-2 * math.pi, 1)
+    with pytest.raises(ValueError, match="space Jacobian"):
+        TracIKSolver(robot.forward_kinematics, lambda q: robot.jacobian(q, "body"), robot.joint_limits, 6).solve(T)
+    with pytest.raises(ValueError, match="n_joints"):
+        TracIKSolver(robot.forward_kinematics, robot.jacobian, robot.joint_limits, 7)
+    with pytest.raises(NotImplementedError, match="error_func"):
+        TracIKSolver(robot.forward_kinematics, robot.jacobian, robot.joint_limits, 6, lambda *_: None).solve(T)
+
+
+def test_many_starts_that_all_fail_give_the_first() -> None:
+    tried: list[str] = []
+
+    def solver(T: Array, strategy: str, **options: float) -> tuple[Array, bool, int]:
+        tried.append(strategy)
+        return np.full(2, float(len(tried))), False, 3
+
+    theta, success, iterations, strategy = adaptive_multi_start_ik(solver, np.eye(4), max_attempts=4)
+    assert tried == ["workspace_heuristic", "midpoint", "random", "random"]
+    assert theta.tolist() == [1.0, 1.0] and not success and iterations == 12 and strategy == "none (failed)"
+
+
+def test_a_camera_of_the_programs_own_may_see_nothing() -> None:
+    class Blind:
+        def capture_image(self, camera_index: int) -> tuple[Array, Array]:
+            return np.zeros((4, 4, 3)), np.ones((4, 4))
+
+        def detect_obstacles(self, *arguments: object, **options: object) -> tuple[None, None]:
+            return None, None
+
+    points, labels = Perception(Blind()).detect_and_cluster_obstacles()  # type: ignore[arg-type]
+    assert points.shape == (0, 3) and labels.shape == (0,)
+
+
+def test_guesses_above_the_base_point_ahead() -> None:
+    above, aside = np.eye(4), np.eye(4)
+    above[2, 3], aside[0, 3], aside[2, 3] = 1.0, 1.0, 1.0
+    limits = [(-math.pi, math.pi)] * 6
+    assert workspace_heuristic_guess(above, 6, limits)[1] == 0.0
+    assert workspace_heuristic_guess(aside, 6, limits)[1] == pytest.approx(math.pi / 4)
+
+
+def test_screws_from_rows_of_numbers() -> None:
+    omega, r = [0.0, 0.0, 1.0, 0.0, 1.0, 0.0], [0.1, 0.2, 0.0, 0.3, 0.0, 0.4]
+    S = utils.extract_screw_list(omega, r)
+    np.testing.assert_allclose(S.T, [[0, 0, 1, 0.2, -0.1, 0], [0, 1, 0, -0.4, 0, 0.3]], atol=1e-15)
+    through_origin = [[0, 0, 1, 0, 0, 0], [0, 1, 0, 0, 0, 0]]
+    for nowhere in (None, []):
+        np.testing.assert_array_equal(utils.extract_screw_list(omega, nowhere).T, through_origin)
+    assert utils.extract_screw_list(None, None) is None
+    with pytest.raises(ValueError, match="omega_list"):
+        utils.extract_screw_list([1.0, 2.0], r)
+
+
+def test_singularity_answers_in_numpy_types(xarm: URDFToSerialManipulator) -> None:
+    singularity = Singularity(xarm.serial_manipulator)
+    q = np.array([0.3, -0.4, -0.9, 0.2, 0.8, 0.1])
+    assert isinstance(singularity.condition_number(q), np.float64)
+    assert isinstance(singularity.near_singularity_detection(q), np.bool_)
+    assert isinstance(singularity.near_singularity_detection(q, 100.0), np.bool_)

@@ -10,7 +10,7 @@ from manyhands._core.envs import env_ids, expert_ids, make_env_batch, make_exper
 from manyhands._core.learn import Trainer, TrainerConfig
 from manyhands.simple_yaml import read_yaml
 from manyhands.training.announcement import announce
-from manyhands.training.recipe import find_recipe, load_recipe, recipe_ids
+from manyhands.training.recipe import find_recipe, load_recipe, named_recipe, recipe_ids
 from manyhands.training.settings import TrainSettings
 
 MINE = """\
@@ -85,10 +85,57 @@ def test_a_recipe_may_be_like_another(tmp_path: Path) -> None:
     assert recipe.trainer == push.trainer | {"gamma": 0.5}
     assert recipe.beyond == push.beyond
     assert recipe.measured is None
-    with pytest.raises(ValueError, match=r"mine.yaml:2: no recipe is shipped for 'PandaPull-v3'; there are Panda"):
+    with pytest.raises(ValueError, match=r"mine.yaml:2: there is no environment 'PandaPull-v3'"):
         load_recipe(written(tmp_path, text.replace("PandaPush-v3", "PandaPull-v3")))
-    with pytest.raises(ValueError, match=r"mine.yaml:2: a recipe cannot be like itself"):
-        load_recipe(written(tmp_path, text.replace("PushDense", "Push")))
+
+
+def test_a_recipe_may_be_like_the_shipped_one_of_its_environment(tmp_path: Path) -> None:
+    shipped = find_recipe("PandaPush-v3")
+    assert shipped is not None
+    recipe = load_recipe(written(tmp_path, "environment: PandaPush\nlike: PandaPush\ntrainer:\n  gamma: 0.5\n"))
+    assert recipe.env_id == "PandaPush-v3"
+    assert recipe.trainer == shipped.trainer | {"gamma": 0.5}
+
+
+def test_a_recipe_cannot_be_like_itself(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("manyhands.training.recipe._FOLDER", tmp_path)
+    (tmp_path / "PandaPush-v3.yaml").write_text("environment: PandaPush\nlike: PandaPush\n")
+    with pytest.raises(ValueError, match=r"PandaPush-v3.yaml:2: a recipe cannot be like itself"):
+        find_recipe("PandaPush-v3")
+
+
+@pytest.mark.parametrize(
+    "written_otherwise",
+    [
+        "\ufeff" + MINE,
+        "---\n" + MINE,
+        MINE.replace("\n", "\r\n"),
+        MINE.replace("PandaReach-v3", "PandaReach"),
+        MINE.replace("PandaReach-v3", "'PandaReach-v3'  # quoted"),
+        MINE.replace("PandaReach-v3", '"PandaReach-v3"  # quoted'),
+        MINE.replace("1600", "1.6e3"),
+    ],
+    ids=["byte order mark", "document", "Windows", "version", "single quotes", "double quotes", "exponent"],
+)
+def test_what_other_editors_and_people_write_means_the_same(written_otherwise: str, tmp_path: Path) -> None:
+    assert load_recipe(written(tmp_path, written_otherwise)) == load_recipe(written(tmp_path))
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"environment: \xe9", "byte 13 is not UTF-8; expected a text file in UTF-8"),
+        (b"environment\0", "is no text file"),
+        (b"", ":1: environment is missing here"),
+    ],
+)
+def test_files_that_are_no_recipes(content: bytes, message: str, tmp_path: Path) -> None:
+    path = tmp_path / "mine.yaml"
+    path.write_bytes(content)
+    with pytest.raises(ValueError, match=message):
+        named_recipe(path, "PandaReach-v3")
+    with pytest.raises(ValueError, match="is a folder; expected a recipe's file"):
+        named_recipe(tmp_path, "PandaReach-v3")
 
 
 def test_a_recipes_settings_give_way_to_those_of_the_command(tmp_path: Path) -> None:
@@ -104,10 +151,15 @@ def test_a_recipes_settings_give_way_to_those_of_the_command(tmp_path: Path) -> 
     ("old", "new", "line", "message"),
     [
         ("num_envs: 16\n", "num_envs 16\n", 3, "expected 'name: value', found 'num_envs 16'"),
-        ("num_envs: 16\n", "num_envs: many\n", 3, "num_envs is 'many', expected int"),
+        ("num_envs: 16\n", "num_envs: many\n", 3, "num_envs is 'many', expected a whole number"),
         ("num_envs: 16\n", "num_envs: 0\n", 3, "num_envs is 0"),
         ("num_envs: 16\n", "num_envs: [16\n", 3, "'[16' is no number, list or plain text"),
         ("num_envs: 16\n", "worlds: 16\n", 1, "num_envs is missing here"),
+        ("num_envs: 16\n", "num_env: 16\n", 3, "there is no 'num_env'; did you mean num_envs?"),
+        ("trainer:\n", "trainr:\n", 9, "a recipe has no 'trainr' here; did you mean trainer?"),
+        ("  gamma: 0.9", "\tgamma: 0.9", 11, "the line begins with a tab; YAML indents by spaces"),
+        ("beyond:\n", "looks:\n  color: 0.1\nbeyond:\n", 6, "there are no cameras whose looks could vary"),
+        ("beyond:\n", 'cameras: ["top"]\nlooks:\n  color: 0.1\nbeyond:\n', 7, "what can vary is position, direction"),
         ("num_envs: 16\n", "num_envs: 16\nworlds: 16\n", 4, "a recipe has no 'worlds' here"),
         ("num_envs: 16\n", "num_envs: 16\nnum_envs: 17\n", 4, "num_envs is there twice, first on line 3"),
         ("num_envs: 16\n", "num_envs: 16\n  gamma: 1\n", 4, "gamma is indented"),
@@ -115,7 +167,7 @@ def test_a_recipes_settings_give_way_to_those_of_the_command(tmp_path: Path) -> 
         ("gamma: 0.9", "gama: 0.9", 11, "'gama' is no trainer setting; did you mean gamma?"),
         ("gamma: 0.9", "seed: 3", 11, "'seed' is no trainer setting"),
         ("gamma: 0.9", "gamma: 1.5", 11, "gamma is 1.5"),
-        ("gamma: 0.9", "gamma: high", 11, "gamma is 'high', expected float"),
+        ("gamma: 0.9", "gamma: high", 11, "gamma is 'high', expected a number"),
         ("seeds: 2", "seeds: 2\n  cores: 3", 17, "a recipe has no 'cores' here"),
         ("  seeds: 2\n", "", 14, "seeds is missing here"),
         ("trainer:\n", "trainer: fast\n", 10, "hidden_layers is indented"),

@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import math
 import os
 import re
 import shlex
@@ -12,9 +13,10 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import onnx
@@ -31,7 +33,7 @@ from manyhands.training.evaluation import PolicyFile, evaluate
 from manyhands.training.policy_file import save_policy
 from manyhands.training.progress import TrainingProgress
 from manyhands.training.recipe import expected, find_recipe
-from manyhands.training.recorder import Row
+from manyhands.training.recorder import Recorder, Row
 from manyhands.training.run_folder import RunFolder
 from manyhands.training.settings import TrainSettings, parse_overrides
 
@@ -74,9 +76,10 @@ def test_the_folder_holds_everything(reach: RunFolder) -> None:
     steps = [int(row["env_steps"]) for row in rows]
     assert steps == sorted(set(steps))
     assert float(rows[-1]["evaluation_success_rate"]) == 1.0
-    known = [int(row["episodes"]) >= reach.read_settings().num_envs for row in rows]
+    begin = next(int(row["episodes"]) for row in rows if int(row["gradient_steps"]) > 0)
+    known = [int(row["episodes"]) >= begin + 100 for row in rows]
     assert [row["success_rate"] != "nan" for row in rows] == known
-    assert not known[0] and known[-1], "the first rows know only of episodes that were quick"
+    assert not known[0] and known[-1], "the first rows know only of episodes before learning"
     seconds = [float(row["seconds"]) for row in rows]
     assert seconds == sorted(seconds)
 
@@ -163,7 +166,7 @@ def test_a_resumed_run_is_the_uninterrupted_run(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "damage", "message"),
     [
-        ("metrics.csv", lambda text: text[: len(text) // 2], r"metrics.csv:\d+: expected 12 numbers, found"),
+        ("metrics.csv", lambda text: text.rpartition(",")[0], r"metrics.csv:\d+: expected 12 numbers, found"),
         ("metrics.csv", lambda text: text.replace("1", "one", 40), "metrics.csv:2: expected 12 numbers, found"),
         ("metrics.csv", lambda _: "", "metrics.csv:1: expected the header iterations,env_steps"),
         ("metrics.csv", lambda text: text.replace("episodes", "plays"), "metrics.csv:1: expected the header"),
@@ -265,7 +268,7 @@ def test_required_success_decides_the_exit_code(tmp_path: Path, capsys: pytest.C
         (["PandaReach", "--set", "gama=0.9"], "'gama' is no trainer setting; did you mean gamma?"),
         (["PandaReach", "--set", "gamma"], "expected NAME=VALUE"),
         (["PandaReach", "--set", "gamma=high"], "is no number"),
-        (["PandaReach", "--set", 'gamma="high"'], "gamma is 'high', expected float"),
+        (["PandaReach", "--set", 'gamma="high"'], "gamma is 'high', expected a number"),
         (["PandaReach", "--set", "gamma=1.5"], "gamma"),
         (["PandaReach", "--num-envs", "0"], "num_envs is 0"),
         (["PandaReach", "--seed", "-1"], "seed is -1"),
@@ -394,6 +397,37 @@ def test_what_is_left_is_what_was_measured_while_that_holds() -> None:
             progress.update(replace(row, env_steps=steps))
         shown.append(text.getvalue().split("  ")[-1].strip())
     assert shown == ["about 0:40 left", "≤ 0:23 left", "≤ 3:10 left"]
+
+
+@pytest.mark.parametrize(("width", "shown"), [(120, 0), (80, 1), (60, 2), (45, 3)])
+def test_a_narrow_terminal_shows_what_matters_most(width: int, shown: int) -> None:
+    row = Row(1, 30_000, 100, 900, 0.97, 0.98, 5, 0.0, 0.0, 0.0, 100.0, 10.0)
+    texts = [
+        "3,000 steps/s  success 97%, without exploration 98.0%  about 0:06 left",
+        "3,000 steps/s  success 98.0%  about 0:06 left",
+        "success 98.0%  about 0:06 left",
+        "about 0:06 left",
+    ]
+    text = io.StringIO()
+    console = Console(file=text, force_terminal=True, width=width, color_system=None)
+    with TrainingProgress(console, "PandaPush-v3", 100_000, 50_000) as progress:
+        progress.update(row)
+    last = re.sub(r"\x1b\[[0-9;?]*[a-zA-Z]", "", text.getvalue()).splitlines()[-1]
+    assert last.strip().endswith(f" {texts[shown]}")
+    assert len(last.strip()) <= width
+
+
+def test_success_in_training_is_the_learners_own(tmp_path: Path) -> None:
+    metrics = SimpleNamespace(**dict.fromkeys(field.name for field in fields(Row)), mean_return=0.0)
+    for name in vars(metrics):
+        setattr(metrics, name, 0)
+    metrics.success_rate = 1.0  # of the script, while it alone acts
+    known = []
+    recorder = Recorder(RunFolder(tmp_path), num_envs=16)
+    for gradient_steps, episodes in ((0, 16), (0, 64), (8, 80), (16, 179), (24, 180)):
+        metrics.gradient_steps, metrics.episodes = gradient_steps, episodes
+        known.append(not math.isnan(recorder.add(cast(Any, metrics), 0.1).success_rate))
+    assert known == [False, False, False, False, True]
 
 
 def test_a_run_by_a_recipe_takes_what_was_measured() -> None:

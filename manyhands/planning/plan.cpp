@@ -1,0 +1,253 @@
+#include "manyhands/planning/plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "manyhands/kinematics/ik_search.h"
+#include "manyhands/math/philox.h"
+#include "manyhands/planning/checks.h"
+
+namespace manyhands {
+
+namespace {
+
+using Rows = std::span<const double>;
+
+/// The planned joint that is outside of its limits, in words; empty if none is.
+std::string outside_limits(const PlanningScene& scene, Rows q) {
+  constexpr double kHair = 1e-6;  // [rad or m]: what others round to
+  for (std::size_t k = 0; k < q.size(); ++k) {
+    if (q[k] >= scene.lower[k] - kHair && q[k] <= scene.upper[k] + kHair) continue;
+    return "joint '" + scene.joint_names[k] + "' is at " + as_text(q[k]) + ", its limits are " +
+           as_text(scene.lower[k]) + " and " + as_text(scene.upper[k]);
+  }
+  return {};
+}
+
+std::string in_words(const Encounter& found) {
+  const std::string links = "'" + found.a + "' and '" + found.b + "' ";
+  return found.distance < 0 ? links + "overlap by " + as_text(-found.distance) + " m"
+                            : links + "are " + as_text(found.distance) + " m apart";
+}
+
+/// Moves joints without limits by whole turns to where they are nearest to the start.
+void unwind(const PlanningScene& scene, Rows start, std::span<double> goal) {
+  constexpr double kTurn = 2 * std::numbers::pi;
+  for (std::size_t k = 0; k < goal.size(); ++k) {
+    if (std::isfinite(scene.lower[k]) || std::isfinite(scene.upper[k])) continue;
+    goal[k] -= kTurn * std::round((goal[k] - start[k]) / kTurn);
+  }
+}
+
+std::vector<float> in_float(Rows rows) {
+  std::vector<float> all;
+  for (const double x : rows) all.push_back(static_cast<float>(x));
+  return all;
+}
+
+/// Rows sorted by their distance from the start.
+std::vector<double> nearest_first(Rows rows, Rows start) {
+  const std::size_t n = start.size();
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t i = 0; i < rows.size(); i += n) {
+    double sum = 0;
+    for (std::size_t k = 0; k < n; ++k) sum += square(rows[i + k] - start[k]);
+    order.emplace_back(sum, i);
+  }
+  std::ranges::sort(order);
+  std::vector<double> sorted;
+  for (const auto& [distance, i] : order) {
+    const Rows row = rows.subspan(i, n);
+    sorted.insert(sorted.end(), row.begin(), row.end());
+  }
+  return sorted;
+}
+
+class Planning {
+ public:
+  Planning(const PlanningScene& scene, ConfigurationCheck& check, Rows start, const PlanSettings& settings)
+      : scene_(scene), check_(check), start_(start), settings_(settings), deadline_(settings.time_limit) {}
+
+  Plan plan(Rows goals) {
+    if (!is_start_good() || !take_goals(goals)) return plan_;
+    const Clock::time_point begin = Clock::now();
+    const std::vector<float> start = in_float(start_);
+    RrtPath path = rrt_connect(scene_, check_, start, in_float(goals_), settings_.rrt, deadline_);
+    plan_.search_time = since(begin);
+    plan_.nodes = path.nodes;
+    plan_.iterations = path.iterations;
+    if (path.rows.empty()) {
+      plan_.message = "the time limit of " + as_text(settings_.time_limit) + " s passed after " +
+                      std::to_string(path.iterations) + " samples; more time may help, or there is no way";
+      return plan_;
+    }
+    finish(std::move(path.rows));
+    return plan_;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  static double since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+
+  bool refuse(PlanStatus status, const std::string& message) {
+    plan_.status = status;
+    plan_.message = message;
+    return false;
+  }
+
+  bool is_start_good() {
+    if (const std::string limits = outside_limits(scene_, start_); !limits.empty())
+      return refuse(PlanStatus::kStartOutsideLimits, "the start is outside of limits: " + limits);
+    if (check_.are_free(start_)[0] != 0) return true;
+    return refuse(PlanStatus::kStartCollides, "the start collides: " + in_words(check_.nearest(start_)));
+  }
+
+  /// Keeps the goals that are good; says what is wrong with the first if none is.
+  bool take_goals(Rows goals) {
+    const std::size_t n = scene_.size();
+    for (std::size_t i = 0; i < goals.size(); i += n) {
+      std::vector<double> goal(goals.begin() + static_cast<std::ptrdiff_t>(i),
+                               goals.begin() + static_cast<std::ptrdiff_t>(i + n));
+      unwind(scene_, start_, goal);
+      const std::string limits = outside_limits(scene_, goal);
+      if (limits.empty() && check_.are_free(goal)[0] != 0) {
+        goals_.insert(goals_.end(), goal.begin(), goal.end());
+      } else if (plan_.message.empty()) {
+        if (limits.empty())
+          refuse(PlanStatus::kGoalCollides, "the goal collides: " + in_words(check_.nearest(goal)));
+        else
+          refuse(PlanStatus::kGoalOutsideLimits, "the goal is outside of limits: " + limits);
+      }
+    }
+    if (goals_.empty()) return false;
+    goals_ = nearest_first(goals_, start_);
+    plan_.status = PlanStatus::kTimeLimit;
+    plan_.message.clear();
+    return true;
+  }
+
+  void finish(std::vector<float> rows) {
+    const Clock::time_point begin = Clock::now();
+    const std::size_t n = scene_.size();
+    if (settings_.shorten) rows = shortened(check_, std::move(rows), n, settings_.shortening, deadline_);
+    set_waypoints(rows);
+    if (plan_.waypoints.size() > n) plan_.curve = blended(check_, plan_.waypoints, n, settings_.blend, deadline_);
+    plan_.shorten_time = since(begin);
+    plan_.status = PlanStatus::kSolved;
+    plan_.message = "solved";
+  }
+
+  /// The rows without repetitions, with the ends as they were given in double.
+  void set_waypoints(const std::vector<float>& rows) {
+    const std::size_t n = scene_.size();
+    std::vector<double>& to = plan_.waypoints;
+    for (std::size_t i = 0; i < rows.size(); i += n) {
+      if (i > 0 &&
+          std::equal(rows.begin() + static_cast<std::ptrdiff_t>(i - n), rows.begin() + static_cast<std::ptrdiff_t>(i),
+                     rows.begin() + static_cast<std::ptrdiff_t>(i)))
+        continue;
+      to.insert(to.end(), rows.begin() + static_cast<std::ptrdiff_t>(i),
+                rows.begin() + static_cast<std::ptrdiff_t>(i + n));
+    }
+    std::ranges::copy(start_, to.begin());
+    if (to.size() == n) return;
+    for (std::size_t i = 0; i < goals_.size(); i += n) {
+      const Rows goal = Rows(goals_).subspan(i, n);
+      if (std::ranges::equal(in_float(goal), in_float(Rows(to).last(n))))
+        std::ranges::copy(goal, to.end() - static_cast<std::ptrdiff_t>(n));
+    }
+  }
+
+  const PlanningScene& scene_;
+  ConfigurationCheck& check_;
+  Rows start_;
+  const PlanSettings& settings_;
+  Deadline deadline_;
+  std::vector<double> goals_;
+  Plan plan_;
+};
+
+void require(bool holds, const std::string& otherwise) {
+  if (!holds) throw std::invalid_argument(otherwise);
+}
+
+}  // namespace
+
+Plan find_plan(const PlanningScene& scene, ConfigurationCheck& check, std::span<const double> start,
+               std::span<const double> goals, const PlanSettings& settings) {
+  const std::size_t n = scene.size();
+  require_rows("start", start, 1, n);
+  require(!goals.empty() && goals.size() % n == 0,
+          "the goal has " + std::to_string(goals.size()) + " numbers; expected rows of " + std::to_string(n));
+  require_finite("goal", goals, n);
+  require(settings.time_limit >= 0, "time_limit is " + as_text(settings.time_limit) + " s; expected 0 or more");
+  require(settings.rrt.range > 0 && std::isfinite(settings.rrt.range),
+          "range is " + as_text(settings.rrt.range) + "; expected more than 0");
+  require(settings.blend >= 0 && std::isfinite(settings.blend),
+          "blend is " + as_text(settings.blend) + "; expected 0 or more");
+  return Planning(scene, check, start, settings).plan(goals);
+}
+
+std::vector<double> goal_configurations(const Model& model, const PlanningScene& scene, ConfigurationCheck& check,
+                                        FrameId frame, const Transform<double>& X_WF, std::span<const double> start,
+                                        std::size_t count, std::uint64_t seed, const Deadline& deadline) {
+  constexpr std::size_t kStarts = 40;
+  constexpr double kSame = 1e-3;  // [rad or m]
+  const std::size_t n = scene.size();
+  RandomStream random(seed, 2, 0);
+  std::vector<double> from(start.begin(), start.end()), found;
+  const auto is_new = [&](const std::vector<double>& q) {
+    for (std::size_t i = 0; i < found.size(); i += n) {
+      double most = 0;
+      for (std::size_t k = 0; k < n; ++k) most = std::max(most, std::abs(found[i + k] - q[k]));
+      if (most < kSame) return false;
+    }
+    return true;
+  };
+  for (std::size_t i = 0; i < kStarts && !deadline.has_passed(); ++i) {
+    IkSearchSettings settings{.restarts = i == 0 ? 100 : 0, .seed = seed};
+    const IkSolutions solved = search_ik(model, frame, {&X_WF, 1}, scene.configuration(from), settings);
+    if (solved.success[0] != 0) {
+      std::vector<double> q;
+      for (const std::size_t k : scene.coordinates) q.push_back(solved.q[k]);
+      if (is_new(q) && check.are_free(q)[0] != 0) found.insert(found.end(), q.begin(), q.end());
+    } else if (i == 0) {
+      break;  // a hundred restarts did not reach it
+    }
+    for (std::size_t k = 0; k < n; ++k) {
+      constexpr double kFar = std::numbers::pi;  // where there is no limit
+      from[k] = random.uniform(std::max(scene.lower[k], -kFar), std::min(scene.upper[k], kFar));
+    }
+  }
+  std::vector<double> sorted = nearest_first(found, start);
+  sorted.resize(std::min(sorted.size(), count * n));
+  return sorted;
+}
+
+Encounter least_distance(const PlanningScene& scene, ConfigurationCheck& check, std::span<const double> rows,
+                         double step) {
+  const std::size_t n = scene.size();
+  require_rows("rows", rows, rows.size() / n, n);
+  require(step > 0, "step is " + as_text(step) + " m; expected more than 0");
+  Encounter least = check.nearest(rows.first(n));
+  std::vector<double> q(n);
+  for (std::size_t i = n; i < rows.size(); i += n) {
+    double farthest = 0;
+    for (const MovingPart& part : scene.parts) {
+      double way = 0;
+      for (std::size_t k = 0; k < n; ++k)
+        way += static_cast<double>(part.reach[k]) * std::abs(rows[i + k] - rows[i - n + k]);
+      farthest = std::max(farthest, way);
+    }
+    const double looks = std::max(1.0, std::ceil(farthest / step));
+    for (double look = 1; look <= looks; ++look) {
+      for (std::size_t k = 0; k < n; ++k) q[k] = rows[i - n + k] + look / looks * (rows[i + k] - rows[i - n + k]);
+      if (const Encounter here = check.nearest(q); here.distance < least.distance) least = here;
+    }
+  }
+  return least;
+}
+
+}  // namespace manyhands

@@ -1,0 +1,45 @@
+// Paths among obstacles by two trees that grow towards each other.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+
+#include "manyhands/planning/configuration_check.h"
+
+namespace manyhands {
+
+/// Until when a search may go on.
+class Deadline {
+ public:
+  explicit Deadline(double seconds)
+      : end_(Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                std::chrono::duration<double>(seconds < kLong ? seconds : kLong))) {}
+  [[nodiscard]] bool has_passed() const { return Clock::now() >= end_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static constexpr double kLong = 1e6;  // [s]
+  Clock::time_point end_;
+};
+
+struct RrtSettings {
+  double range = 2.0;  ///< the longest edge, in the space of planned coordinates [rad or m]
+  std::uint64_t seed = 0;
+};
+
+/// Waypoints as rows of n.
+struct RrtPath {
+  std::vector<float> rows{};  ///< empty if none was found
+  std::size_t nodes = 0;      ///< of both trees
+  std::size_t iterations = 0;
+};
+
+/// A path from `start` (n) to one of `goals` (rows of n), all of them free and within the scene's limits, whose edges
+/// are free all along. The same for the same seed, unless time runs out. RRT-Connect: Kuffner and LaValle, RRT-Connect:
+/// An efficient approach to single-query path planning, ICRA 2000. The smaller of the trees grows; where it is asked to
+/// go farther than nodes have found room before, the sample is left out (dynamic domains: Yershova, Jaillet, Simeon and
+/// LaValle, Dynamic-domain RRTs, ICRA 2005).
+[[nodiscard]] RrtPath rrt_connect(const PlanningScene& scene, ConfigurationCheck& check, std::span<const float> start,
+                                  std::span<const float> goals, const RrtSettings& settings, const Deadline& deadline);
+
+}  // namespace manyhands

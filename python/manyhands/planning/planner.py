@@ -1,0 +1,275 @@
+"""Ways among obstacles: what is free, and plans from a configuration to a goal."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any, Literal, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from manyhands._core import Model, World
+from manyhands._core import planning as _core
+from manyhands.arguments import finite_rows, whole_number
+from manyhands.planning.timing import time_optimal
+from manyhands.planning.trajectories import Trajectory, limit_row
+from manyhands.rigid_motions import unit_quaternions
+
+Array = NDArray[np.float64]
+PlanStatus: TypeAlias = Literal[
+    "solved",
+    "start outside limits",
+    "start collides",
+    "goal outside limits",
+    "goal collides",
+    "goal unreachable",
+    "time limit",
+]
+
+_GOALS = 4  # configurations that reach a pose: the nearest
+_LARGEST_SEED = 2**63 - 1
+
+
+class Encounter(NamedTuple):
+    """Two links that may not touch, and how far apart they are."""
+
+    distance: float
+    """[m]; negative where they overlap"""
+    link_a: str
+    link_b: str
+    """"cloud" for points of a cloud"""
+
+
+class Plan:
+    """What `Planner.plan` found. Rows are of the n planned joints, in the order of `joints`."""
+
+    __slots__ = (
+        "_limits",
+        "curve",
+        "iterations",
+        "joints",
+        "message",
+        "nodes",
+        "search_time",
+        "shorten_time",
+        "status",
+        "waypoints",
+    )
+
+    status: PlanStatus
+    message: str
+    """in a sentence: which joint is outside of limits, which links collide"""
+    joints: tuple[str, ...]
+    waypoints: Array
+    """(m, n) from the start to the goal; none unless `success`. Straight lines between them are free all along."""
+    curve: Trajectory | None
+    """the same way with its corners blended, by its length; free all along. None where there is nowhere to go."""
+    nodes: int
+    """of both trees"""
+    iterations: int
+    """samples that were drawn"""
+    search_time: float
+    """[s] of the search alone"""
+    shorten_time: float
+    """[s] of shortcuts and blends"""
+
+    def __init__(self, joints: tuple[str, ...], velocity: Array, found: tuple[Any, ...]) -> None:
+        self.joints, self._limits = joints, velocity
+        self.status, self.message, self.waypoints, curve = found[:4]
+        self.nodes, self.iterations, self.search_time, self.shorten_time = found[4:]
+        self.curve = None if curve is None else Trajectory._of(curve)
+
+    @property
+    def success(self) -> bool:
+        """Whether there are waypoints: the status is "solved"."""
+        return self.status == "solved"
+
+    @property
+    def length(self) -> float:
+        """Of the waypoints' lines, in the space of the planned joints."""
+        return float(np.linalg.norm(np.diff(self.waypoints, axis=0), axis=1).sum())
+
+    def trajectory(
+        self, *, acceleration: ArrayLike, velocity: ArrayLike | None = None, intervals: int = 200
+    ) -> Trajectory:
+        """The fastest motion along the curve within limits, (n,) or one for all: `time_optimal`. velocity: by default
+        that of the model. Raises ValueError if there is no curve."""
+        if self.curve is None:
+            raise ValueError(f"there is no way to follow: {self.message}")
+        limits = self._limits if velocity is None else limit_row("velocity", velocity, len(self.joints))
+        return time_optimal(self.curve, velocity=limits, acceleration=acceleration, intervals=intervals)
+
+    def __repr__(self) -> str:
+        return f"Plan({self.status!r}, {len(self.waypoints)} waypoints)" if self.success else f"Plan({self.message!r})"
+
+
+class Planner:
+    """What moves and what stands in the way, as they are now: a later change of the world needs another planner.
+
+    scene: a world, or a model with its configuration q (nq,), by default the initial one.
+    frame: the joints that move it are planned. Or joints: their names; each has one coordinate. All others stay.
+    attached: links that are carried, by the link that carries each, as {"cube": "panda_hand"}. They move with it from
+    where they are now, and may touch the links of the robot that they touch now.
+    allowed: pairs of links that may touch, beside those that the model allows.
+    cloud: points (m, 3) [m] that nothing comes nearer to than cloud_radius [m]; those that are not finite are left out.
+    margin: a distance that is kept from everything [m].
+    overshoot: how far the balls that stand for links stick out of them [m]: a matter of speed, not of what is free.
+    """
+
+    def __init__(
+        self,
+        scene: World | Model,
+        frame: str | None = None,
+        *,
+        joints: Iterable[str] = (),
+        q: ArrayLike | None = None,
+        attached: Mapping[str, str] | None = None,
+        allowed: Iterable[tuple[str, str]] = (),
+        cloud: ArrayLike | None = None,
+        cloud_radius: float = 0.01,
+        margin: float = 0.0,
+        overshoot: float = 0.0125,
+    ) -> None:
+        model, now, mocap = _state(scene, q)
+        self.model = model
+        self.frame = frame
+        points = [] if cloud is None else [(_points(cloud), float(cloud_radius))]
+        pairs = list((attached or {}).items())
+        self._core = _core.Planner(
+            model, now, mocap, frame or "", list(joints), pairs, list(allowed), points, margin, overshoot
+        )
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """(n,) the names of the planned joints, in the order of q."""
+        return tuple(self._core.joints)
+
+    @property
+    def start(self) -> Array:
+        """(n,) where the planned joints are in the scene."""
+        return np.asarray(self._core.start)
+
+    @property
+    def self_pairs(self) -> list[tuple[str, str]]:
+        """Links that move and are kept from each other: those that the planned joints could bring to touch."""
+        return list(self._core.pairs)
+
+    def configuration(self, planned: ArrayLike) -> Array:
+        """q (..., nq) of the model at planned joints (..., n); everything else as it is in the scene."""
+        rows = finite_rows("planned", planned, len(self.joints))
+        flat = [self._core.configuration(row) for row in rows.reshape(-1, len(self.joints))]
+        return np.array(flat).reshape(*rows.shape[:-1], self.model.nq)
+
+    def is_free(self, planned: ArrayLike) -> NDArray[np.bool_]:
+        """Whether nothing collides (...) at planned joints (..., n), by exact distances where balls leave doubts."""
+        rows = finite_rows("planned", planned, len(self.joints))
+        return np.asarray(self._core.are_free(_flat(rows))).reshape(rows.shape[:-1])
+
+    def is_way_free(self, a: ArrayLike, b: ArrayLike) -> bool:
+        """Whether nothing collides anywhere on the straight line from a to b (n,). A way within half a millimetre of
+        an obstacle may count as blocked."""
+        return self._core.is_way_free(*(self._row(name, q).astype(np.float32) for name, q in (("a", a), ("b", b))))
+
+    def nearest(self, planned: ArrayLike) -> Encounter:
+        """The two links that are nearest to touching at planned joints (n,), of those that may not; by exact distances
+        of all shapes."""
+        return Encounter(*self._core.nearest(self._row("planned", planned)))
+
+    def least_distance(self, waypoints: ArrayLike, step: float = 0.001) -> Encounter:
+        """The same on the way along waypoints (m, n), looked at so often that no point moves by more than step [m]
+        from one look to the next: an independent judge of plans."""
+        rows = finite_rows("waypoints", waypoints, len(self.joints))
+        if rows.ndim != 2 or len(rows) == 0:
+            raise ValueError(f"waypoints have shape {rows.shape}; expected (m, {len(self.joints)}), m above 0")
+        return Encounter(*self._core.least_distance(_flat(rows), step))
+
+    def balls(self, planned: ArrayLike) -> Array:
+        """(m, 4) the balls that stand for what moves: centre and radius [m]."""
+        return np.asarray(self._core.balls(self._row("planned", planned)))
+
+    def plan(
+        self,
+        goal: ArrayLike | None = None,
+        *,
+        position: ArrayLike | None = None,
+        quaternion: ArrayLike | None = None,
+        start: ArrayLike | None = None,
+        time_limit: float = 1.0,
+        seed: int = 0,
+        shorten: bool = True,
+        blend: float = 0.5,
+        range: float = 2.0,
+    ) -> Plan:
+        """A way from `start` (n,), by default where the scene is, to a goal.
+
+        goal: planned joints (n,), or several goals (m, n) of which one is to be reached. Or position (3,) and
+        quaternion (4,) xyzw of the planner's frame. time_limit [s]: kept. seed: the same seed gives the same plan,
+        unless time runs out. shorten: cut corners. blend: how far from a corner the curve may leave it [rad or m].
+        range: the longest edge of the search.
+
+        What cannot be solved is said by the plan's `status` and `message`. Raises ValueError on arrays that do not fit
+        and NaN.
+        """
+        begin = self.start if start is None else self._row("start", start)
+        number = whole_number("seed", seed, 0, _LARGEST_SEED)
+        if not time_limit >= 0:
+            raise ValueError(f"time_limit is {time_limit} s; expected 0 or more")
+        goals = self._goals(goal, position, quaternion, begin, number, time_limit)
+        if len(goals) == 0:
+            message = f"no configuration was found that brings '{self.frame}' there without a collision"
+            nothing = np.zeros((0, len(self.joints)))
+            return Plan(
+                self.joints,
+                np.asarray(self._core.velocity),
+                ("goal unreachable", message, nothing, None, 0, 0, 0.0, 0.0),
+            )
+        found: Any = self._core.plan(begin, goals, time_limit, shorten, blend, range, number)
+        return Plan(self.joints, np.asarray(self._core.velocity), found)
+
+    def _goals(self, goal: Any, position: Any, quaternion: Any, start: Array, seed: int, time_limit: float) -> Array:
+        if (goal is None) == (position is None) or (position is None) != (quaternion is None):
+            raise ValueError("give either goal, or position and quaternion")
+        if goal is not None:
+            rows = finite_rows("goal", goal, len(self.joints))
+            if rows.ndim > 2 or rows.size == 0:
+                raise ValueError(f"goal has shape {rows.shape}; expected ({len(self.joints)},) or rows of it")
+            return _flat(rows)
+        if self.frame is None:
+            raise ValueError("a pose is that of a frame; make the planner with one")
+        p, r = finite_rows("position", position, 3), unit_quaternions("quaternion", quaternion)
+        if p.ndim != 1 or r.ndim != 1:
+            raise ValueError(f"position has shape {p.shape} and quaternion {r.shape}; expected (3,) and (4,)")
+        return np.asarray(self._core.goals(self.frame, p, r, start, _GOALS, seed, time_limit))
+
+    def _row(self, name: str, values: ArrayLike) -> Array:
+        row = finite_rows(name, values, len(self.joints))
+        if row.ndim != 1:
+            raise ValueError(f"{name} has shape {row.shape}; expected ({len(self.joints)},)")
+        return np.ascontiguousarray(row)
+
+
+def plan(scene: World | Model, frame: str, goal: ArrayLike | None = None, **options: Any) -> Plan:
+    """`Planner.plan` of a planner that is used once: options are those of both."""
+    of_plan = ("position", "quaternion", "start", "time_limit", "seed", "shorten", "blend", "range")
+    chosen = {name: options.pop(name) for name in of_plan if name in options}
+    return Planner(scene, frame, **options).plan(goal, **chosen)
+
+
+def _state(scene: World | Model, q: ArrayLike | None) -> tuple[Model, Array, Array]:
+    if isinstance(scene, World):
+        if q is not None:
+            raise ValueError("a world has a q of its own; set world.q, or give its model")
+        return scene.model, np.asarray(scene.q), np.asarray(scene.mocap, np.float64).reshape(-1)
+    row = finite_rows("q", scene.initial_configuration() if q is None else q, scene.nq)
+    if row.ndim != 1:
+        raise ValueError(f"q has shape {row.shape}; expected ({scene.nq},)")
+    return scene, np.ascontiguousarray(row), np.zeros(0)
+
+
+def _points(cloud: ArrayLike) -> Array:
+    points = np.asarray(cloud, np.float64)
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise ValueError(f"cloud has shape {points.shape}; expected (m, 3)")
+    return np.ascontiguousarray(points[np.isfinite(points).all(axis=1)])
+
+
+def _flat(rows: Array) -> Array:
+    return np.ascontiguousarray(rows.reshape(-1, rows.shape[-1]))
