@@ -14,7 +14,7 @@ from pathlib import Path
 
 from manyhands._core import Model, ModelBuilder, World, asset_path, load_urdf
 
-__all__ = ["Description", "Vacuum", "attach", "describe", "load", "names", "path"]
+__all__ = ["Description", "Vacuum", "attach", "describe", "load", "names", "path", "split"]
 
 GRIPPER = "gripper/"
 
@@ -77,6 +77,12 @@ def load(name: str, *, gripper: str | None = None, fixed_base: bool = True) -> M
     if not robot.flange:
         raise ValueError(f"{name} has no flange for a gripper; {', '.join(_with_flange())} have")
     return attach(model, gripper, robot.flange)
+
+
+def split(text: str) -> tuple[str, str | None]:
+    """The arm and the gripper of 'six_axis+two_finger'; None where only one is named."""
+    name, _, gripper = text.partition("+")
+    return name, gripper or None
 
 
 def attach(arm: Model, gripper: str | Model, frame: str, *, prefix: str = GRIPPER) -> Model:

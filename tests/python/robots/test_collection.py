@@ -265,6 +265,48 @@ def test_fingers_close_hold_a_cube_and_let_it_go(name: str, loaded: bool) -> Non
     assert world.body_pose("cube")[0][2] < held[2] - 0.05
 
 
+@pytest.mark.parametrize("gripper", GRIPPERS)
+def test_every_gripper_lifts_a_cube_and_holds_it_for_five_seconds(gripper: str) -> None:
+    arm, hand, half = mh.robots.describe("six_axis"), mh.robots.describe(gripper), 0.02
+    world = mh.World()
+    world.add(mh.robots.load("six_axis", gripper=gripper), name="arm")
+    place, turn = world.body_pose("arm/gripper/tool")
+    middle = place - [0, 0, 0 if hand.closed else half]
+    world.add_box("cube", [half] * 3, mass=0.2, position=middle, friction=0.8)
+    world.add_box("post", [half / 2, half / 2, 0.02], position=middle - [0, 0, half + 0.02], fixed=True)
+    world.move({f"arm/{joint}": angle for joint, angle in arm.home.items()})
+    if hand.closed:
+        world.move({f"arm/gripper/{joint}": closed for joint, closed in hand.closed.items()})
+    else:
+        assert mh.robots.Vacuum(world, "arm/gripper/cup").on() == "cube"
+    world.step(250)
+    for height in np.linspace(0, 0.1, 101)[1:]:
+        goal = mh.inverse_kinematics(world.model, "arm/gripper/tool", place + [0, 0, height], turn, start=world.q)
+        assert goal.success
+        world.move({f"arm/{joint}": goal.q[world.model.joint(f"arm/{joint}").iq] for joint in arm.home})
+        world.step(5)
+    world.step(250)
+    lifted = world.body_pose("cube")[0]
+    assert lifted[2] - middle[2] == pytest.approx(0.1, abs=0.01)
+    world.step(2500)
+    np.testing.assert_allclose(world.body_pose("cube")[0], lifted, atol=1e-4)
+
+
+@pytest.mark.parametrize("name", FINGERED)
+def test_its_width_is_that_between_its_pads_and_grows_evenly(name: str) -> None:
+    robot = mh.robots.describe(name)
+    ((joint, closed),) = robot.closed.items()
+    narrow, wide = robot.width
+    for share, tolerance in ((0.0, 1e-4), (0.3, 2.5e-3), (0.7, 2.5e-3)):
+        world = mh.World(mh.robots.load(name))
+        world.move({joint: share * closed})
+        world.step(500)
+        middle = world.body_pose("tool")[0]
+        outwards = [1, 0, 0] if name == "three_finger" else [0, 1, 0]
+        hit = world.ray_cast(middle, outwards)
+        assert hit is not None and 2 * hit.distance == pytest.approx(wide + share * (narrow - wide), abs=tolerance)
+
+
 @pytest.mark.parametrize("name", FINGERED)
 def test_fingers_reach_their_ends_with_nothing_between(name: str) -> None:
     world = mh.World(mh.robots.load(name))
@@ -297,14 +339,10 @@ def test_the_desktop_arm_holds_a_cube_in_its_jaw() -> None:
     world.add(mh.robots.load("desktop"), name="arm")
     robot = mh.robots.describe("desktop")
     world.move({f"arm/{joint}": value for joint, value in robot.home.items()})
-    tool, turn = world.body_pose("arm/tool")
-    half = 0.012
-    x = (
-        np.array([-1.0, 0, 0]) if abs(turn[1]) > 0.5 else np.array([1.0, 0, 0])
-    )  # of the tool: it points down by a turn about y
-    at = tool + (half + 0.001) * x
-    world.add_box("cube", [half] * 3, mass=0.03, position=at, friction=0.8)
-    world.add_box("post", [half / 2, half / 2, 0.02], position=at - [0, 0, half + 0.02], fixed=True)
+    tool, _ = world.body_pose("arm/tool")
+    half = 0.0115  # the tool is 12 mm from the jaw that stays
+    world.add_box("cube", [half] * 3, mass=0.03, position=tool, friction=0.8)
+    world.add_box("post", [half / 2, half / 2, 0.02], position=tool - [0, 0, half + 0.02], fixed=True)
     world.move({f"arm/{joint}": value for joint, value in robot.closed.items()})
     world.step(500)
     world.remove("post")

@@ -122,7 +122,7 @@ def two_finger() -> Entry:
                 mimic_multiplier=-1.0,
             ),
         ]
-    tool, mount = frame("tool", "palm", (0, 0, round(base + crank + 0.040, 6)))
+    tool, mount = frame("tool", "palm", (0, 0, round(base + crank + 0.050, 6)))
     about = "gripper of two fingers on cranks whose tips stay parallel, 85 mm wide"
     return _entry("two_finger", about, [*links, tool], [*joints, mount], "finger_joint", 0.82, (0.0, 0.085), 3.0)
 
@@ -173,9 +173,9 @@ def three_finger() -> Entry:
                 mimic_multiplier=-0.6,
             ),
         ]
-    tool, mount = frame("tool", "palm", (0, 0, 0.135))
+    tool, mount = frame("tool", "palm", (0, 0, 0.152))
     about = "gripper of three fingers of two phalanges, for round things"
-    return _entry("three_finger", about, [*links, tool], [*joints, mount], "finger_joint", closed, (0.025, 0.072), 2.5)
+    return _entry("three_finger", about, [*links, tool], [*joints, mount], "finger_joint", closed, (0.0155, 0.072), 2.0)
 
 
 def vacuum() -> Entry:
