@@ -17,6 +17,7 @@ examples:
 
 Runs whose settings differ in the seed alone become one curve, the mean, with a band.
 """
+_NO_TERMINAL = 1000  # columns: lines of a file or a pipe are as long as they need to be
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -40,8 +41,8 @@ def run(arguments: argparse.Namespace) -> int:
 
     console = Console()
     groups, left_out = read_groups(arguments.runs)
-    for path in left_out:
-        console.print(f"Left out, without an evaluation yet: {path}", highlight=False, markup=False, soft_wrap=True)
+    for line in left_out:
+        console.print(line, highlight=False, markup=False, soft_wrap=True)
     show(console, groups, arguments.band, arguments.out)
     return 0
 
@@ -55,19 +56,22 @@ def show(console: "Console", groups: "list[Group]", band: "Band", out: Path) -> 
     from manyhands.training.comparison_picture import draw_page, draw_png
     from manyhands.training.comparison_table import header, notes, table_row
 
-    picture, page = (out.with_name(f"{out.name}.{ending}") for ending in ("png", "html"))
+    name = out.stem if out.suffix in (".png", ".html") else out.name
+    picture, page = (out.with_name(f"{name}.{ending}") for ending in ("png", "html"))
     draw_png(groups, band, picture)
     with needs("train", "the page"):
         draw_page(groups, band, page)
     title = f"{groups[0].runs[0].env_id}: success at the end"
     table = Table(
-        title=title, title_justify="left", caption=notes(band), caption_justify="left", box=box.SIMPLE,
+        title=title, title_justify="left", caption=notes(groups, band), caption_justify="left", box=box.SIMPLE,
         show_edge=False, collapse_padding=True,
     )  # fmt: skip
     for number, name in enumerate(header(band)):
         table.add_column(name, justify="right" if number else "left", overflow="fold")
     for group in groups:
         table.add_row(*table_row(group, band))
+    if not console.is_terminal:
+        console.width = _NO_TERMINAL
     console.print(table)
     for path, what in ((picture, "the curves"), (page, "the same, to zoom in")):
         console.print(f"  {path}  {what}", highlight=False, markup=False, soft_wrap=True)

@@ -4,7 +4,8 @@ import argparse
 import shlex
 import shutil
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from manyhands.training.run_folder import RunFolder
     from manyhands.training.settings import TrainSettings
 
-    _Begin = Callable[[TrainSettings], tuple[TrainingRun, str]]
+    _Begin = Callable[[TrainSettings], AbstractContextManager[tuple[TrainingRun, RunFolder, str]]]
 
 _MOST_WORKERS = 4096
 
@@ -88,13 +89,15 @@ def run(arguments: argparse.Namespace) -> int:
     prepare = _prepare_new if arguments.resume is None else _prepare_resumed
     settings, begin = prepare(arguments)
     if arguments.ray is None:
-        return _train(arguments, console, *begin(settings))
+        with begin(settings) as begun:
+            return _train(arguments, console, *begun)
     from manyhands.training.cluster import Cluster
 
     with Cluster(arguments.ray) as cluster:
         if arguments.resume is None and arguments.workers is None:
             settings = replace(settings, workers=min(cluster.default_workers(), settings.num_envs))
-        return _train(arguments, console, *begin(settings))
+        with begin(settings) as begun:
+            return _train(arguments, console, *begun)
 
 
 def _check_numbers(arguments: argparse.Namespace) -> None:
@@ -109,6 +112,7 @@ def _check_numbers(arguments: argparse.Namespace) -> None:
 def _prepare_new(arguments: argparse.Namespace) -> "tuple[TrainSettings, _Begin]":
     """Settings that make sense, and what begins the run."""
     from manyhands.training.announcement import announce
+    from manyhands.training.lock import locked
     from manyhands.training.optional import left_out
     from manyhands.training.randomization import randomized
     from manyhands.training.run import TrainingRun
@@ -128,17 +132,21 @@ def _prepare_new(arguments: argparse.Namespace) -> "tuple[TrainSettings, _Begin]
         settings = randomized(settings, changes["overrides"], arguments.max_steps)
     settings.trainer_config()
 
-    def begin(settings: "TrainSettings") -> "tuple[TrainingRun, str]":
-        folder = RunFolder.create(arguments.runs, settings)
+    @contextmanager
+    def begin(settings: "TrainSettings") -> "Iterator[tuple[TrainingRun, RunFolder, str]]":
+        run = TrainingRun(settings)
+        folder = RunFolder.create(arguments.runs, settings, run.save)
         lines = [f"Training {settings.env_id}, seed {settings.seed}: {folder.path}", *announce(recipe, settings)]
         lines += left_out()
-        return TrainingRun(folder, settings), "\n".join(lines)
+        with locked(folder.path):
+            yield run, folder, "\n".join(lines)
 
     return settings, begin
 
 
 def _prepare_resumed(arguments: argparse.Namespace) -> "tuple[TrainSettings, _Begin]":
     """The settings of a run that is there, and what resumes it."""
+    from manyhands.training.lock import locked
     from manyhands.training.run import TrainingRun
     from manyhands.training.run_folder import RunFolder
 
@@ -151,21 +159,23 @@ def _prepare_resumed(arguments: argparse.Namespace) -> "tuple[TrainSettings, _Be
         wanted = "without --ray" if settings.workers is None else "with --ray"
         raise ValueError(f"{folder.path} was begun {wanted}, and can only go on so")
 
-    def begin(settings: "TrainSettings") -> "tuple[TrainingRun, str]":
-        run = TrainingRun(folder, settings, resume=True)
-        done = run.metrics.env_steps
-        if run.metrics.solved:
-            text = f"Solved already, after {done:,} steps; only evaluated again: {folder.path}"
-        elif done < settings.max_env_steps:
-            text = f"Resuming at {done:,} steps: {folder.path}"
-        elif arguments.max_steps is not None:
-            raise ValueError(
-                f"{folder.path} has done {done} steps already: --max-steps {arguments.max_steps} adds none"
-            )
-        else:
-            text = f"All {done:,} steps are done, --max-steps would add more; only evaluated again: {folder.path}"
-        folder.write_config(settings)
-        return run, text
+    @contextmanager
+    def begin(settings: "TrainSettings") -> "Iterator[tuple[TrainingRun, RunFolder, str]]":
+        with locked(folder.path):
+            run = TrainingRun(settings, folder.checkpoint)
+            done = run.metrics.env_steps
+            if run.iterations_left > 0:
+                folder.write_config(settings)
+                text = f"Resuming at {done:,} steps: {folder.path}"
+            elif run.metrics.solved:
+                text = f"Solved already, after {done:,} steps; only evaluated again: {folder.path}"
+            elif arguments.max_steps is not None:
+                raise ValueError(
+                    f"{folder.path} has done {done} steps already: --max-steps {arguments.max_steps} adds none"
+                )
+            else:
+                text = f"All {done:,} steps are done, --max-steps would add more; only evaluated again: {folder.path}"
+            yield run, folder, text
 
     return settings, begin
 
@@ -179,10 +189,12 @@ def _changes(arguments: argparse.Namespace) -> dict[str, Any]:
     }
 
 
-def _train(arguments: argparse.Namespace, console: "Console", run: "TrainingRun", introduction: str) -> int:
+def _train(
+    arguments: argparse.Namespace, console: "Console", run: "TrainingRun", folder: "RunFolder", introduction: str
+) -> int:
     console.print(introduction, highlight=False, markup=False, soft_wrap=True)
-    outcome = run.train(console)
-    _summarise(outcome, run.folder, run.settings, arguments.ray, console.print)
+    outcome = run.train(folder, console)
+    _summarise(outcome, folder, run.settings, arguments.ray, console.print)
     if outcome.evaluation is None:
         return INTERRUPTED
     required = arguments.require_success

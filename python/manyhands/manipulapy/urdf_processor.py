@@ -9,11 +9,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from manyhands.manipulapy.dynamics import ManipulatorDynamics
 from manyhands.manipulapy.kinematics import SerialManipulator
-from manyhands.manipulapy.urdf import URDF
+from manyhands.manipulapy.urdf import URDF, Scene, URDFModifier
 
 Array = NDArray[np.float64]
 
-__all__ = ["URDFToSerialManipulator", "load_robot"]
+__all__ = ["URDFToSerialManipulator", "create_multi_robot_scene", "load_robot"]
 
 
 class URDFToSerialManipulator:
@@ -139,6 +139,10 @@ class URDFToSerialManipulator:
         """The pose (4, 4) of one link in another."""
         return self.robot.get_transform(frame_to, frame_from, cfg)
 
+    def create_modifier(self) -> URDFModifier:
+        """A copy of the description, to change."""
+        return URDFModifier(self.robot)
+
     def validate(self) -> dict[str, Any]:
         """What is doubtful: {"valid": bool, "issues": [{"severity", "message"}]}."""
         issues = [
@@ -220,3 +224,8 @@ class URDFToSerialManipulator:
 def load_robot(urdf_path: str, backend: str = "builtin", use_pybullet_limits: bool = False) -> URDFToSerialManipulator:
     """`URDFToSerialManipulator` of a file."""
     return URDFToSerialManipulator(urdf_path, use_pybullet_limits, backend)
+
+
+def create_multi_robot_scene(name: str = "scene") -> Scene:
+    """An empty `Scene`."""
+    return Scene(name)

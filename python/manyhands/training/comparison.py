@@ -18,7 +18,9 @@ Band = Literal["bootstrap", "range"]
 
 _RESAMPLES = 10_000  # of the bootstrap: its limits scatter by less than 0.1 % of success
 _PLACES = 200  # at least along a curve, for between evaluations a band is no straight line
-_NO_SETTINGS = ("seed", "num_threads")  # of the trainer: a group holds all seeds, and threads change no result
+# From which the policy follows. It does not from where training would have had to stop, nor from the trainer's threads.
+_SETTINGS = ("num_envs", "workers", "randomize", "cameras")
+_NO_SETTINGS = ("seed", "num_threads")  # of the trainer: a group holds all seeds
 
 
 @dataclass(frozen=True)
@@ -39,6 +41,20 @@ class Run:
         """Success in the end, as far as it got."""
         return float(self.success[-1])
 
+    def places(self, along: Along) -> Array:
+        """Where it was evaluated (k)."""
+        return self.steps if along == "steps" else self.seconds
+
+    def is_again(self, other: "Run") -> bool:
+        """Whether it is the other once more, as a copy of its folder is: the same seed, and the same success at the
+        same steps as long as both were training."""
+        if self.seed != other.seed:
+            return False
+        both = min(len(self.steps) - self.is_done, len(other.steps) - other.is_done)
+        places = slice(both or None)  # all, of a run that was evaluated after training alone
+        mine, its = (np.stack([run.steps[places], run.success[places]]) for run in (self, other))
+        return np.array_equal(mine, its)
+
 
 @dataclass(frozen=True)
 class Group:
@@ -48,21 +64,33 @@ class Group:
     runs: list[Run]
 
     @property
-    def done(self) -> int:
-        """How many have been trained to the end."""
-        return sum(run.is_done for run in self.runs)
+    def done(self) -> list[Run]:
+        """Those that have been trained to the end."""
+        return [run for run in self.runs if run.is_done]
+
+    @property
+    def counted(self) -> list[Run]:
+        """Those of which the mean is: the ones that are done, and where there are none, all."""
+        return self.done or self.runs
 
     def curves(self, along: Along) -> tuple[Array, Array]:
-        """Places along the axis (k), and the success of each run there (runs, k), linear between its evaluations.
+        """Places along the axis (k), and the success there of each run that counts (runs, k), linear between its
+        evaluations.
 
-        A run that is done keeps its success to the end; where one that is not done stops, all stop.
+        A run that is done keeps its success to the end; where none is done, all stop with the first that stops.
         """
-        places = [run.steps if along == "steps" else run.seconds for run in self.runs]
+        runs = self.counted
+        places = [run.places(along) for run in runs]
         first = max(x[0] for x in places)
-        stops = [x[-1] for x, run in zip(places, self.runs, strict=True) if not run.is_done]
-        last = max(first, min(stops, default=max(x[-1] for x in places)))
+        last = max(first, (max if self.done else min)(x[-1] for x in places))
         x = np.unique(np.clip(np.concatenate([*places, np.linspace(first, last, _PLACES)]), first, last))
-        return x, np.array([np.interp(x, at, run.success) for at, run in zip(places, self.runs, strict=True)])
+        return x, np.array([np.interp(x, at, run.success) for at, run in zip(places, runs, strict=True)])
+
+    def single(self, along: Along) -> list[tuple[Run, Array, Array]]:
+        """Each run, and its own curve: places (k) and success (k)."""
+        x, curves = self.curves(along)
+        done = [(run, x, curve) for run, curve in zip(self.counted, curves, strict=True) if run.is_done]
+        return done + [(run, run.places(along), run.success) for run in self.runs if not run.is_done]
 
 
 def interval(values: Array, band: Band) -> tuple[Array, Array]:
@@ -76,25 +104,21 @@ def interval(values: Array, band: Band) -> tuple[Array, Array]:
     return low, high
 
 
-def read_groups(paths: Sequence[Path]) -> tuple[list[Group], list[Path]]:
-    """The runs in these folders, and in folders of runs among them, in the order given; and those in folders of runs
-    that are left out, since they have no evaluation yet.
+def read_groups(paths: Sequence[Path]) -> tuple[list[Group], list[str]]:
+    """The runs in these folders, and in folders of runs among them, in the order given; and a line about each that is
+    left out.
 
-    Raises ValueError on a folder without runs, a named run without an evaluation, and runs of several environments.
+    Raises ValueError on a folder without runs, if no run has an evaluation, and on runs of several environments.
     """
-    folders: dict[Path, bool] = {}  # whether it was named
-    for path in paths:
-        folders |= {folder.resolve(): folder == path for folder in _run_folders(path)}
+    folders = dict.fromkeys(folder.resolve() for path in paths for folder in _run_folders(path))
     runs: list[Run] = []
-    left_out: list[Path] = []
-    for folder, is_named in folders.items():
+    left_out: list[str] = []
+    for folder in folders:
         run = _read_run(RunFolder(folder))
-        if run is not None:
-            runs.append(run)
-        elif is_named:
-            raise ValueError(f"{folder} has no evaluation yet, so there is nothing to compare: leave it out")
+        if run is None:
+            left_out.append(f"Left out, without an evaluation yet: {folder}")
         else:
-            left_out.append(folder)
+            runs.append(run)
     if not runs:
         raise ValueError(f"no run in {', '.join(map(str, paths))} has an evaluation yet: there is nothing to compare")
     for run in runs:
@@ -103,7 +127,24 @@ def read_groups(paths: Sequence[Path]) -> tuple[list[Group], list[Path]]:
                 f"runs of one environment can be compared: {runs[0].path} learned {runs[0].env_id}, "
                 f"{run.path} {run.env_id}"
             )
-    return _grouped(runs), left_out
+    groups = _grouped(runs)
+    for group in groups:
+        left_out += _drop_repeated(group.runs)
+    return groups, left_out
+
+
+def _drop_repeated(runs: list[Run]) -> list[str]:
+    """Of runs that are the same one keeps the one that got farthest. Returns a line about each of the others."""
+    kept: list[Run] = []
+    lines: list[str] = []
+    for run in sorted(runs, key=lambda run: (run.is_done, run.steps[-1]), reverse=True):
+        same = next((other for other in kept if run.is_again(other)), None)
+        if same is None:
+            kept.append(run)
+        else:
+            runs.remove(run)
+            lines.append(f"Counted once, the same run of seed {run.seed} as {same.path}: {run.path}")
+    return lines
 
 
 def _grouped(runs: Sequence[Run]) -> list[Group]:
@@ -121,7 +162,7 @@ def _run_folders(path: Path) -> list[Path]:
         raise ValueError(f"there is no folder {path}")
     if RunFolder(path).config.is_file():
         return [path]
-    found = sorted(inner for inner in path.iterdir() if RunFolder(inner).config.is_file())
+    found = sorted(run for run in path.iterdir() if RunFolder(run).config.is_file() and not run.name.startswith("."))
     if not found:
         raise ValueError(f"{path} is no run folder and holds none")
     return found
@@ -146,7 +187,7 @@ def _read_run(folder: RunFolder) -> Run | None:
         path=folder.path,
         env_id=settings.env_id,
         seed=settings.seed,
-        settings={"num_envs": settings.num_envs, "max_env_steps": settings.max_env_steps} | trainer,
+        settings={name: getattr(settings, name) for name in _SETTINGS} | trainer,
         steps=np.array(list(points), float),
         seconds=np.array(seconds, float),
         success=np.array(rates, float),
@@ -165,4 +206,6 @@ def _label(settings: dict[str, Any], names: Sequence[str]) -> str:
 
 
 def _text(value: Any) -> str:
+    if isinstance(value, dict):  # ranges and cameras are too many to be told
+        return "on" if value else "off"
     return f"{value:g}" if isinstance(value, float) else str(value)

@@ -16,6 +16,7 @@ from manyhands.files import replacing, write_text
 from manyhands.plots import PALETTE
 from manyhands.training.comparison import Along, Band, Group, interval
 from manyhands.training.comparison_table import header, notes, table_row
+from manyhands.training.console import counted
 
 AXES: dict[Along, str] = {"steps": "environment steps", "seconds": "seconds of training"}
 _GRID, _MUTED = "#e6e6e6", "#666666"
@@ -37,7 +38,8 @@ def explanation(groups: Sequence[Group], band: Band) -> str:
     if all(len(group.runs) == 1 for group in groups):
         return "Success on fresh episodes without exploration, at each evaluation and after training."
     what = "95 % bootstrap interval of the mean" if band == "bootstrap" else "least and greatest"
-    return f"Success on fresh episodes without exploration: mean over runs, {what}; thin lines are single runs."
+    thin = ", dashed if stopped" if any(len(group.done) < len(group.runs) for group in groups) else ""
+    return f"Success on fresh episodes without exploration: mean over runs, {what}; thin lines are single runs{thin}."
 
 
 def draw_png(groups: Sequence[Group], band: Band, path: Path) -> None:
@@ -53,7 +55,7 @@ def draw_png(groups: Sequence[Group], band: Band, path: Path) -> None:
             _draw_group(axes, group, along, band, colour)
         axes.set_xlabel(AXES[along])
         axes.set_xlim(0, _reach(groups, along))
-        axes.xaxis.set_major_formatter(EngFormatter(sep=""))
+        axes.xaxis.set_major_formatter(thousands)
         axes.grid(color=_GRID)
         axes.set_axisbelow(True)
         axes.spines[["top", "right"]].set_visible(False)
@@ -74,15 +76,22 @@ def draw_png(groups: Sequence[Group], band: Band, path: Path) -> None:
 
 def _reach(groups: Sequence[Group], along: Along) -> float:
     """Where an axis ends."""
-    return (1 + _MARGIN) * max(group.curves(along)[0][-1] for group in groups)
+    return (1 + _MARGIN) * max(x[-1] for group in groups for _, x, _ in group.single(along))
+
+
+def thousands(value: float, _: int) -> str:
+    """25000 as 25k, and 0.25 as it is: not as 250m."""
+    return EngFormatter(sep="")(value) if abs(value) >= 1 else f"{value:g}"
 
 
 def _draw_group(axes: Any, group: Group, along: Along, band: Band, colour: str) -> None:
     x, curves = group.curves(along)
     if len(curves) > 1:
         axes.fill_between(x, *interval(curves, band), color=colour, alpha=0.18, lw=0)
-        for curve in curves:
-            axes.plot(x, curve, color=colour, lw=0.7, alpha=0.45)
+    if len(group.runs) > 1:
+        for run, places, success in group.single(along):
+            style = "-" if run.is_done else "--"
+            axes.plot(places, success, style, color=colour, lw=0.7, alpha=0.45)
     mean = curves.mean(axis=0)
     axes.plot(x, mean, color=colour, lw=2.2, label=name_of(group), solid_capstyle="round")
     axes.plot(x[-1], mean[-1], "o", color=colour, ms=5)
@@ -96,7 +105,8 @@ def _legend_size(groups: Sequence[Group]) -> tuple[int, int]:
 
 def name_of(group: Group) -> str:
     """The label, and of how many runs it is."""
-    return f"{group.label} ({len(group.runs)} run{'s' * (len(group.runs) > 1)})"
+    done, count = len(group.done), len(group.runs)
+    return f"{group.label} ({counted(count, 'run') if done == count else f'{done} of {count} done'})"
 
 
 def draw_page(groups: Sequence[Group], band: Band, path: Path) -> None:
@@ -110,7 +120,7 @@ def draw_page(groups: Sequence[Group], band: Band, path: Path) -> None:
         f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{title}</title>'
         f"<style>{_STYLE}</style></head>\n<body><h1>{title}</h1><p>{escape(explanation(groups, band))}</p>\n"
         f"{_plot(groups, band)}\n<table><thead><tr>{head}</tr></thead>\n<tbody>{body}</tbody></table>"
-        f"<p>{escape(notes(band))}</p></body></html>\n",
+        f"<p>{escape(notes(groups, band))}</p></body></html>\n",
     )
 
 
@@ -145,10 +155,11 @@ def _traces(group: Group, along: Along, band: Band, colour: str) -> list[Any]:
         around, limits = np.concatenate([x, x[::-1]]), np.concatenate([high, low[::-1]])
         filled = {"fill": "toself", "fillcolor": colour, "opacity": 0.25, "line": {"width": 0}}
         drawn.append(Scatter(x=around, y=limits, **shared | silent | filled))
-        drawn += [
-            Scatter(x=x, y=curve, opacity=0.45, name=f"seed {run.seed}", showlegend=False, **shared)
-            for run, curve in zip(group.runs, curves, strict=True)
-        ]
+    if len(group.runs) > 1:
+        for run, places, success in group.single(along):
+            thin = shared | {"line": {"color": colour, "width": 1, "dash": "solid" if run.is_done else "dash"}}
+            name = f"seed {run.seed}{'' if run.is_done else ', stopped'}"
+            drawn.append(Scatter(x=places, y=success, opacity=0.45, name=name, showlegend=False, **thin))
     mean, wide = curves.mean(axis=0), shared | {"line": {"color": colour, "width": 3}}
     drawn.append(Scatter(x=x, y=mean, name=name_of(group), showlegend=along == "steps", **wide))
     end = {"mode": "markers", "marker": {"color": colour, "size": 9}}

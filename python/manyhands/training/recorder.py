@@ -45,7 +45,7 @@ class Recorder:
         self._folder = folder
         self._num_envs = num_envs
         self.rows = [row for row in read_rows(folder) if row.iterations <= resume_at] if resume_at else []
-        self._events = _events(folder.path)
+        self._events: Events | None = None
 
     @property
     def seconds(self) -> float:
@@ -71,6 +71,8 @@ class Recorder:
         )
         self.rows.append(row)
         self._write_csv()
+        if self._events is None:  # not before: a run with nothing left to train gets no file
+            self._events = _events(self._folder.path)
         if self._events is not None:
             self._events.add(row.env_steps, {f"train/{name}": value for name, value in asdict(row).items()})
         return row

@@ -5,6 +5,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from manyhands._core.envs import make_adviser, make_env_batch
@@ -44,11 +45,10 @@ class Outcome:
 
 
 class TrainingRun:
-    """Trains, and writes into its folder as it goes."""
+    """A trainer with its worlds, ready to go, which writes into a folder as it goes."""
 
-    def __init__(self, folder: RunFolder, settings: TrainSettings, resume: bool = False) -> None:
-        """With `resume`, goes on from the folder's checkpoint: raises ValueError if it has none."""
-        self.folder = folder
+    def __init__(self, settings: TrainSettings, checkpoint: Path | None = None) -> None:
+        """Goes on from the checkpoint if one is given. Raises ValueError if there is no such file, MemoryError."""
         self.settings = settings
         config = settings.trainer_config()
         threads = settings.num_threads or 0
@@ -61,35 +61,47 @@ class TrainingRun:
         if settings.workers is not None:
             self._trainer.spread(shares_of(settings.num_envs, settings.workers))
         self._workers: Workers | None = None
-        if resume:
-            if not folder.checkpoint.is_file():
-                raise ValueError(f"{folder.path} has no checkpoint to resume from; start again with a new run")
-            self._trainer.load(folder.checkpoint)
+        if checkpoint is not None:
+            if not checkpoint.is_file():
+                raise ValueError(f"{checkpoint.parent} has no checkpoint to resume from; start again with a new run")
+            self._trainer.load(checkpoint)
 
     @property
     def metrics(self) -> TrainMetrics:
         """Where training stands."""
         return self._trainer.metrics()
 
-    def train(self, console: Console) -> Outcome:
+    @property
+    def iterations_left(self) -> int:
+        """Until the step limit; none if the task is solved."""
+        metrics = self.metrics
+        if metrics.solved:
+            return 0
+        return max(0, math.ceil((self.settings.max_env_steps - metrics.env_steps) / self.settings.num_envs))
+
+    def save(self, checkpoint: Path) -> None:
+        """Writes the file from which training goes on. Raises OSError if it cannot be written."""
+        self._trainer.save(checkpoint)
+
+    def train(self, folder: RunFolder, console: Console) -> Outcome:
         """Trains until solved, at the step limit, or interrupted; then evaluates, unless interrupted."""
-        with Recorder(self.folder, self.settings.num_envs, self.metrics.iterations) as recorder:
+        with Recorder(folder, self.settings.num_envs, self.metrics.iterations) as recorder:
             with Interrupts() as interrupts:
-                if not self.folder.checkpoint.is_file():
-                    self._trainer.save(self.folder.checkpoint)  # from now on the run can be resumed
+                if not folder.checkpoint.is_file():
+                    self.save(folder.checkpoint)  # from now on the run can be resumed
                 try:
-                    self._advance(console, recorder, interrupts)
+                    self._advance(folder, console, recorder, interrupts)
                 except ConnectionError:  # of the workers: nothing that was learned is lost with them
-                    self._trainer.save(self.folder.checkpoint)
+                    self.save(folder.checkpoint)
                     raise
-                self._trainer.save(self.folder.checkpoint)
-                self._save_policy()
+                self.save(folder.checkpoint)
+                self._save_policy(folder)
             begin = time.perf_counter()
-            evaluation = None if interrupts.requested else self._evaluate()
+            evaluation = None if interrupts.requested else self._evaluate(folder)
             evaluated = time.perf_counter() - begin
-            self._draw_curve(recorder, evaluation)
+            self._draw_curve(folder, recorder, evaluation)
             if evaluation is not None and self.settings.randomize and has("onnx") and has("matplotlib"):
-                self._draw_randomization()
+                self._draw_randomization(folder)
             return Outcome(
                 solved=self.metrics.solved,
                 env_steps=self.metrics.env_steps,
@@ -99,7 +111,7 @@ class TrainingRun:
                 evaluation=evaluation,
             )
 
-    def _advance(self, console: Console, recorder: Recorder, interrupts: Interrupts) -> None:
+    def _advance(self, folder: RunFolder, console: Console, recorder: Recorder, interrupts: Interrupts) -> None:
         piece = 1
         last_checkpoint = time.monotonic()
         settings = self.settings
@@ -107,17 +119,17 @@ class TrainingRun:
         steps = None if known is None else known.env_steps
         with TrainingProgress(console, settings.env_id, settings.max_env_steps, steps, settings.workers) as progress:
             advance = self._advancer(progress, interrupts)
-            while (left := self._iterations_left()) > 0 and not interrupts.requested:
+            while (left := self.iterations_left) > 0 and not interrupts.requested:
                 begin = time.perf_counter()
                 metrics = advance(min(piece, left))
                 elapsed = time.perf_counter() - begin
                 progress.update(recorder.add(metrics, elapsed))
-                self.folder.evaluation.unlink(missing_ok=True)  # it was of the policy before
+                folder.evaluation.unlink(missing_ok=True)  # it was of the policy before
                 shortest, longest = _SECONDS_PER_PIECE
                 wanted = min(max(shortest, _SHARE_PER_PIECE * recorder.seconds), longest)
                 piece = max(1, round(piece * min(wanted / max(elapsed, 1e-6), 2.0)))
                 if time.monotonic() - last_checkpoint > _SECONDS_PER_CHECKPOINT:
-                    self._trainer.save(self.folder.checkpoint)
+                    self.save(folder.checkpoint)
                     last_checkpoint = time.monotonic()
 
     def _advancer(self, progress: TrainingProgress, interrupts: Interrupts) -> Callable[[int], TrainMetrics]:
@@ -131,36 +143,30 @@ class TrainingRun:
         spread = Spread(self._trainer, self._workers, self.settings.trainer_config().round_steps)
         return lambda iterations: spread.advance(iterations, lambda: interrupts.requested)
 
-    def _iterations_left(self) -> int:
-        metrics = self.metrics
-        if metrics.solved:
-            return 0
-        return math.ceil((self.settings.max_env_steps - metrics.env_steps) / self.settings.num_envs)
-
-    def _save_policy(self) -> None:
+    def _save_policy(self, folder: RunFolder) -> None:
         if not has("onnx"):
             return
         from manyhands.training.policy_file import save_policy
 
-        save_policy(self._trainer.policy(), self.settings.env_id, self.folder.policy, self.settings.cameras)
+        save_policy(self._trainer.policy(), self.settings.env_id, folder.policy, self.settings.cameras)
 
-    def _draw_curve(self, recorder: Recorder, last: Evaluation | None) -> None:
+    def _draw_curve(self, folder: RunFolder, recorder: Recorder, last: Evaluation | None) -> None:
         if not recorder.rows or not has("matplotlib"):
             return
         from manyhands.training.curve import draw_curve
 
-        draw_curve(self.folder, recorder.rows, f"{self.settings.env_id}, seed {self.settings.seed}", last)
+        draw_curve(folder, recorder.rows, f"{self.settings.env_id}, seed {self.settings.seed}", last)
 
-    def _draw_randomization(self) -> None:
+    def _draw_randomization(self, folder: RunFolder) -> None:
         """Success over each range, as a picture."""
         from manyhands.training.randomization_picture import draw_randomization
 
         settings = self.settings
-        policy = Policy(self.folder.policy)
+        policy = Policy(folder.policy)
         episodes = run_randomized(policy, settings.env_id, settings.randomize, num_threads=settings.num_threads)
-        draw_randomization(self.folder.randomization, episodes, f"{settings.env_id}, seed {settings.seed}")
+        draw_randomization(folder.randomization, episodes, f"{settings.env_id}, seed {settings.seed}")
 
-    def _evaluate(self) -> Evaluation:
+    def _evaluate(self, folder: RunFolder) -> Evaluation:
         episodes = self.settings.evaluation_episodes
         result = self._trainer.evaluate(self._evaluation, episodes, FIRST_EVALUATION_SEED)
         evaluation = Evaluation(
@@ -171,5 +177,5 @@ class TrainingRun:
             mean_return=result.mean_return,
             mean_length=result.mean_length,
         )
-        write_text(self.folder.evaluation, json.dumps(asdict(evaluation), indent=2) + "\n")
+        write_text(folder.evaluation, json.dumps(asdict(evaluation), indent=2) + "\n")
         return evaluation

@@ -1,7 +1,11 @@
 """The folder of a training run and what lies in it."""
 
+import errno
 import json
+import os
 import platform
+import shutil
+from collections.abc import Callable
 from dataclasses import asdict, replace
 from datetime import datetime
 from importlib import metadata
@@ -38,26 +42,22 @@ class RunFolder:
         self.log = path / "log.txt"  # of a run in a sweep: what it printed
 
     @classmethod
-    def create(cls, parent: Path, settings: TrainSettings) -> "RunFolder":
-        """A new folder <environment>-<date>-<seed> in `parent`. Raises OSError if there can be none."""
+    def create(cls, parent: Path, settings: TrainSettings, save: Callable[[Path], None]) -> "RunFolder":
+        """A new folder <environment>-<date>-<seed> in `parent`, which appears whole, with its config and what `save`
+        writes as the first checkpoint. Raises OSError if there can be none."""
         name = f"{settings.env_id}-{datetime.now():%Y%m%d-%H%M%S}-{settings.seed}"
-        path = parent / name
-        for again in range(2, 1000):
-            try:
-                path.mkdir(parents=True)
-                break
-            except FileExistsError:
-                path = parent / f"{name}-{again}"
-            except OSError as reason:
-                text = f"no run can be kept in {parent} ({reason.strerror}); name another folder with --runs"
-                raise type(reason)(text) from reason
-        folder = cls(path)
+        begun = cls(parent / f".{name}.{os.getpid()}")
         try:
-            folder.write_config(settings)
-        except OSError:
-            path.rmdir()
-            raise
-        return folder
+            begun.path.mkdir(parents=True)
+        except OSError as reason:
+            text = f"no run can be kept in {parent} ({reason.strerror}); name another folder with --runs"
+            raise type(reason)(text) from reason
+        try:
+            begun.write_config(settings)
+            save(begun.checkpoint)
+            return cls(_renamed(begun.path, parent / name))
+        finally:
+            shutil.rmtree(begun.path, ignore_errors=True)
 
     def make(self, settings: TrainSettings) -> None:
         """Makes this very folder, unless it is there, and writes its config. Raises OSError if it cannot."""
@@ -99,6 +99,19 @@ class RunFolder:
     def read_success(self) -> float | None:
         """Success after training, from evaluation.json; None before it. Raises ValueError if the file is damaged."""
         return _read_entry(self.evaluation, "success_rate", float) if self.evaluation.is_file() else None
+
+
+def _renamed(folder: Path, wanted: Path) -> Path:
+    """Where the folder is then: `wanted`, or with -2, -3 and so on behind it if that is taken."""
+    place, again = wanted, 1
+    while True:
+        try:
+            return folder.rename(place)
+        except OSError as reason:
+            if reason.errno not in (errno.EEXIST, errno.ENOTEMPTY, errno.ENOTDIR):
+                raise
+        again += 1
+        place = wanted.with_name(f"{wanted.name}-{again}")
 
 
 def _read_json(path: Path) -> Any:

@@ -14,6 +14,7 @@ from pathlib import Path
 from rich.console import Console
 
 from manyhands.interrupts import INTERRUPTED
+from manyhands.training.lock import locked
 from manyhands.training.run import TrainingRun
 from manyhands.training.run_folder import RunFolder
 from manyhands.training.sweep import ERROR
@@ -37,8 +38,9 @@ def main(path: Path) -> int:
 def _train(path: Path) -> int:
     threading.Thread(target=_end_with_the_sweep, daemon=True).start()
     folder = RunFolder(path)
-    run = TrainingRun(folder, folder.read_settings(), resume=folder.checkpoint.is_file())
-    outcome = run.train(Console())
+    with locked(path):
+        run = TrainingRun(folder.read_settings(), folder.checkpoint if folder.checkpoint.is_file() else None)
+        outcome = run.train(folder, Console())
     return INTERRUPTED if outcome.evaluation is None else 0
 
 

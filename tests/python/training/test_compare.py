@@ -3,6 +3,7 @@
 import json
 import re
 import shutil
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,10 @@ import pytest
 
 from manyhands import cli
 from manyhands.training.comparison import Group, Run, interval, read_groups
+from manyhands.training.comparison_picture import explanation, thousands
+from manyhands.training.comparison_table import notes, table_row
+from manyhands.training.recorder import read_rows
+from manyhands.training.run_folder import RunFolder
 
 PNG = b"\x89PNG\r\n"
 SHORT = ("--num-envs", "16", "--max-steps", "4000", "--episodes", "20", "--set", "evaluation_episodes=20")
@@ -25,12 +30,12 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return parent
 
 
-def made(success: list[list[float]], done: bool = True) -> Group:
+def made(success: list[list[float]], done: Sequence[bool] = (True, True)) -> Group:
     """Runs evaluated every 100 steps, ten a second; the first run at 100, 200, ..., the second at 110, 210, ..."""
     found = []
-    for seed, rates in enumerate(success):
+    for seed, (rates, is_done) in enumerate(zip(success, done, strict=True)):
         steps = 10.0 * seed + 100 * np.arange(1, len(rates) + 1)
-        found.append(Run(Path(f"{seed}"), "X", seed, {}, steps, steps / 10, np.array(rates), done))
+        found.append(Run(Path(f"{seed}"), "X", seed, {}, steps, steps / 10, np.array(rates), is_done))
     return Group("made", found)
 
 
@@ -45,10 +50,20 @@ def test_curves_are_linear_between_evaluations_and_keep_what_was_reached() -> No
     np.testing.assert_allclose(same, curves)
 
 
-def test_where_a_run_that_is_not_done_stops_all_stop() -> None:
-    group = made([[0.0, 1.0], [0.5, 0.5, 0.8]], done=False)
+def test_where_none_is_done_all_stop_with_the_first() -> None:
+    group = made([[0.0, 1.0], [0.5, 0.5, 0.8]], done=(False, False))
     assert group.curves("steps")[0][-1] == 200
-    assert group.done == 0
+    assert [(run.seed, x[-1]) for run, x, _ in group.single("steps")] == [(0, 200), (1, 310)], "alone each goes on"
+    assert table_row(group, "range") == ("made", "0 of 2 done", "80.0%", "90.0%", "100.0%", "310", "31.0")
+
+
+def test_a_run_that_is_done_is_not_hidden_by_one_that_was_stopped() -> None:
+    group = made([[0.1], [0.5, 0.5, 0.8]], done=(False, True))
+    steps, curves = group.curves("steps")
+    assert (steps[-1], curves[:, -1].tolist()) == (310, [0.8])
+    assert [(run.seed, x[-1]) for run, x, _ in group.single("steps")] == [(1, 310), (0, 100)]
+    assert table_row(group, "range") == ("made", "1 of 2 done", "80.0%", "80.0%", "80.0%", "310", "31.0")
+    assert "stopped do not count" in notes([group], "range") and "dashed if stopped" in explanation([group], "range")
 
 
 def test_bands() -> None:
@@ -116,12 +131,61 @@ def damaged(runs: Path, tmp_path: Path, name: str, text: str | None) -> Path:
 def test_a_run_without_an_evaluation(runs: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder = damaged(runs, tmp_path, "metrics.csv", None)
     out = ["--out", str(tmp_path / "out")]
-    assert cli.main(["compare", str(folder), *out]) == 2
-    assert f"{folder} has no evaluation yet" in capsys.readouterr().err
-    assert cli.main(["compare", str(tmp_path), *out]) == 2
-    assert f"no run in {tmp_path} has an evaluation yet" in capsys.readouterr().err
-    assert cli.main(["compare", str(runs), str(tmp_path), *out]) == 0
-    assert f"Left out, without an evaluation yet: {folder}" in capsys.readouterr().out
+    for named in (folder, tmp_path):
+        assert cli.main(["compare", str(named), *out]) == 2
+        assert f"no run in {named} has an evaluation yet" in capsys.readouterr().err
+        assert cli.main(["compare", *map(str, runs.iterdir()), str(named), *out]) == 0
+        assert f"Left out, without an evaluation yet: {folder}" in capsys.readouterr().out
+
+
+def test_another_limit_is_no_other_setting(runs: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    copy = shutil.copytree(runs, tmp_path / "runs")
+    changed = RunFolder(sorted(copy.iterdir())[0])
+    changed.write_config(changed.read_settings(max_env_steps=100))
+    groups, _ = read_groups([copy])
+    assert {group.label: len(group.runs) for group in groups} == {"gamma=0.95": 2, "gamma=0.5": 1}
+
+
+def test_a_copy_of_a_run_is_no_seed(runs: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    first = read_groups([runs])[0][0].runs[0].path
+    whole, part = (shutil.copytree(first, tmp_path / name) for name in ("whole", "part"))
+    (part / "evaluation.json").unlink()
+    evaluated = next(number for number, row in enumerate(read_rows(RunFolder(first)), start=2) if row.evaluations)
+    rows = (part / "metrics.csv").read_text().splitlines(keepends=True)
+    (part / "metrics.csv").write_text("".join(rows[:evaluated]))
+    groups, lines = read_groups([part, runs, whole])
+    assert sorted(len(group.runs) for group in groups) == [1, 2]
+    assert lines == [f"Counted once, the same run of seed 0 as {first}: {copy}" for copy in (whole, part)]
+    (other,) = (run for run in runs.iterdir() if RunFolder(run).read_settings().seed == 1)
+    assert read_groups([first, other])[1] == [], "another seed is another run"
+    assert cli.main(["compare", str(runs), str(part), "--out", str(tmp_path / "out")]) == 0
+    assert f"the same run of seed 0 as {first}: {part}" in capsys.readouterr().out
+
+
+def test_names_of_pictures_may_be_those_of_files(runs: Path, tmp_path: Path) -> None:
+    for name, wanted in (("a.png", "a"), ("b.html", "b"), ("c.d", "c.d")):
+        assert cli.main(["compare", str(runs), "--out", str(tmp_path / name)]) == 0
+        assert {path.name for path in tmp_path.iterdir()} == {f"{wanted}.png", f"{wanted}.html"}
+        for path in tmp_path.iterdir():
+            path.unlink()
+
+
+def test_labels_are_whole_where_there_is_no_terminal(
+    runs: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "40")
+    long = damaged(runs, tmp_path, "log.txt", "")
+    config = json.loads((long / "config.json").read_text())
+    config["trainer"] |= {"hidden_layers": [128, 128, 128, 128], "algorithm": "SAC", "batch_size": 4096}
+    (long / "config.json").write_text(json.dumps(config))
+    assert cli.main(["compare", str(runs), str(long), "--out", str(tmp_path / "out")]) == 0
+    (line,) = (line for line in capsys.readouterr().out.splitlines() if "algorithm=SAC" in line)
+    assert "batch_size=4096" in line and "hidden_layers=[128, 128, 128, 128]" in line
+
+
+def test_small_numbers_on_an_axis_are_no_thousandths() -> None:
+    texts = [thousands(value, 0) for value in (0, 0.25, 0.5, 1, 2.5, 400, 25_000, 1_500_000)]
+    assert texts == ["0", "0.25", "0.5", "1", "2.5", "400", "25k", "1.5M"]
 
 
 @pytest.mark.parametrize(

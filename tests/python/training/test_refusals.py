@@ -108,7 +108,8 @@ def test_requests_that_cannot_be_met(
     assert cli.main(request_.split()) in (1, 2)
     (line,) = capfd.readouterr().err.splitlines()
     assert line.startswith(f"manyhands {request_.split()[0]}: ") and message in line
-    shutil.rmtree(made / "runs", ignore_errors=True)  # the diverged run's folder: it has its first checkpoint
+    if message == "training diverged":  # after its first checkpoint
+        shutil.rmtree(made / "runs")
     assert contents(made) == before
 
 
@@ -136,7 +137,7 @@ def chance() -> random.Random:
 
 def test_damaged_checkpoints_are_refused_and_change_nothing(made: Path, chance: random.Random, tmp_path: Path) -> None:
     whole = RunFolder(made / "run")
-    run = TrainingRun(whole, whole.read_settings(), resume=True)
+    run = TrainingRun(whole.read_settings(), whole.checkpoint)
     weights = [weight.copy() for weight, _ in run._trainer.policy().layers]
     data = whole.checkpoint.read_bytes()
     file = tmp_path / "checkpoint.bin"
@@ -223,6 +224,6 @@ def test_a_full_disk_is_told_in_one_line_and_loses_nothing(
     written = {name for name in after if after[name] != before.get(name)} - {"run/config.json", "run/metrics.csv"}
     assert not (before.keys() - after.keys() - {"run/evaluation.json"}), "nothing is gone"
     assert not written & before.keys(), "nothing that was there is another"
-    assert all("events" in name or name.startswith("runs/") for name in written), written
+    assert all("events" in name for name in written), written
     if request_.startswith("train --resume"):
         assert cli.main(["train", "--resume", str(folder / "run"), "--max-steps", "3200"]) == 0, "it still can be"

@@ -345,7 +345,8 @@ def test_numbers_of_threads_that_make_no_sense_are_refused(
 
 
 def test_resuming_without_a_checkpoint_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    folder = RunFolder.create(tmp_path, TrainSettings("PandaReach-v3"))
+    folder = RunFolder(tmp_path / "run")
+    folder.make(TrainSettings("PandaReach-v3"))
     assert cli.main(["train", "--resume", str(folder.path)]) == 2
     assert "no checkpoint" in capsys.readouterr().err
     folder.checkpoint.write_bytes(b"half of a checkpo")

@@ -49,10 +49,10 @@ class Screws(NamedTuple):
 
 
 class URDF:
-    """A robot's description. `model` is what manyhands makes of it."""
+    """A robot's description. `model` is what manyhands makes of it, `xml` the text."""
 
-    def __init__(self, model: Model, mimic: Iterable[str] = (), filename: str | None = None) -> None:
-        self.model, self.filename, self.name = model, filename, model.name
+    def __init__(self, model: Model, xml: str, mimic: Iterable[str] = (), filename: str | None = None) -> None:
+        self.model, self.xml, self.filename, self.name = model, xml, filename, model.name
         self._mimic = frozenset(mimic)
         self._cfg = np.zeros(len(self.actuated_joints))
 
@@ -77,7 +77,7 @@ class URDF:
         except (RuntimeError, ElementTree.ParseError) as reason:
             raise ValueError(f"{path}: {reason}") from reason
         mimic = [joint.attrib.get("name", "") for joint in root.findall("joint") if joint.find("mimic") is not None]
-        return cls(model, mimic, str(path))
+        return cls(model, ElementTree.tostring(root, encoding="unicode"), mimic, str(path))
 
     @classmethod
     def from_xml_string(cls, xml: str) -> "URDF":
@@ -289,12 +289,12 @@ class URDF:
             centre, R = T[:3, :3] @ link.com + T[:3, 3], T[:3, :3]
             mass[k] += link.mass
             moment[k] += link.mass * centre
-            about[k] += R @ link.inertia @ R.T + link.mass * _spread(centre)
+            about[k] += R @ link.inertia @ R.T + link.mass * spread(centre)
         centres, inertias = [], []
         for k, joint in enumerate(chain):
             pose, G = np.eye(4), np.zeros((6, 6))
             pose[:3, 3] = moment[k] / mass[k] if mass[k] > 0 else poses[self._child(joint)][:3, 3]
-            G[:3, :3] = about[k] - mass[k] * _spread(pose[:3, 3])
+            G[:3, :3] = about[k] - mass[k] * spread(pose[:3, 3])
             G[3:, 3:] = mass[k] * np.eye(3)
             centres.append(pose)
             inertias.append(G)
@@ -333,6 +333,6 @@ def _limits(joint: Joint) -> tuple[float, float]:
     return -np.pi, np.pi
 
 
-def _spread(centre: Array) -> Array:
+def spread(centre: Array) -> Array:
     """The rotational inertia of a unit point mass about the origin."""
     return (centre @ centre) * np.eye(3) - np.outer(centre, centre)
