@@ -29,9 +29,11 @@ using SharedColumn = nb::ndarray<float, nb::ndim<1>, nb::c_contig, nb::device::c
 using SharedFlags = nb::ndarray<bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
 /// A batch whose worlds a Python object steps: it writes what it observes into arrays that both share.
+/// It refers to that object weakly: a strong reference would close a cycle that Python's garbage collector cannot see,
+/// for an environment's class knows its module, and that the model, whose trainer keeps this batch.
 class PythonBatch final : public EnvBatch {
  public:
-  PythonBatch(EnvSpec spec, nb::object host, SharedRows observation, SharedRows achieved, SharedRows desired,
+  PythonBatch(EnvSpec spec, nb::weakref host, SharedRows observation, SharedRows achieved, SharedRows desired,
               SharedColumn reward, SharedFlags success, SharedFlags terminated, SharedFlags truncated)
       : spec_(std::move(spec)),
         host_(std::move(host)),
@@ -62,13 +64,13 @@ class PythonBatch final : public EnvBatch {
     std::vector<std::uint64_t> none(n, 0);
     if (!mask.empty()) std::ranges::copy(mask, all.begin());
     if (!seeds.empty()) std::ranges::copy(seeds, none.begin());
-    host_.attr("reset")(bindings::copied_bools(all), copied(none.data(), {n}));
+    host().attr("reset")(bindings::copied_bools(all), copied(none.data(), {n}));
   }
 
   void step(std::span<const float> action) override {
     const nb::gil_scoped_acquire acquire;
     const auto n = static_cast<std::size_t>(num_envs());
-    host_.attr("step")(copied(action.data(), {n, static_cast<std::size_t>(spec_.action_dim)}));
+    host().attr("step")(copied(action.data(), {n, static_cast<std::size_t>(spec_.action_dim)}));
   }
 
   [[nodiscard]] std::span<const float> observation() const override { return span(observation_); }
@@ -84,7 +86,7 @@ class PythonBatch final : public EnvBatch {
     const nb::gil_scoped_acquire acquire;
     const std::size_t k = reward.size(), dim = static_cast<std::size_t>(spec_.goal_dim);
     const auto given = nb::cast<nb::ndarray<const float, nb::ndim<1>, nb::c_contig, nb::device::cpu>>(
-        host_.attr("compute_reward")(copied(achieved.data(), {k, dim}), copied(desired.data(), {k, dim})));
+        host().attr("compute_reward")(copied(achieved.data(), {k, dim}), copied(desired.data(), {k, dim})));
     if (given.shape(0) != k) {
       throw std::invalid_argument(spec_.id + ": compute_reward gave " + std::to_string(given.shape(0)) +
                                   " rewards for " + std::to_string(k) + " pairs of goals");
@@ -105,6 +107,11 @@ class PythonBatch final : public EnvBatch {
   }
 
  private:
+  [[nodiscard]] nb::object host() const {
+    nb::object host = host_();
+    if (host.is_none()) throw std::logic_error(spec_.id + ": the object that steps its worlds is gone");
+    return host;
+  }
   template <class Array>
   [[nodiscard]] static std::span<const float> span(const Array& array) {
     return {array.data(), array.size()};
@@ -118,7 +125,7 @@ class PythonBatch final : public EnvBatch {
   }
 
   EnvSpec spec_;
-  nb::object host_;
+  nb::weakref host_;
   SharedRows observation_, achieved_, desired_;
   SharedColumn reward_;
   SharedFlags success_, terminated_, truncated_;
@@ -131,15 +138,16 @@ void bind_python_batch(nb::module_& m) {
   nb::class_<PythonBatch, EnvBatch>(
       envs, "PythonBatch",
       "Worlds that `host` steps in Python: `host.reset(mask, seeds)`, `host.step(action)` and "
-      "`host.compute_reward(achieved, desired)` (float32) are called, and write into the arrays given here.")
+      "`host.compute_reward(achieved, desired)` (float32) are called, and write into the arrays given here. "
+      "Who makes the batch keeps `host`, of which it has a weak reference.")
       .def(
           "__init__",
           [](PythonBatch* self, const std::string& id, int action_dim, int choices, int max_episode_steps,
-             nb::object host, SharedRows observation, SharedRows achieved_goal, SharedRows desired_goal,
+             const nb::object& host, SharedRows observation, SharedRows achieved_goal, SharedRows desired_goal,
              SharedColumn reward, SharedFlags is_success, SharedFlags terminated, SharedFlags truncated) {
             const EnvSpec spec = {
                 .id = id, .action_dim = action_dim, .choices = choices, .max_episode_steps = max_episode_steps};
-            new (self) PythonBatch(spec, std::move(host), std::move(observation), std::move(achieved_goal),
+            new (self) PythonBatch(spec, nb::weakref(host), std::move(observation), std::move(achieved_goal),
                                    std::move(desired_goal), std::move(reward), std::move(is_success),
                                    std::move(terminated), std::move(truncated));
           },

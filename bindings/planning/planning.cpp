@@ -116,6 +116,7 @@ void bindings::bind_planning(nb::module_& m) {
   nb::module_ planning = m.def_submodule("planning");
   bind_trajectories(planning);
   bind_planner(planning);
+  bind_grasps(planning);
   planning.def(
       "cubic",
       [](const Array<double, 1>& times, const Array<double, 2>& waypoints, const Array<double, 2>& velocity) {

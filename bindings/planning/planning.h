@@ -7,5 +7,6 @@ namespace manyhands::bindings {
 
 void bind_planning(nanobind::module_& m);        // after bind_model
 void bind_planner(nanobind::module_& planning);  // of bind_planning
+void bind_grasps(nanobind::module_& planning);   // of bind_planning
 
 }  // namespace manyhands::bindings

@@ -1,16 +1,14 @@
 #include "manyhands/model/convex_polyhedron.h"
 
-#include <libqhull_r/qhull_ra.h>
-
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <map>
 #include <memory>
 #include <numeric>
 #include <set>
 
 #include "manyhands/model/model.h"
+#include "manyhands/model/qhull_run.h"
 #include "manyhands/model/support_vertex.h"
 
 namespace manyhands {
@@ -76,33 +74,18 @@ std::vector<Vec3<double>> thickened(std::span<const Vec3<double>> points) {
   return result;
 }
 
-struct QhullRun {
-  qhT qh;
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> log{std::tmpfile(), std::fclose};
-  QhullRun() { qh_zero(&qh, log.get()); }
-  QhullRun(const QhullRun&) = delete;
-  QhullRun& operator=(const QhullRun&) = delete;
-  ~QhullRun() {
-    qh_freeqhull(&qh, !qh_ALL);
-    int blocks = 0, bytes = 0;
-    qh_memfreeshort(&qh, &blocks, &bytes);
-  }
-};
-
 /// The hull's triangles, counter-clockwise, as indices into `points`.
 std::vector<HullTriangle> hull_triangles(std::vector<Vec3<double>>& points) {
   static_assert(sizeof(Vec3<double>) == 3 * sizeof(coordT));
-  QhullRun run;
-  qhT* qh = &run.qh;
-  std::string options = "qhull Qt Pp";
-  if (qh_new_qhull(qh, 3, static_cast<int>(points.size()), &points[0].x, False, options.data(), nullptr,
-                   run.log.get()) != 0) {
+  internal::QhullRun run;
+  if (!run.build(&points[0].x, static_cast<int>(points.size()), 3, "qhull Qt Pp")) {
     throw ModelError("convex hull: no hull of the mesh's vertices can be built; simplify or thicken the mesh");
   }
+  qhT* qh = run.get();
   std::vector<HullTriangle> triangles;
-  for (facetT* facet = qh->facet_list; facet && facet->next; facet = facet->next) {
-    HullTriangle t{{}, {facet->normal[0], facet->normal[1], facet->normal[2]}, 0};
-    setT* corners = qh_facet3vertex(qh, facet);
+  run.for_each_facet([&](facetT& facet) {
+    HullTriangle t{{}, {facet.normal[0], facet.normal[1], facet.normal[2]}, 0};
+    setT* corners = qh_facet3vertex(qh, &facet);
     for (std::size_t k = 0; k < 3; ++k) {
       t.v[k] = qh_pointid(qh, static_cast<vertexT*>(corners->e[k].p)->point);
     }
@@ -112,7 +95,7 @@ std::vector<HullTriangle> hull_triangles(std::vector<Vec3<double>>& points) {
     if (dot(twice, t.normal) < 0) std::swap(t.v[1], t.v[2]);
     t.area = 0.5 * norm(twice);
     triangles.push_back(t);
-  }
+  });
   return triangles;
 }
 

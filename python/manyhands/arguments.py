@@ -45,3 +45,9 @@ def whole_number(name: str, value: Any, lowest: int, highest: int | None = None)
     if value < lowest or (highest is not None and value > highest):
         raise ValueError(f"{name} is {value}, expected {expected}")
     return int(value)
+
+
+def whole(name: str, value: Any, lowest: int, highest: int | None = None) -> int:
+    """As `whole_number`, for what people also write as 1e6: a float that is whole is taken."""
+    is_whole = isinstance(value, float | np.floating) and value.is_integer()
+    return whole_number(name, int(value) if is_whole else value, lowest, highest)

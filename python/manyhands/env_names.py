@@ -54,8 +54,9 @@ def variant_of(name: str) -> dict[str, Any]:
 def resolve_env_id(name: str) -> str:
     """The id that `name` means, with or without its version: "PandaReach" is "PandaReach-v3".
 
-    Raises ValueError on an unknown name, with the nearest ones.
+    Raises ValueError on an unknown name, with the nearest ones, TypeError on what is no name.
     """
+    versioned(name)
     ids = env_ids()
     for candidate in (name, name + VERSION):
         if candidate in ids:

@@ -47,7 +47,7 @@ class Trained(Protocol):
     @property
     def metrics(self) -> TrainMetrics: ...
     @property
-    def has_goals(self) -> bool: ...
+    def has_success(self) -> bool: ...
     @property
     def present_rate(self) -> float: ...
 
@@ -83,7 +83,7 @@ class Log:
             "train/learning_rate": model.present_rate,
             "train/n_updates": metrics.gradient_steps,
         }
-        if model.has_goals:
+        if model.has_success:
             values["rollout/success_rate"] = metrics.success_rate
         self._events.add(metrics.env_steps, values)
 

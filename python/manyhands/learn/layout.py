@@ -57,6 +57,15 @@ class ObservationLayout:
     def _flat(space: gymnasium.Space[Any], value: Any) -> Rows:
         return np.asarray(spaces.flatten(space, value), np.float32)
 
+    def fitting_rows(self, observations: list[Any]) -> tuple[Rows, Rows, Rows] | None:
+        """`rows`, or None if there is an observation that is not as the space says."""
+        try:
+            parts = self.rows(observations)
+        except (TypeError, ValueError, LookupError, AttributeError):
+            return None
+        lengths = self.observation_dim, self.goal_dim, self.goal_dim
+        return parts if tuple(part.shape[1] for part in parts) == lengths else None
+
     def unbatch(self, observation: Any) -> tuple[list[Any], bool]:
         """The observations in what may be one or an array of several, and whether it is several."""
         if self._parts:

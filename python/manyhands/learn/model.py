@@ -3,30 +3,55 @@
 import io
 import json
 import math
+import re
+import secrets
 import tempfile
 import time
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
 from manyhands._core.learn import Policy, Trainer, TrainerConfig, TrainMetrics
-from manyhands.arguments import whole_number
+from manyhands.arguments import whole, whole_number
 from manyhands.extras import needs
 from manyhands.files import replacing
 from manyhands.interrupts import Interrupts
 from manyhands.learn.course import Log, Schedule, first_rate, rate_at
-from manyhands.learn.worlds import AnyEnv, make_worlds
+from manyhands.learn.report import Report
+from manyhands.learn.sb3_arguments import METHODS
+from manyhands.learn.worlds import AnyEnv, Worlds, make_worlds
 from manyhands.training.settings import override
 
 _SECONDS_PER_PIECE = 0.1
-_SECONDS_PER_LINE = 2.0
-_ROLLOUT = 2048  # transitions between PPO's updates, if nothing is said
 _FORMAT = 1  # of saved files
+
+_ARGUMENTS = {
+    "activation": "activation_fn",
+    "actor_learning_rate": "learning_rate",
+    "dropped_quantiles": "top_quantiles_to_drop_per_net",
+    "entropy_weight": "ent_coef",
+    "epochs": "n_epochs",
+    "exploration_noise": "action_noise",
+    "hidden_layers": "net_arch",
+    "initial_std": "exp(log_std_init)",
+    "max_gradient_norm": "max_grad_norm",
+    "num_critics": "n_critics",
+    "num_quantiles": "n_quantiles",
+    "replay_capacity": "buffer_size",
+    "return_steps": "n_steps",
+    "rollout_steps": "n_steps",
+    "target_noise": "target_policy_noise",
+    "target_rate": "tau",
+    "temperature": "ent_coef",
+    "updates_per_iteration": "gradient_steps",
+    "value_weight": "vf_coef",
+    "warmup_transitions": "learning_starts",
+}  # that set the trainer's settings
 
 Callback = Callable[["Model"], bool | None]
 
@@ -38,11 +63,10 @@ class Model:
 
     def __init__(
         self,
-        env: AnyEnv,
+        worlds: Worlds,
         settings: dict[str, Any],
-        n_envs: int | None,
         num_threads: int | None,
-        seed: int,
+        seed: int | None,
         verbose: int,
         learning_rate: float | Schedule,
         tensorboard_log: str | Path | None,
@@ -50,8 +74,8 @@ class Model:
         """`settings` are the trainer's. Raises ValueError on those that make no sense."""
         rate = first_rate(learning_rate)
         settings = settings | {"actor_learning_rate": rate, "critic_learning_rate": rate}
-        self._worlds = make_worlds(env, n_envs, num_threads)
-        self._settings = settings
+        self._settings = {name: _plain(value) for name, value in settings.items()}
+        self._num_threads = num_threads
         self.learning_rate = learning_rate
         """A number, or a function of what is left of the training, from 1 down to 0. May be set between trainings."""
         self.present_rate = rate
@@ -59,26 +83,22 @@ class Model:
         self.tensorboard_log = None if tensorboard_log is None else Path(tensorboard_log)
         """The folder of TensorBoard's events, None for no such."""
         self.verbose = verbose
-        self.seed = whole_number("seed", seed, 0, 2**63 - 1)
-        batch = self._worlds.batch
-        if settings["algorithm"] == "PPO" and "rollout_steps" not in settings:
-            self._settings["rollout_steps"] = max(_ROLLOUT // batch.num_envs, 1)
-        if not self.has_goals:
-            self._settings["hindsight_fraction"] = 0.0
-        if "replay_capacity" in settings:
-            whole_number("buffer_size", settings["replay_capacity"], 1)
-            self._settings["replay_capacity"] = max(settings["replay_capacity"], batch.spec.max_episode_steps)
-        self._trainer = Trainer(batch, None, self._config(num_threads))
+        self.seed = secrets.randbits(62) if seed is None else whole("seed", seed, 0, 2**63 - 1)
+        self._worlds = worlds
+        self._trainer = self._make_trainer(worlds)
 
-    def _config(self, num_threads: int | None) -> TrainerConfig:
+    def _make_trainer(self, worlds: Worlds) -> Trainer:
         config = TrainerConfig()
         config.seed = self.seed
-        if num_threads is not None:
-            config.num_threads = num_threads
-        for name, value in self._settings.items():
-            override(config, name, value)
-        config.validate()
-        return config
+        if self._num_threads is not None:
+            config.num_threads = self._num_threads
+        try:
+            for name, value in self._settings.items():
+                override(config, name, value)
+            config.validate()
+            return Trainer(worlds.batch, None, config)
+        except ValueError as error:
+            raise ValueError(_with_names_of_arguments(str(error))) from None
 
     @property
     def n_envs(self) -> int:
@@ -92,8 +112,13 @@ class Model:
 
     @property
     def has_goals(self) -> bool:
-        """Whether the environment has goals, and knows whether they are reached."""
-        return self._worlds.batch.spec.goal_dim > 0
+        """Whether the environment has goals."""
+        return self._worlds.has_goals
+
+    @property
+    def has_success(self) -> bool:
+        """Whether the environment says of an episode if it succeeded; one in Python says so first by its infos."""
+        return self._worlds.host is None or self._worlds.host.has_success
 
     @property
     def metrics(self) -> TrainMetrics:
@@ -107,27 +132,32 @@ class Model:
 
     def learn(
         self: _M,
-        total_timesteps: int,
+        total_timesteps: float,
         callback: Callback | None = None,
         progress_bar: bool = False,
         reset_num_timesteps: bool = False,
         tb_log_name: str | None = None,
+        log_interval: int | None = None,
     ) -> _M:
         """Trains for `total_timesteps` more steps of all worlds together, rounded up to whole steps of every world.
 
         callback: called with the model after each step of the worlds; False ends the training.
-        reset_num_timesteps: must be False; steps are counted on, and of schedules what was trained before is done.
+        reset_num_timesteps: must be False once there were steps, which are counted on, as schedules are.
         tb_log_name: of this training in the folder `tensorboard_log`; None is the algorithm's.
+        log_interval: taken for programs that give it; lines and events come every few seconds, by the clock.
 
         Ctrl-C ends it after the present step, and the model can be saved. Raises RuntimeError if networks diverge.
         """
-        if reset_num_timesteps:
+        del log_interval
+        if reset_num_timesteps and self.num_timesteps > 0:
             raise ValueError("reset_num_timesteps is True: steps are always counted on; make a new model instead")
-        left = math.ceil(whole_number("total_timesteps", total_timesteps, 0, 2**62) / self.n_envs)
+        if callback is not None and not callable(callback):
+            raise TypeError(f"callback is a {type(callback).__name__}, expected a function that takes the model")
+        left = math.ceil(whole("total_timesteps", total_timesteps, 0, 2**62) / self.n_envs)
         end = self.num_timesteps + left * self.n_envs
-        piece, last_line = 1, time.monotonic()
+        piece = 1
         log = Log(self.tensorboard_log, tb_log_name or type(self).__name__)
-        with Interrupts() as interrupts, log, _Bar(progress_bar, total_timesteps) as bar:
+        with Interrupts() as interrupts, log, Report(self, end, progress_bar, self.verbose > 0) as report:
             while left > 0:
                 begin = time.perf_counter()
                 self._set_rate(1 - self.num_timesteps / end)
@@ -139,10 +169,7 @@ class Model:
                 if callback is None and not callable(self.learning_rate):
                     elapsed = max(time.perf_counter() - begin, 1e-6)
                     piece = max(1, round(piece * min(_SECONDS_PER_PIECE / elapsed, 2.0)))
-                bar.show(self)
-                if self.verbose > 0 and (left == 0 or time.monotonic() - last_line > _SECONDS_PER_LINE):
-                    last_line = time.monotonic()
-                    print(_line(self.metrics), flush=True)
+                report.show()
                 if interrupts.requested:
                     raise KeyboardInterrupt
         return self
@@ -162,10 +189,15 @@ class Model:
         """(action, None) for an observation, or (n actions, None) for n of them, as the environment gives them.
 
         deterministic: True acts best, False as in training, by chance (TD3 and DDPG have no chance in them). `state`
-        and `episode_start` are of policies with a memory, which these are not. Raises ValueError on a wrong shape.
+        and `episode_start` are of policies with a memory, which these are not. Raises ValueError on a wrong shape and
+        on numbers that are not finite.
         """
         observations, several = self._worlds.observation.unbatch(observation)
-        rows = self._trainer.predict(*self._worlds.observation.rows(observations), draw=not deterministic)
+        parts = self._worlds.observation.rows(observations)
+        for name, part in zip(("observation", "achieved_goal", "desired_goal"), parts, strict=True):
+            if not np.isfinite(part).all():
+                raise ValueError(f"the {name} holds {part[~np.isfinite(part)][0]}, expected finite numbers")
+        rows = self._trainer.predict(*parts, draw=not deterministic)
         actions = self._worlds.action.actions(rows)
         return (actions if several else actions[0]), None
 
@@ -216,9 +248,8 @@ class Model:
         model = cls.__new__(cls)
         Model.__init__(
             model,
-            about["environment"] if env is None else env,
+            _worlds_of_saved(path, about, env, num_threads),
             about["settings"],
-            about["n_envs"],
             num_threads,
             about["seed"],
             verbose,
@@ -228,11 +259,57 @@ class Model:
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / path.name
             file.write_bytes(checkpoint)
-            try:
-                model._trainer.load(file)
-            except RuntimeError as error:
-                raise ValueError(f"{path} does not fit {model._worlds.name}: {error}") from error
+            _load(model._trainer, file, f"{path} does not fit {model._worlds.name}")
         return model
+
+    def set_env(self, env: AnyEnv) -> None:
+        """From now on trains on `env`, which has as many worlds as the last one, its id, spaces and length of episodes.
+        Raises ValueError if it does not, and changes nothing."""
+        worlds = make_worlds(env, self.n_envs, self._num_threads, self.n_envs)
+        trainer = self._make_trainer(worlds)
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "checkpoint"
+            self._trainer.save(file, True)
+            _load(trainer, file, f"the model, of {self._worlds.name}, does not fit {worlds.name}")
+        self._worlds, self._trainer = worlds, trainer
+
+    if not TYPE_CHECKING:  # which would take every name for one that is there
+
+        def __getattr__(self, name: str) -> Any:
+            instead = f": {METHODS[name]}" if name in METHODS else ""
+            raise AttributeError(f"{type(self).__name__} has no {name}{instead}")
+
+
+def _load(trainer: Trainer, file: Path, misfit: str) -> None:
+    """Raises ValueError, which begins with `misfit`."""
+    try:
+        trainer.load(file)
+    except RuntimeError as error:
+        reason = str(error).removeprefix(f"cannot load checkpoint {file}: ")
+        raise ValueError(f"{misfit}: {reason}") from None
+
+
+def _worlds_of_saved(path: Path, about: dict[str, Any], env: AnyEnv | None, num_threads: int | None) -> Worlds:
+    """Those that a saved model is given, or was trained on. Raises ValueError if it must be given some."""
+    count = about["n_envs"]
+    if env is not None:
+        return make_worlds(env, count, num_threads, count)
+    name = about["environment"]
+    try:
+        return make_worlds(name, count, num_threads, count)
+    except gymnasium.error.Error as error:
+        raise ValueError(f"{path} was trained on {name}, which Gymnasium does not know: give it as env") from error
+
+
+def _plain(value: Any) -> Any:
+    """Numbers of numpy as Python's, which a saved model can hold."""
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _with_names_of_arguments(text: str) -> str:
+    """What the trainer says of its settings, with the arguments that set them."""
+    text = text.removeprefix("TrainerConfig: ").removeprefix("the trainer setting ")
+    return re.sub(r"\w+", lambda word: _ARGUMENTS.get(word[0], word[0]), text)
 
 
 def _zip_path(path: str | Path) -> Path:
@@ -253,45 +330,6 @@ def _read(path: Path) -> tuple[dict[str, Any], bytes]:
     if missing or about["format"] != _FORMAT:
         raise ValueError(f"{path} is no saved model of this version")
     return about, checkpoint
-
-
-def _line(metrics: TrainMetrics) -> str:
-    seconds = max(metrics.collect_seconds + metrics.learn_seconds, 1e-9)
-    return (
-        f"{metrics.env_steps:,} steps  {metrics.env_steps / seconds:,.0f} steps/s  {metrics.episodes:,} episodes  "
-        f"mean return {metrics.mean_return:.4g}  success {metrics.success_rate:.0%}"
-    )
-
-
-class _Bar:
-    """A progress bar, if one is wanted."""
-
-    def __init__(self, wanted: bool, total: int) -> None:
-        self._progress = None
-        self._begin: int | None = None
-        if wanted:
-            with needs("train", "a progress bar"):
-                from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-            text = TextColumn("{task.fields[text]}")
-            self._progress = Progress(BarColumn(20), TextColumn("{task.percentage:.0f} %"), TimeRemainingColumn(), text)
-            self._task = self._progress.add_task("training", total=total, text="")
-
-    def show(self, model: Model) -> None:
-        if self._progress is None:
-            return
-        metrics = model.metrics
-        if self._begin is None:
-            self._begin = metrics.env_steps - model.n_envs
-        self._progress.update(self._task, completed=metrics.env_steps - self._begin, text=_line(metrics))
-
-    def __enter__(self) -> "_Bar":
-        if self._progress is not None:
-            self._progress.start()
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        if self._progress is not None:
-            self._progress.stop()
 
 
 def evaluate_policy(

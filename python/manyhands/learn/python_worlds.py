@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from manyhands._core.envs import PythonBatch
 from manyhands.learn.layout import ActionLayout, ObservationLayout
+from manyhands.learn.returned import brief, checked_step, first_observation, require_seed
 
 DEFAULT_LIMIT = 1000  # steps of an episode where the environment has no limit: what is longer is cut
 
@@ -28,19 +29,23 @@ class _Stepped(Protocol):
 class _Singles:
     """Environments one by one, each reset as soon as its episode ends."""
 
-    def __init__(self, envs: Sequence[gymnasium.Env[Any, Any]]) -> None:
+    def __init__(self, envs: Sequence[gymnasium.Env[Any, Any]], name: str) -> None:
+        """Raises ValueError if they cannot be given a seed."""
         self._envs = envs
+        self._name = name
         self._last: list[Any] = [None] * len(envs)
         self.num_envs = len(envs)
         self.task = envs[0].unwrapped
+        require_seed(self.task, name)
 
     def reset(self, mask: NDArray[np.bool_], seeds: NDArray[np.uint64]) -> list[Any]:
         for i in np.flatnonzero(mask).tolist():
-            self._last[i] = self._envs[i].reset(seed=int(seeds[i] % 2**31))[0]
+            result = self._envs[i].reset(seed=int(seeds[i] % 2**31))
+            self._last[i] = first_observation(result, self._name)
         return self._last
 
     def step(self, actions: Any) -> tuple[list[Any], Any, Any, Any, list[dict[str, Any]]]:
-        results = [env.step(action) for env, action in zip(self._envs, actions, strict=True)]
+        results = [checked_step(env.step(action), self._name) for env, action in zip(self._envs, actions, strict=True)]
         self._last, rewards, terminated, truncated, infos = (list(part) for part in zip(*results, strict=True))
         return self._last, rewards, terminated, truncated, infos
 
@@ -86,20 +91,22 @@ class _Vector:
 class PythonWorlds:
     """The host of a `PythonBatch`: writes what environments show into the arrays that it shares with C++."""
 
-    def __init__(self, worlds: _Stepped, observation: ObservationLayout, action: ActionLayout) -> None:
+    def __init__(self, worlds: _Stepped, observation: ObservationLayout, action: ActionLayout, name: str) -> None:
         n, no, ng = worlds.num_envs, observation.observation_dim, observation.goal_dim
         self._worlds = worlds
+        self._name = name
         self._layout = observation
         self._actions = action
         self.observation = np.zeros((n, no), np.float32)
         self.achieved_goal, self.desired_goal = np.zeros((2, n, ng), np.float32)
         self.reward = np.zeros(n, np.float32)
         self.is_success, self.terminated, self.truncated = np.zeros((3, n), bool)
+        self.has_success = observation.has_goals  # or once an info says so
 
-    def batch(self, name: str, limit: int) -> PythonBatch:
+    def batch(self, limit: int) -> PythonBatch:
         """The batch; episodes are cut after `limit` steps."""
         return PythonBatch(
-            id=name,
+            id=self._name,
             action_dim=self._actions.dim,
             choices=self._actions.choices,
             max_episode_steps=limit,
@@ -113,41 +120,62 @@ class PythonWorlds:
             truncated=self.truncated,
         )
 
-    def _show(self, observations: list[Any]) -> None:
-        parts = self._layout.rows(observations)
-        for own, rows in zip((self.observation, self.achieved_goal, self.desired_goal), parts, strict=True):
+    def _show(self, observations: list[Any], where: str) -> None:
+        """Raises ValueError, which says what was returned from `where`, unless it is as the space says."""
+        parts = self._layout.fitting_rows(observations)
+        if parts is None:
+            misfit = next(one for one in observations if self._layout.fitting_rows([one]) is None)
+            raise ValueError(
+                f"{self._name}.{where} returned the observation {brief(misfit)}, expected one of its "
+                f"observation_space, {self._layout.space}"
+            )
+        own = (self.observation, self.achieved_goal, self.desired_goal)
+        for mine, rows in zip(own, parts, strict=True):
             if not np.isfinite(rows).all():
-                raise ValueError("an observation of the environment is not finite")
-            own[:] = rows
+                raise ValueError(f"{self._name}.{where} returned an observation that is not finite")
+            mine[:] = rows
 
     def reset(self, mask: NDArray[np.bool_], seeds: NDArray[np.uint64]) -> None:
         """Called from C++."""
-        self._show(self._worlds.reset(mask, seeds))
+        self._show(self._worlds.reset(mask, seeds), "reset()")
         self.terminated[mask] = self.truncated[mask] = self.is_success[mask] = False
 
     def step(self, rows: NDArray[np.float32]) -> None:
         """Called from C++."""
         observations, reward, terminated, truncated, infos = self._worlds.step(self._actions.actions(rows))
-        self._show(observations)
+        self._show(observations, "step()")
         self.reward[:] = reward
         if not np.isfinite(self.reward).all():
-            raise ValueError("a reward of the environment is not finite")
+            raise ValueError(f"{self._name}.step() returned a reward that is not finite")
         self.terminated[:], self.truncated[:] = terminated, truncated
         self.is_success[:] = [bool(info.get("is_success", False)) for info in infos]
+        self.has_success = self.has_success or any("is_success" in info for info in infos)
 
     def compute_reward(self, achieved: NDArray[np.float32], desired: NDArray[np.float32]) -> NDArray[np.float32]:
         """Called from C++, to give old transitions new goals."""
-        return np.asarray(self._worlds.task.compute_reward(achieved, desired, {}), np.float32)
+        asked = getattr(self._worlds.task, "compute_reward", None)
+        if asked is None:
+            raise ValueError(
+                f"{self._name} has goals and no compute_reward(achieved_goal, desired_goal, info), which hindsight "
+                "asks: write it, or set hindsight_fraction=0"
+            )
+        given = np.asarray(asked(achieved, desired, {}))
+        if given.shape != achieved.shape[:1] or given.dtype.kind not in "biuf":
+            raise ValueError(
+                f"{self._name}.compute_reward() returned {brief(given)} for goals of shape {achieved.shape}, expected "
+                f"an array of shape {achieved.shape[:1]}: a reward for each row"
+            )
+        return given.astype(np.float32)
 
 
 def as_stepped(
-    envs: Sequence[gymnasium.Env[Any, Any]] | VectorEnv[Any, Any, Any], layout: ObservationLayout
+    envs: Sequence[gymnasium.Env[Any, Any]] | VectorEnv[Any, Any, Any], layout: ObservationLayout, name: str
 ) -> _Stepped:
     """Raises ValueError on a vector whose way to reset does not show where episodes end."""
     if not isinstance(envs, VectorEnv):
-        return _Singles(envs)
+        return _Singles(envs, name)
     if isinstance(envs, SyncVectorEnv):
-        return _Singles(envs.envs)
+        return _Singles(envs.envs, name)
     mode = envs.metadata.get("autoreset_mode")
     if mode not in (AutoresetMode.SAME_STEP, AutoresetMode.DISABLED):
         raise ValueError(

@@ -14,8 +14,6 @@ from manyhands.envs.vector import ArmVectorEnv
 from manyhands.learn.layout import ActionLayout, ObservationLayout
 from manyhands.learn.python_worlds import PythonWorlds, as_stepped, episode_limit
 
-DEFAULT_WORLDS = 64  # of environments that run in C++
-
 AnyEnv = str | gymnasium.Env[Any, Any] | VectorEnv[Any, Any, Any] | Callable[[], gymnasium.Env[Any, Any]]
 
 
@@ -27,12 +25,23 @@ class Worlds:
     batch: EnvBatch
     observation: ObservationLayout
     action: ActionLayout
-    native: bool  # whether they are stepped in C++
+    host: PythonWorlds | None  # that steps the batch, which does not keep it; None: they are stepped in C++
+
+    @property
+    def native(self) -> bool:
+        """Whether they are stepped in C++."""
+        return self.host is None
+
+    @property
+    def has_goals(self) -> bool:
+        """Whether the environment has goals."""
+        return self.batch.spec.goal_dim > 0
 
 
-def make_worlds(env: AnyEnv, n_envs: int | None, num_threads: int | None) -> Worlds:
+def make_worlds(env: AnyEnv, n_envs: int | None, num_threads: int | None, usual: int) -> Worlds:
     """An environment's id, an environment, a vector of them or a function that makes one. `n_envs` is how many; of what
-    is one already there is one, unless it is one of this package's own, of which there are as many as wanted.
+    is one already there is one, unless it is one of this package's own, of which there are as many as wanted: `usual`
+    if nothing is said.
 
     Raises ValueError if it cannot be trained on, and what Gymnasium raises for an unknown id.
     """
@@ -40,6 +49,10 @@ def make_worlds(env: AnyEnv, n_envs: int | None, num_threads: int | None) -> Wor
         whole_number("n_envs", n_envs, 1)
     made = _made(env)
     single = made[0] if isinstance(made, list) else made
+    name = type(single.unwrapped).__name__ if single.spec is None else single.spec.id
+    for space in ("observation_space", "action_space"):
+        if not isinstance(found := getattr(single, space, None), gymnasium.Space):
+            raise ValueError(f"{name}.{space} is {found!r}, expected one of gymnasium.spaces")
     if isinstance(made, VectorEnv):
         if n_envs not in (None, made.num_envs):
             raise ValueError(f"n_envs is {n_envs}, but the vector environment has {made.num_envs} worlds")
@@ -48,16 +61,14 @@ def make_worlds(env: AnyEnv, n_envs: int | None, num_threads: int | None) -> Wor
         observation_space, action_space = single.observation_space, single.action_space
         count = n_envs
     observation, action = ObservationLayout(observation_space), ActionLayout.of(action_space)
-    spec = single.spec
-    name = type(single.unwrapped).__name__ if spec is None else spec.id
-    batch = _native_batch(single, count, num_threads)
+    batch = _native_batch(single, count or usual, num_threads)
     if batch is not None:
-        return Worlds(name, batch, observation, action, True)
+        return Worlds(name, batch, observation, action, None)
     if isinstance(made, list):
         for _ in range((count or 1) - 1):
             made += _copies(env)
-    host = PythonWorlds(as_stepped(made, observation), observation, action)
-    return Worlds(name, host.batch(name, episode_limit(single)), observation, action, False)
+    host = PythonWorlds(as_stepped(made, observation, name), observation, action, name)
+    return Worlds(name, host.batch(episode_limit(single)), observation, action, host)
 
 
 def _made(env: AnyEnv) -> list[gymnasium.Env[Any, Any]] | VectorEnv[Any, Any, Any]:
@@ -68,7 +79,10 @@ def _made(env: AnyEnv) -> list[gymnasium.Env[Any, Any]] | VectorEnv[Any, Any, An
     if isinstance(env, VectorEnv):
         return env
     if callable(env):
-        return [env()]
+        made = env()
+        if not isinstance(made, gymnasium.Env):
+            raise TypeError(f"env() gave {made!r}, expected a gymnasium.Env")
+        return [made]
     raise TypeError(f"env is {env!r}, expected an id, a Gymnasium environment, a vector of them or a function")
 
 
@@ -84,7 +98,7 @@ def _copies(env: AnyEnv) -> list[gymnasium.Env[Any, Any]]:
 
 
 def _native_batch(
-    env: gymnasium.Env[Any, Any] | VectorEnv[Any, Any, Any], count: int | None, num_threads: int | None
+    env: gymnasium.Env[Any, Any] | VectorEnv[Any, Any, Any], count: int, num_threads: int | None
 ) -> EnvBatch | None:
     """The same worlds in C++, or None if the environment is not this package's own or is wrapped."""
     inner = env.unwrapped
@@ -92,7 +106,7 @@ def _native_batch(
         return inner.training_batch(num_threads)
     if not isinstance(inner, ArmEnv) or not _only_standard_wrappers(env):
         return None
-    batch = inner.training_batch(DEFAULT_WORLDS if count is None else count, num_threads)
+    batch = inner.training_batch(count, num_threads)
     return batch if episode_limit(env) == batch.spec.max_episode_steps else None
 
 

@@ -1,4 +1,4 @@
-"""Motions: trajectories through waypoints and poses, how fast a path can be followed, and plans among obstacles.
+"""Trajectories through waypoints and poses, how fast a path can be followed, plans among obstacles, and grasps.
 
 A trajectory is a value: `duration`, and `sample(t)` at one time or many. Numbers of joints are followed as they are, so
 quaternions in q (spherical and floating joints) have no trajectory here; poses have (`cartesian`). Units are SI,
@@ -6,6 +6,7 @@ quaternions are xyzw, spatial vectors have the angular part first. Wrong shapes,
 that are not above 0 raise ValueError, which names the array.
 """
 
+from manyhands.planning.grasps import Grasps, ParallelGripper, epsilon_quality, grasps, grasps_in
 from manyhands.planning.planner import Encounter, Plan, Planner, PlanStatus, plan
 from manyhands.planning.timing import time_optimal
 from manyhands.planning.trajectories import (
@@ -26,6 +27,8 @@ __all__ = [
     "CartesianSample",
     "CartesianTrajectory",
     "Encounter",
+    "Grasps",
+    "ParallelGripper",
     "Plan",
     "PlanStatus",
     "Planner",
@@ -33,6 +36,9 @@ __all__ = [
     "Trajectory",
     "cartesian",
     "cubic",
+    "epsilon_quality",
+    "grasps",
+    "grasps_in",
     "plan",
     "quintic",
     "spline",

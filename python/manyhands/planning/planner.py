@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from manyhands._core import Model, World
 from manyhands._core import planning as _core
 from manyhands.arguments import finite_rows, whole_number
+from manyhands.planning.scene import state_of
 from manyhands.planning.timing import time_optimal
 from manyhands.planning.trajectories import Trajectory, limit_row
 from manyhands.rigid_motions import unit_quaternions
@@ -128,7 +129,7 @@ class Planner:
         margin: float = 0.0,
         overshoot: float = 0.0125,
     ) -> None:
-        model, now, mocap = _state(scene, q)
+        model, now, mocap = state_of(scene, q)
         self.model = model
         self.frame = frame
         points = [] if cloud is None else [(_points(cloud), float(cloud_radius))]
@@ -251,17 +252,6 @@ def plan(scene: World | Model, frame: str, goal: ArrayLike | None = None, **opti
     of_plan = ("position", "quaternion", "start", "time_limit", "seed", "shorten", "blend", "range")
     chosen = {name: options.pop(name) for name in of_plan if name in options}
     return Planner(scene, frame, **options).plan(goal, **chosen)
-
-
-def _state(scene: World | Model, q: ArrayLike | None) -> tuple[Model, Array, Array]:
-    if isinstance(scene, World):
-        if q is not None:
-            raise ValueError("a world has a q of its own; set world.q, or give its model")
-        return scene.model, np.asarray(scene.q), np.asarray(scene.mocap, np.float64).reshape(-1)
-    row = finite_rows("q", scene.initial_configuration() if q is None else q, scene.nq)
-    if row.ndim != 1:
-        raise ValueError(f"q has shape {row.shape}; expected ({scene.nq},)")
-    return scene, np.ascontiguousarray(row), np.zeros(0)
 
 
 def _points(cloud: ArrayLike) -> Array:

@@ -23,7 +23,8 @@ def policy_ids() -> list[str]:
 
 
 def policy(env_id: str) -> "Policy":
-    """The trained policy of an environment, with or without its version. Raises ValueError where there is none."""
+    """The trained policy of an environment, with or without its version. Raises ValueError where there is none, and
+    TypeError on what is no name."""
     name = resolve_env_id(env_id)
     if name not in policy_ids():
         raise ValueError(

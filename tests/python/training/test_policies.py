@@ -298,3 +298,14 @@ def test_a_policy_of_other_sizes_is_refused() -> None:
         policy.evaluate("PandaPush")
     with pytest.raises(ValueError, match="the policy of PandaReach-v3 does not fit PandaPush-v3"):
         policy.require_fit(make_env_batch("PandaPush-v3", 1).spec)
+
+
+@pytest.mark.parametrize("name", [None, 3])
+def test_what_is_no_name_is_said(name: Any) -> None:
+    with pytest.raises(TypeError, match=f"the environment is {name}, expected a name"):
+        mh.policy(name)
+
+
+def test_of_other_environments_the_trainer_is_named() -> None:
+    with pytest.raises(ValueError, match=r"'CartPole-v1' is stepped in Python, .* manyhands.learn trains in any"):
+        mh.policy("CartPole-v1")

@@ -1,0 +1,38 @@
+#include "manyhands/planning/placed_links.h"
+
+#include "manyhands/physics/dynamics/kinematics.h"
+#include "manyhands/planning/checks.h"
+
+namespace manyhands {
+
+PlacedLinks::PlacedLinks(const Model& model, std::span<const double> q, std::span<const double> mocap)
+    : model_(model), tree_(model), colliders_(model, PairSearch::kSwept), ws_(tree_) {
+  const std::vector<double> initial = model.initial_mocap();
+  const std::span<const double> poses = mocap.empty() ? std::span<const double>(initial) : mocap;
+  require_rows("q", q, 1, static_cast<std::size_t>(model.nq()));
+  require_rows("mocap", poses, 1, model.mocap_bodies().size() * kPoseNumbers);
+  place_mocap(tree_, poses.data(), ws_);
+  forward_kinematics(tree_, q.data(), ws_);
+}
+
+std::vector<PlacedShape> PlacedLinks::shapes_of(LinkId link) const {
+  std::vector<PlacedShape> found;
+  for (const Collider<double>& geom : colliders_.geoms) {
+    if (geom.link != link.index()) continue;
+    found.push_back(
+        {{geom.type, model_.geoms()[geom.geom].shape.size, geom.hull.get(), geom.mesh.get(), geom.height_field.get()},
+         pose_of(geom.body) * geom.X_BG});
+  }
+  return found;
+}
+
+Vec3<double> PlacedLinks::com_of(LinkId link) const {
+  const Link& of = model_.link(link);
+  return pose_of(of.body.index()) * (of.X_BL * of.inertial.com);
+}
+
+Transform<double> PlacedLinks::pose_of(std::size_t body) const {
+  return {ws_.R_WB[body], ws_.p_OB[body] + ws_.p_WO[body]};
+}
+
+}  // namespace manyhands
