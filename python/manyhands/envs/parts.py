@@ -78,8 +78,9 @@ class ArmSpec:
             raise ValueError(f"posture has {len(posture)} numbers; expected one for each of {', '.join(joints)}")
         for joint, angle in zip(joints, posture, strict=False):
             near[model.joint(joint).iq] = angle
-        stands = [position] if position else [(-k / 20, 0.0, 0.0) for k in range(12, 2, -1)]
-        place, q = _standing(model, frame, near, stands, [start] if position else [start, *_CORNERS])
+        is_free = position is None
+        stands = [(-k / 20, 0.0, 0.0) for k in range(12, 2, -1)] if is_free else [position]
+        place, q = _standing(model, frame, near, stands, [start, *_CORNERS] if is_free else [start])
         closed, opening = _fingers(hand) if fingers else ((), ())
         return cls(
             urdf=model,
@@ -122,8 +123,8 @@ def as_core(
 
 def hand_of(robot: str | ArmSpec | None) -> str:
     """The frame between the fingers."""
-    robot = _described(robot)
-    return f"{robot}_grasptarget" if isinstance(robot, str) else robot.hand
+    described = _described(robot)
+    return f"{described}_grasptarget" if isinstance(described, str) else described.hand
 
 
 def _standing(

@@ -15,6 +15,7 @@ FOLDER = robot_files.ASSETS / "robots"
 ENTRIES = {entry.robot.name: entry for entry in all_entries()}
 ARMS, GRIPPERS, FURNITURE = (mh.robots.names(kind) for kind in ("arm", "gripper", "furniture"))
 FINGERED = [name for name in GRIPPERS if mh.robots.describe(name).closed]
+UP = np.array([0.0, 0.0, 1.0])
 MAKERS = ("ur5", "xarm", "gen3", "iiwa", "panda", "so-101", "so101", "robotiq", "kuka", "kinova", "franka")
 
 
@@ -281,7 +282,7 @@ def test_every_gripper_lifts_a_cube_and_holds_it_for_five_seconds(gripper: str) 
         assert mh.robots.Vacuum(world, "arm/gripper/cup").on() == "cube"
     world.step(250)
     for height in np.linspace(0, 0.1, 101)[1:]:
-        goal = mh.inverse_kinematics(world.model, "arm/gripper/tool", place + [0, 0, height], turn, start=world.q)
+        goal = mh.inverse_kinematics(world.model, "arm/gripper/tool", place + height * UP, turn, start=world.q)
         assert goal.success
         world.move({f"arm/{joint}": goal.q[world.model.joint(f"arm/{joint}").iq] for joint in arm.home})
         world.step(5)
