@@ -164,7 +164,7 @@ void bind_look(nb::module_& m) {
       .def_ro("sun", &Look::sun, "Brightness of what faces the light.")
       .def_ro("ambient", &Look::ambient, "Brightness without it, from the whole sky.")
       .def_ro("shadows", &Look::shadows, "Whether the sun casts any.")
-      .def_ro("shadow_rays", &Look::shadow_rays, "For each sample; more than one make shadows soft.")
+      .def_ro("shadow_rays", &Look::shadow_rays, "For each pixel; more than one make shadows soft.")
       .def_ro("sun_size", &Look::sun_size, "[rad], from its centre to its rim.")
       .def_ro("antialiasing", &Look::antialiasing, "n: n x n samples for each pixel.")
       .def_ro("horizon", &Look::horizon, "Colour of the sky at the horizon (3), 0 to 1.")

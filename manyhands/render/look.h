@@ -14,7 +14,7 @@ struct Look {
   float sun = 0.72f;                      ///< brightness of what faces it
   float ambient = 0.42f;                  ///< brightness without it, from the whole sky
   bool shadows = true;
-  int shadow_rays = 1;     ///< more than 1: soft shadows, of a sun that is `sun_size` wide
+  int shadow_rays = 1;     ///< of a pixel; more than 1: soft shadows, of a sun that is `sun_size` wide
   double sun_size = 0.08;  ///< [rad], from its centre to its rim
   int antialiasing = 1;    ///< n: n x n samples where a pixel differs from its neighbours
   Colour horizon{0.86f, 0.89f, 0.92f}, zenith{0.46f, 0.58f, 0.72f};

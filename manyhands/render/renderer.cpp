@@ -74,57 +74,67 @@ bool is_edge(const Camera& camera, std::span<const std::uint8_t> picture, int x,
   return differs(1, 0) || differs(-1, 0) || differs(0, 1) || differs(0, -1);
 }
 
-/// Gathers n x n samples of each of some pixels of a tile, and writes their means.
+/// Takes n x n samples of each of some pixels of a tile, and writes their means. A packet holds the same sample of
+/// eight pixels.
 class EdgeSamples {
  public:
   EdgeSamples(const PictureFrame& frame, int x0, int y0, std::span<std::uint8_t> picture)
       : frame_(frame), n_(frame.look.antialiasing), picture_(picture) {
     samples_.part = {static_cast<float>(x0), static_cast<float>(x0 + kTile), static_cast<float>(y0),
                      static_cast<float>(y0 + kTile)};
+    samples_.per_pixel = n_ * n_;
   }
 
-  void add(int x, int y) {
-    if (count_ + n_ * n_ > Samples::kPackets * kRays) flush();
-    pixels_[size(pixel_count_++)] = 3 * (size(y) * size(frame_.camera.width) + size(x));
-    for (int i = 0; i < n_ * n_; ++i, ++count_) {
-      const auto place = [&](int k) { return (static_cast<float>(k) + 0.5f) / static_cast<float>(n_); };
-      const std::size_t packet = size(count_ / kRays);
-      if (count_ % kRays == 0) samples_.active[packet] = RayMask(false);
-      samples_.active[packet].bits[count_ % kRays] = -1;
-      set_lane(samples_.x[packet], count_ % kRays, static_cast<float>(x) + place(i % n_));
-      set_lane(samples_.y[packet], count_ % kRays, static_cast<float>(y) + place(i / n_));
-    }
-  }
+  void add(int x, int y) { pixels_[size(count_++)] = {x, y}; }
 
   void flush() {
-    if (count_ == 0) return;
-    samples_.packets = (count_ + kRays - 1) / kRays;
-    find(frame_, samples_);
-    shade(frame_, samples_);
-    const float share = 1 / static_cast<float>(n_ * n_);
-    for (int p = 0, i = 0; p < pixel_count_; ++p) {
-      float red = 0, green = 0, blue = 0;
-      for (const int end = i + n_ * n_; i < end; ++i) {
-        const std::size_t packet = size(i / kRays);
-        red += lane(samples_.red[packet], i % kRays);
-        green += lane(samples_.green[packet], i % kRays);
-        blue += lane(samples_.blue[packet], i % kRays);
-      }
-      std::uint8_t* const to = &picture_[pixels_[size(p)]];
-      to[0] = byte(share * red);
-      to[1] = byte(share * green);
-      to[2] = byte(share * blue);
+    const int packets = (count_ + kRays - 1) / kRays * n_ * n_;
+    for (int first = 0; first < packets; first += Samples::kPackets) {
+      samples_.packets = std::min(Samples::kPackets, packets - first);
+      for (int k = 0; k < samples_.packets; ++k) place(size(k), (first + k) / (n_ * n_), (first + k) % (n_ * n_));
+      find(frame_, samples_);
+      shade(frame_, samples_);
+      for (int k = 0; k < samples_.packets; ++k) add_colours(size(k), size((first + k) / (n_ * n_)));
     }
-    count_ = pixel_count_ = 0;
+    const Rays share(1 / static_cast<float>(n_ * n_));
+    for (int p = 0; p < count_; ++p) {
+      const Pixel& pixel = pixels_[size(p)];
+      std::uint8_t* const to = &picture_[3 * (size(pixel.y) * size(frame_.camera.width) + size(pixel.x))];
+      for (std::size_t c = 0; c < 3; ++c) to[c] = byte(lane(share * sums_[size(p / kRays)][c], p % kRays));
+    }
   }
 
  private:
+  struct Pixel {
+    int x, y;
+  };
+
+  /// Sample `number` of the pixels of a group into a packet.
+  void place(std::size_t packet, int group, int number) {
+    const auto within = [&](int k) { return (static_cast<float>(k) + 0.5f) / static_cast<float>(n_); };
+    samples_.number[packet] = number;
+    samples_.active[packet] = RayMask(false);
+    for (int j = 0; j < kRays; ++j) {
+      const int p = std::min(group * kRays + j, count_ - 1);
+      samples_.active[packet].bits[j] = group * kRays + j < count_ ? -1 : 0;
+      set_lane(samples_.x[packet], j, static_cast<float>(pixels_[size(p)].x) + within(number % n_));
+      set_lane(samples_.y[packet], j, static_cast<float>(pixels_[size(p)].y) + within(number / n_));
+    }
+  }
+
+  void add_colours(std::size_t packet, std::size_t group) {
+    sums_[group][0] = sums_[group][0] + samples_.red[packet];
+    sums_[group][1] = sums_[group][1] + samples_.green[packet];
+    sums_[group][2] = sums_[group][2] + samples_.blue[packet];
+  }
+
   const PictureFrame& frame_;
   int n_;
   std::span<std::uint8_t> picture_;
   Samples samples_;
-  int count_ = 0, pixel_count_ = 0;
-  std::array<std::size_t, Samples::kPackets * kRays> pixels_{};
+  int count_ = 0;
+  std::array<Pixel, kTile * kTile> pixels_{};
+  std::array<std::array<Rays, 3>, kTile * kTile / kRays> sums_{};
 };
 
 void require_size(const char* what, std::size_t found, std::size_t expected) {

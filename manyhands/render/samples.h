@@ -13,6 +13,8 @@ struct Samples {
   Rectangle part{};                        ///< of the picture; holds all positions [pixels]
   std::array<RayMask, kPackets> active{};  ///< which lanes are wanted
   std::array<Rays, kPackets> x{}, y{};     ///< positions [pixels]
+  int per_pixel = 1;                       ///< samples that share a pixel, and its rays to the sun
+  std::array<int, kPackets> number{};      ///< of the packet's among those of its pixels
 
   // ---- found by `find` ----
   std::array<Rays, kPackets> depth{};    ///< camera.far where there is nothing [m]

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -59,6 +60,8 @@ struct Lit {
   float lowest;      ///< towards it
 };
 
+using Masks = std::array<RayMask, Samples::kPackets>;
+
 /// Lanes from which the way along `direction` (world) is blocked by the item.
 MANYHANDS_INLINE RayMask blocked(const PlacedItem& placed, RayMask open, const Vec& p, const Vec3<float>& direction,
                                  RayInts seen) {
@@ -74,8 +77,9 @@ MANYHANDS_INLINE RayMask blocked(const PlacedItem& placed, RayMask open, const V
   return open & (entry.t > Rays(0.0f)) & (entry.t < Rays(kFarthest)) & RayMask(seen != placed.first_seen);
 }
 
-void cast_shadows(const PictureFrame& frame, const Samples& s, const Vec3<float>& direction, float spread, Lit& lit) {
-  std::array<RayMask, Samples::kPackets> open = lit.mask;
+/// Closes the lanes of `open` from which the way along `direction`, which leans by `spread` at most, is blocked.
+void cast_shadows(const PictureFrame& frame, const Samples& s, const Vec3<float>& direction, float spread,
+                  const Lit& lit, Masks& open) {
   for (const PlacedItem& placed : frame.solid) {
     const float wide = spread * (placed.height - lit.lowest);
     const Rectangle reach{placed.shade.left - wide, placed.shade.right + wide, placed.shade.top - wide,
@@ -85,27 +89,55 @@ void cast_shadows(const PictureFrame& frame, const Samples& s, const Vec3<float>
       when(open[k], [&] { open[k] = open[k] & !blocked(placed, open[k], lit.from[k], direction, s.seen[k]); });
     }
   }
-  const Rays share(1.0f / static_cast<float>(frame.look.shadow_rays));
-  for (std::size_t k = 0; k < size(s.packets); ++k) {
-    lit.share[k] = select(open[k], lit.share[k] + share, lit.share[k]);
-  }
 }
 
-/// Rays to points spread evenly over the sun (Vogel's spiral).
-void cast_all_shadows(const PictureFrame& frame, const Samples& s, Lit& lit) {
-  const int n = frame.look.shadow_rays;
-  if (n == 1) {
-    cast_shadows(frame, s, frame.light.z, 0, lit);
-    return;
-  }
+/// Towards point i of n that are spread evenly over the sun (Vogel's spiral).
+Vec3<float> towards_sun(const PictureFrame& frame, float rim, int i, int n) {
+  const float r = rim * std::sqrt((static_cast<float>(i) + 0.5f) / static_cast<float>(n));
+  const float angle = 2.39996323f * static_cast<float>(i);
+  const Vec3<float> aim =
+      fma(r * std::cos(angle), frame.light.x, fma(r * std::sin(angle), frame.light.y, frame.light.z));
+  return (1 / norm(aim)) * aim;
+}
+
+/// Whether all lanes of the mask have the same number.
+bool agree(RayMask mask, Rays a, Rays number) { return none(mask & (a != number)); }
+
+/// A pixel's rays go to n points of the sun; its samples share them. Where the first few of a packet agree, from the
+/// sun's rim inwards, all would.
+void cast_soft_shadows(const PictureFrame& frame, const Samples& s, Lit& lit) {
+  constexpr int kFew = 3;
+  const int n = frame.look.shadow_rays, sharing = std::min(s.per_pixel, n);
   const float rim = static_cast<float>(std::tan(frame.look.sun_size));
-  for (int i = 0; i < n; ++i) {
-    const float r = rim * std::sqrt((static_cast<float>(i) + 0.5f) / static_cast<float>(n));
-    const float angle = 2.39996323f * static_cast<float>(i);
-    const Vec3<float> aim =
-        fma(r * std::cos(angle), frame.light.x, fma(r * std::sin(angle), frame.light.y, frame.light.z));
-    cast_shadows(frame, s, (1 / norm(aim)) * aim, rim, lit);
+  std::array<int, Samples::kPackets> cast{};
+  std::array<bool, Samples::kPackets> settled{};
+  for (int i = n - 1; i >= 0; --i) {
+    Masks open;
+    bool wanted = false;
+    for (std::size_t k = 0; k < size(s.packets); ++k) {
+      const bool own = !settled[k] && i % sharing == s.number[k] % sharing;
+      open[k] = own ? lit.mask[k] : RayMask(false);
+      cast[k] += own ? 1 : 0;
+      wanted = wanted || own;
+    }
+    if (!wanted) continue;
+    cast_shadows(frame, s, towards_sun(frame, rim, i, n), rim, lit, open);
+    for (std::size_t k = 0; k < size(s.packets); ++k) {
+      const Rays count(static_cast<float>(cast[k]));
+      lit.share[k] = select(open[k], lit.share[k] + Rays(1.0f), lit.share[k]);
+      settled[k] = settled[k] || (cast[k] == kFew && (agree(lit.mask[k], lit.share[k], Rays(0.0f)) ||
+                                                      agree(lit.mask[k], lit.share[k], count)));
+    }
   }
+  for (std::size_t k = 0; k < size(s.packets); ++k)
+    lit.share[k] = lit.share[k] * Rays(1.0f / static_cast<float>(std::max(cast[k], 1)));
+}
+
+void cast_all_shadows(const PictureFrame& frame, const Samples& s, Lit& lit) {
+  if (frame.look.shadow_rays > 1) return cast_soft_shadows(frame, s, lit);
+  Masks open = lit.mask;
+  cast_shadows(frame, s, frame.light.z, 0, lit, open);
+  for (std::size_t k = 0; k < size(s.packets); ++k) lit.share[k] = select(open[k], Rays(1.0f), lit.share[k]);
 }
 
 // ---- colours ---------------------------------------------------------------------------------------------------

@@ -2,6 +2,6 @@
 
 import sys
 
-from manyhands.cli import main
+from manyhands_command import main
 
 sys.exit(main())

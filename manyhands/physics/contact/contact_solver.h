@@ -135,12 +135,23 @@ MANYHANDS_INLINE mask_t<T> find_runaways(mask_t<T> asked, ContactSolver<T>& solv
   return asked & exceeds_energy(solver.problem, solver.factors, solver.iterate.dv, free_change, solver.energy);
 }
 
+/// The worlds in which something is much faster than anything was.
+template <Number T>
+MANYHANDS_INLINE mask_t<T> is_flung(const ContactProblem<T>& problem, const std::vector<T>& dv) {
+  T before = constant<T>(1), after = constant<T>(0);
+  for (std::size_t i = 0; i < index(problem.tree->nv); ++i) {
+    before = max(before, abs(problem.v[i]));
+    after = max(after, abs(problem.v[i] + dv[i]));
+  }
+  return !(after <= constant<T>(contact_settings::kSuspicious) * before);
+}
+
 /// Those that may have run away. Where what was demanded has found no solution, nothing will be for a while.
 template <Number T>
 MANYHANDS_INLINE mask_t<T> find_suspects(mask_t<T> near, ContactSolver<T>& solver) {
   const auto demands = demands_much(solver.problem, solver.recovery, solver.factors);
   calm_down(demands & !near, solver.iterate);
-  return demands | is_pushed(solver.problem) | !near;
+  return demands | is_pushed(solver.problem) | is_flung(solver.problem, solver.iterate.dv) | !near;
 }
 
 /// Begins anew in the worlds of the mask, which have run away: see runaway.h.

@@ -148,6 +148,8 @@ inline constexpr double kOpeningTolerance = 1e-3;
 /// which all may move at any time.
 inline constexpr double kExcess = 1.05;
 inline constexpr double kHarmlessSpeed = 0.01;
+/// A solution is looked at where it moves something so many times as fast as anything was before [-].
+inline constexpr double kSuspicious = 10;
 /// Steps without demands after one that ran away, before they are made again.
 inline constexpr int kCalmSteps = 32;
 

@@ -2,9 +2,9 @@
 // where things turn by a radian or more in it, these drive them faster and faster.
 //
 // In a step bodies gain what joints, contacts and equality constraints do to them, all of it along their velocities,
-// and what they fall. Of that much, and what they had, they may have ten times: coarse steps err by a few times, and
-// recover. Where things turn by more than a turn, errors feed on themselves, and pass any bound within a few steps.
-// Trees of joints are judged one by one, and only those that move so far: all others cost a comparison.
+// and what they fall. A tree of joints that moves fast and has more than that and what it had is slowed until it has no
+// more. Where things turn by more than a turn and a step comes to ten times as much, it is beyond mending.
+// Trees are judged one by one, and only where something moves fast: all others cost a comparison.
 #pragma once
 
 #include "manyhands/base/index.h"
@@ -16,14 +16,18 @@ namespace manyhands {
 
 namespace energy_balance {
 
-/// What moves less in a step may yet recover: a turn [rad or m].
+/// What moves less in a step keeps its bits [rad or m].
+inline constexpr double kFast = 0.25;
+/// By what part of all that is given and taken a fast tree's energy may be more than their balance.
+inline constexpr double kSlack = 1e-3;
+/// What moves less in a step is slowed, and no more: a turn [rad or m].
 inline constexpr double kFar = 6.283;
 /// By what factor energy may grow in one without a reason.
 inline constexpr double kGrowth = 10;
 
 }  // namespace energy_balance
 
-/// What was found in a step in which something moves far. (nb) each: by the body from which a tree starts [J]; of
+/// What was found in a step in which something moves fast. (nb) each: by the body from which a tree starts [J]; of
 /// others 0.
 template <Number T>
 struct EnergyBalance {
@@ -84,7 +88,7 @@ MANYHANDS_INLINE void sum_dofs(const Tree<real_t<T>>& tree, T h, const T* v, con
   }
 }
 
-/// Whether the tree from body b has more energy than it can have.
+/// Whether the tree from body b has more energy than slowing it could mend.
 template <Number T>
 MANYHANDS_INLINE mask_t<T> gains(const EnergyBalance<T>& balance, std::size_t b) {
   const T zero = constant<T>(0), before = balance.before[b], after = balance.after[b];
@@ -93,29 +97,55 @@ MANYHANDS_INLINE mask_t<T> gains(const EnergyBalance<T>& balance, std::size_t b)
   return (!bounded) & (balance.far[b] > constant<T>(energy_balance::kFar)) & is_finite(before);
 }
 
-}  // namespace internal
-
-/// The worlds in which a tree has made motion from nothing in a step of h [s]. q (nq), v (nv): before it; `bias` (nv):
-/// of that state, as the step has found it. `ws` is scratch; what was found of each tree is in `balance`.
-template <Number T, Number P>
-mask_t<T> makes_motion(const Tree<real_t<T>>& tree, const Params<P>& params, real_t<T> h, const T* q, const T* v,
-                       const std::vector<T>& bias, const State<T>& after, Workspace<T>& ws, EnergyBalance<T>& balance) {
+/// By what factor the velocities of the tree from body b must shrink: 1 where its energy is no more than what it had,
+/// what was done to it and what it fell.
+template <Number T>
+MANYHANDS_INLINE T slowed(const EnergyBalance<T>& balance, std::size_t b) {
   const T zero = constant<T>(0), one = constant<T>(1);
-  T fastest = zero;
-  for (std::size_t i = 0; i < index(tree.nv); ++i) fastest = max(fastest, abs(after.v()[i]));
-  mask_t<T> found = T(h) * fastest > constant<T>(energy_balance::kFar);
-  if (none(found)) return found;
+  const T before = balance.before[b], done = balance.after[b] - before - balance.work[b], fallen = balance.fallen[b];
+  const T slack = constant<T>(energy_balance::kSlack) * (before + abs(done) + abs(fallen));
+  const T most = max(before + done + fallen, zero) + slack, moved = balance.moved[b];
+  const auto is_fast = balance.far[b] > constant<T>(energy_balance::kFast);
+  return select(is_fast & (moved > most), sqrt(most / select(moved > zero, moved, one)), one);
+}
+
+/// Finds the balance of every tree.
+template <Number T, Number P>
+void weigh(const Tree<real_t<T>>& tree, const Params<P>& params, real_t<T> h, const T* q, const T* v,
+           const std::vector<T>& bias, const State<T>& after, Workspace<T>& ws, EnergyBalance<T>& balance) {
+  const T zero = constant<T>(0), one = constant<T>(1);
   balance.root.assign(tree.bodies.size(), 0);
   for (std::vector<T>* sums : {&balance.work, &balance.fallen, &balance.far}) sums->assign(tree.bodies.size(), zero);
   place_mocap(tree, after.mocap(), ws);
-  internal::sum_dofs(tree, T(h), v, bias, after.v(), balance);
-  internal::add_fallen(tree, params, q, one, ws, balance);
-  internal::sum_kinetic(tree, params, v, ws, balance.root, balance.before);
-  internal::sum_kinetic(tree, params, after.v(), ws, balance.root, balance.after);
-  internal::add_fallen(tree, params, after.q(), -one, ws, balance);
-  internal::sum_kinetic(tree, params, after.v(), ws, balance.root, balance.moved);
+  sum_dofs(tree, T(h), v, bias, after.v(), balance);
+  add_fallen(tree, params, q, one, ws, balance);
+  sum_kinetic(tree, params, v, ws, balance.root, balance.before);
+  sum_kinetic(tree, params, after.v(), ws, balance.root, balance.after);
+  add_fallen(tree, params, after.q(), -one, ws, balance);
+  sum_kinetic(tree, params, after.v(), ws, balance.root, balance.moved);
+}
+
+}  // namespace internal
+
+/// Slows trees that a step of h [s] has given motion from nothing, and returns the worlds in which that could not mend
+/// it. q (nq), v (nv): before the step; `bias` (nv): of that state, as the step has found it. `ws` is scratch; what was
+/// found of each tree is in `balance`.
+template <Number T, Number P>
+mask_t<T> keep_balance(const Tree<real_t<T>>& tree, const Params<P>& params, real_t<T> h, const T* q, const T* v,
+                       const std::vector<T>& bias, State<T>& after, Workspace<T>& ws, EnergyBalance<T>& balance) {
+  T fastest = constant<T>(0);
+  for (std::size_t i = 0; i < index(tree.nv); ++i) fastest = max(fastest, abs(after.v()[i]));
+  mask_t<T> found = T(h) * fastest > constant<T>(energy_balance::kFast);
+  if (none(found)) return found;
+  internal::weigh(tree, params, h, q, v, bias, after, ws, balance);
   found = mask_t<T>(false);
-  for (std::size_t b = 1; b < tree.bodies.size(); ++b) found = found | internal::gains(balance, b);
+  for (std::size_t b = 1; b < tree.bodies.size(); ++b) {
+    const TreeBody<real_t<T>>& body = tree.bodies[b];
+    const auto beyond = internal::gains(balance, balance.root[b]);
+    const T factor = select(beyond, constant<T>(1), internal::slowed(balance, balance.root[b]));
+    found = found | beyond;
+    for (std::size_t i = index(body.iv); i < index(body.iv + body.nv); ++i) after.v()[i] = factor * after.v()[i];
+  }
   return found;
 }
 

@@ -167,7 +167,7 @@ void World::step_once(WorldCore& core) {
 }
 
 void World::require_balance(WorldCore& core) {
-  if (makes_motion(core.system.tree, core.params, time_step_, core.q_before(), core.v_before(), core.step.dynamics.bias,
+  if (keep_balance(core.system.tree, core.params, time_step_, core.q_before(), core.v_before(), core.step.dynamics.bias,
                    core.state, core.scratch, core.balance))
     fail_step(core, made_motion(core, time_step_));
 }

@@ -15,7 +15,7 @@ import numpy as np
 from manyhands.arguments import whole
 from manyhands.learn.course import Schedule
 from manyhands.learn.model import Model
-from manyhands.learn.sb3_arguments import check_others, deviation, hindsight, updates_per_step
+from manyhands.learn.sb3_arguments import check_others, deviation, hindsight, named_arguments, updates_per_step
 from manyhands.learn.worlds import AnyEnv, Worlds, make_worlds
 
 PolicyArguments = Mapping[str, Any] | None
@@ -34,7 +34,7 @@ def network(
     """
     if policy not in ("MlpPolicy", "MultiInputPolicy"):
         raise ValueError(f"policy is {policy!r}, expected 'MlpPolicy' or 'MultiInputPolicy', which here are the same")
-    given = dict(policy_kwargs or {})
+    given = named_arguments("policy_kwargs", policy_kwargs)
     settings = {setting: given.pop(name) for name, setting in more.items() if name in given}
     shape = given.pop("net_arch", layers)
     if isinstance(shape, Mapping):

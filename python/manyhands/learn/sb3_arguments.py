@@ -30,6 +30,13 @@ _OFF_POLICY = {
 }
 
 
+def named_arguments(name: str, value: Any) -> dict[str, Any]:
+    """What a dict of arguments holds; None holds nothing. Raises TypeError on anything else."""
+    if value is not None and not isinstance(value, Mapping):
+        raise TypeError(f"{name} is {value!r}, expected a dict")
+    return dict(value or {})
+
+
 def check_others(algorithm: type, others: Mapping[str, Any]) -> None:
     """Raises TypeError on what is no argument there either, ValueError on a value that is not done here."""
     known = _ANY_ALGORITHM | (_PPO if algorithm.__name__ == "PPO" else _OFF_POLICY)
@@ -69,7 +76,7 @@ def hindsight(
     name = getattr(replay_buffer_class, "__name__", replay_buffer_class)
     if name not in (None, "HerReplayBuffer", "ReplayBuffer", "DictReplayBuffer"):
         raise ValueError(f"replay_buffer_class is {name!r}, expected 'HerReplayBuffer', 'ReplayBuffer' or None")
-    given = dict(replay_buffer_kwargs or {})
+    given = named_arguments("replay_buffer_kwargs", replay_buffer_kwargs)
     given.pop("copy_info_dict", None)  # infos are not stored
     strategy = given.pop("goal_selection_strategy", "future")
     if str(getattr(strategy, "name", strategy)).lower() != "future":

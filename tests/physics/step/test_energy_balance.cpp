@@ -66,6 +66,44 @@ TEST(EnergyBalance, AnArmThatWhirlsTooFastIsNamed) {
   EXPECT_LT(world.energy().kinetic, 100 * before);
 }
 
+/// A pendulum and an arm of ball joints that turn by a quarter of a radian to one a step: what is explicit there feeds
+/// on itself.
+TEST(EnergyBalance, TreesThatTurnFastGainNothing) {
+  const std::string balls =
+      "<body><joint name='a' type='ball'/><geom type='box' size='.02 .05 .2' pos='0 0 .2'/>"
+      "<body pos='0 0 .4'><joint name='b' type='ball'/><geom type='box' size='.05 .02 .2' pos='0 0 .2'/></body></body>";
+  for (const ModelPointer& model : {pendulum(), scene(balls)}) {
+    for (const double fast : {150.0, 300.0}) {
+      World world(model, 0.002);
+      std::vector<double> v(static_cast<std::size_t>(model->nv()));
+      for (std::size_t i = 0; i < v.size(); ++i) v[i] = i % 2 == 0 ? fast : -1.5 * fast;
+      world.set_v(v);
+      const auto total = [&] { return world.energy().kinetic + world.energy().potential; };
+      const double before = total();
+      double most = before;
+      for (int i = 0; i < 300; ++i) {
+        world.step();
+        most = std::max(most, total());
+      }
+      EXPECT_LT(most, 3 * before) << fast << ", " << model->nv();  // slower steps are let be
+      EXPECT_GT(world.energy().kinetic, (fast < 200 ? 0.1 : 0) * before) << fast << ", " << model->nv();
+    }
+  }
+}
+
+TEST(EnergyBalance, AWorldIsSlowedAloneOrAmongOthersAlike) {
+  const std::vector<float> speeds{0, 0, 200, -300, 600, -900, 1, 1, 100, -130};
+  Batch together(pendulum(), 5, 0.002, {.num_threads = 1});
+  together.set_v(speeds);
+  together.step(200);
+  for (std::size_t k = 0; k < 5; ++k) {
+    Batch alone(pendulum(), 1, 0.002, {.num_threads = 1});
+    alone.set_v(std::vector<float>(&speeds[2 * k], &speeds[2 * k] + 2));
+    alone.step(200);
+    for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(alone.v()[i], together.v()[2 * k + i]) << k;
+  }
+}
+
 /// Nothing turns its axes or holds it.
 TEST(EnergyBalance, WhatIsFastAndFollowedIsLetBe) {
   World world(brick_and_ball(), 0.002);

@@ -94,6 +94,8 @@ REFUSED: list[tuple[Any, dict[str, Any], str]] = [
     (PPO, {"learning_rate": 2.0}, "^learning_rate is 2, it must be in"),
     (PPO, {"ent_coef": -1}, "^ent_coef is -1, it must be in"),
     (PPO, {"policy_kwargs": {"net_arch": []}}, r"^net_arch is \[\], expected the units"),
+    (PPO, {"policy_kwargs": [64]}, r"policy_kwargs is \[64\], expected a dict"),
+    (SAC, {"replay_buffer_kwargs": 4}, "replay_buffer_kwargs is 4, expected a dict"),
     (SAC, {"use_sde": True}, "use_sde is True, expected False"),
     (SAC, {"action_noise": 0.1}, "action_noise is 0.1, expected None: actions are drawn"),
     (SAC, {"gradient_steps": -2}, "^gradient_steps is -2, expected -1 or more"),
