@@ -10,16 +10,18 @@ import argparse
 import math
 from pathlib import Path
 
+import gymnasium
 import numpy as np
 import numpy.typing as npt
 from PIL import Image, ImageDraw, ImageFont
 
 import manyhands as mh
+from manyhands.envs import Expert
 
 ROOT = Path(__file__).resolve().parent.parent
 SIZE, GAP, COLUMNS = (300, 250), 4, 4
-TOGETHER = {"six_axis": "parallel", "seven_axis": "three_finger", "scara": "vacuum", "gantry": "two_finger"}
-"""The last row: arms with grippers on."""
+AT_WORK = ("six_axis+two_finger", "six_axis_compact+parallel", "six_axis_slim+two_finger", "seven_axis+three_finger")
+"""The last row: arms with grippers on, which carry a cube."""
 SIDE, FRONT = -0.9, math.pi + 0.7  # yaw of the camera: on arms and grippers, on what faces -x
 
 
@@ -40,9 +42,33 @@ def picture(label: str, model: mh.Model, yaw: float) -> Image.Image:
     reach = float(np.linalg.norm(high - low))
     lens = mh.Camera.perspective(2 * SIZE[0], 2 * SIZE[1], math.radians(30))
     camera = lens.orbit([float(c) for c in (low + high) / 2], 2.0 * reach, yaw, -0.42)
-    shown = Image.fromarray(world.render(camera, look=mh.Look(antialiasing=2)).colour)
-    shown = shown.resize(SIZE, Image.Resampling.LANCZOS)
-    ImageDraw.Draw(shown).text((8, SIZE[1] - 20), label, fill=(40, 48, 58), font=ImageFont.load_default(13))
+    return labelled(world.render(camera, look=mh.Look(antialiasing=2)).colour, label)
+
+
+def at_work(robot: str) -> Image.Image:
+    """The Panda's expert lifts a cube with another arm."""
+    env = gymnasium.make(
+        "PandaPickAndPlace-v3",
+        robot=robot,
+        render_mode="rgb_array",
+        render_width=2 * SIZE[0],
+        render_height=2 * SIZE[1],
+        render_target_position=[-0.2, 0.0, 0.29],
+        render_distance=1.05,
+        render_yaw=40,
+        render_pitch=-15,
+    )
+    expert = Expert("PandaPickAndPlace-v3")
+    observation, _ = env.reset(seed=3)
+    for _ in range(14):
+        observation, *_ = env.step(expert(observation))
+    return labelled(np.asarray(env.render()), robot)
+
+
+def labelled(pixels: npt.NDArray[np.uint8], label: str) -> Image.Image:
+    """Scaled down, its name in the corner."""
+    shown = Image.fromarray(pixels).resize(SIZE, Image.Resampling.LANCZOS)
+    ImageDraw.Draw(shown).text((8, 6), label, fill=(40, 48, 58), font=ImageFont.load_default(13))
     return shown
 
 
@@ -74,8 +100,7 @@ def main() -> None:
             picture(name, mh.robots.load(name), FRONT if mh.robots.describe(name).kind == "furniture" else SIDE)
         )
         print(row(name))
-    for arm, gripper in TOGETHER.items():
-        shots.append(picture(f"{arm}, {gripper}", mh.robots.load(arm, gripper=gripper), SIDE))
+    shots += [at_work(robot) for robot in AT_WORK]
     width, height = SIZE[0] + GAP, SIZE[1] + GAP
     rows = math.ceil(len(shots) / COLUMNS)
     sheet = Image.new("RGB", (COLUMNS * width - GAP, rows * height - GAP), "white")

@@ -7,6 +7,7 @@
 
 #include "bindings/bindings.h"
 #include "bindings/model/model_values.h"
+#include "bindings/model/python_model.h"
 #include "manyhands/envs/make.h"
 #include "manyhands/model/part_checks.h"
 
@@ -38,20 +39,26 @@ void bind_env_parts(nb::module_& m) {
   nb::class_<ArmSpec>(m, "ArmSpec", "An arm with a gripper; see manyhands.envs.ArmSpec.")
       .def(
           "__init__",
-          [](ArmSpec* self, std::filesystem::path urdf, std::vector<std::string> joints,
-             std::vector<std::string> fingers, std::string hand, std::vector<double> neutral,
-             std::vector<double> max_force, const Numbers3& position, const Numbers4& quaternion, bool meshes) {
-            new (self) ArmSpec{.urdf = std::move(urdf),
+          [](ArmSpec* self, const std::variant<std::filesystem::path, const PythonModel*>& urdf,
+             std::vector<std::string> joints, std::vector<std::string> fingers, std::vector<double> closed,
+             std::vector<double> opening, std::string hand, std::vector<double> neutral, std::vector<double> max_force,
+             const Numbers3& position, const Numbers4& quaternion, bool meshes) {
+            const auto* path = std::get_if<std::filesystem::path>(&urdf);
+            new (self) ArmSpec{.urdf = path != nullptr ? *path : std::filesystem::path(),
+                               .model = path != nullptr ? nullptr : std::get<const PythonModel*>(urdf)->model,
                                .X_WA = bindings::transform("the arm's base", position, quaternion),
                                .joints = std::move(joints),
                                .fingers = std::move(fingers),
+                               .closed = std::move(closed),
+                               .opening = std::move(opening),
                                .hand = std::move(hand),
                                .neutral = std::move(neutral),
                                .max_force = std::move(max_force),
                                .meshes = meshes};
           },
-          nb::kw_only(), "urdf"_a, "joints"_a, "fingers"_a, "hand"_a, "neutral"_a, "max_force"_a, "position"_a,
-          "quaternion"_a, "meshes"_a, "Raises ValueError on a quaternion that is not of length 1.");
+          nb::kw_only(), "urdf"_a, "joints"_a, "fingers"_a, "closed"_a, "opening"_a, "hand"_a, "neutral"_a,
+          "max_force"_a, "position"_a, "quaternion"_a, "meshes"_a,
+          "Raises ValueError on a quaternion that is not of length 1.");
   nb::class_<Obstacle>(m, "Obstacle", "What stands in the way; see manyhands.envs.Obstacle.")
       .def(
           "__init__",

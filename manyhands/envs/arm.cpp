@@ -38,16 +38,49 @@ std::vector<std::size_t> dofs_of(const Model& scene, const std::vector<std::stri
   return dofs;
 }
 
-std::vector<std::size_t> fingers_of(const Model& scene, const std::vector<std::string>& names) {
-  for (const std::string& name : names)
-    require(body_of(scene, name).type == JointType::kPrismatic, "joint '" + name + "': fingers must slide");
-  return dofs_of(scene, names);
+/// By how much the hand opens per unit of each finger.
+std::vector<double> opening_of(const ArmSpec& spec, const Model& scene) {
+  if (!spec.opening.empty()) return spec.opening;
+  for (const std::string& name : spec.fingers)
+    require(body_of(scene, name).type == JointType::kPrismatic,
+            "joint '" + name + "': fingers must slide, or `opening` says by how much the hand opens per rad");
+  return std::vector<double>(spec.fingers.size(), 1.0);
 }
 
 FrameId hand_of(const Model& scene, const std::string& name) {
   const bool known = std::ranges::any_of(scene.frames(), [&](const Frame& frame) { return frame.name == name; });
   require(known, "the arm has no link or frame '" + name + "' to be its hand");
   return scene.frame_id(name);
+}
+
+/// Where a joint is with the arm in its neutral pose, `q` (nq) of joints that follow no others.
+double place_of(const Model& scene, const Joint& joint, const std::vector<double>& q,
+                const std::vector<std::size_t>& driven) {
+  const auto dof = static_cast<std::size_t>(joint.iq);
+  if (!joint.mimic || std::ranges::count(driven, dof) > 0) return q[dof];
+  const Joint& driver = scene.joint(scene.joint_id(joint.mimic->joint));
+  return joint.mimic->multiplier * place_of(scene, driver, q, driven) + joint.mimic->offset;
+}
+
+/// The joints that mimic others and are not driven themselves.
+std::vector<Follower> followers_of(const Model& scene, const Arm& arm) {
+  std::vector<std::size_t> driven = arm.joints;
+  driven.insert(driven.end(), arm.fingers.begin(), arm.fingers.end());
+  std::vector<double> q = scene.initial_configuration();
+  for (std::size_t i = 0; i < driven.size(); ++i) q[driven[i]] = arm.neutral[i];
+  std::vector<Follower> followers;
+  for (const Joint& joint : scene.joints()) {
+    const auto dof = static_cast<std::size_t>(joint.iq);
+    if (joint.mimic && std::ranges::count(driven, dof) == 0)
+      followers.push_back({dof, place_of(scene, joint, q, driven)});
+  }
+  return followers;
+}
+
+/// One finite number for each finger.
+void check_fingers(const std::string& what, const std::vector<double>& numbers, std::size_t count) {
+  require(numbers.size() == count && std::ranges::all_of(numbers, [](double x) { return is_finite(x); }),
+          "an arm of " + std::to_string(count) + " fingers needs as many finite numbers in " + what);
 }
 
 /// One finite number for each joint, `least` or more.
@@ -69,9 +102,11 @@ Arm::Arm(const ArmSpec& spec, const Model& scene, ArmControl control_, bool has_
       impedance(impedance_),
       has_gripper(has_gripper_),
       joints(dofs_of(scene, spec.joints)),
-      fingers(fingers_of(scene, spec.fingers)),
+      fingers(dofs_of(scene, spec.fingers)),
       neutral(spec.neutral),
       max_force(spec.max_force),
+      closed(spec.closed.empty() ? std::vector<double>(fingers.size(), 0.0) : spec.closed),
+      opening(opening_of(spec, scene)),
       hand(hand_of(scene, spec.hand)),
       chain(scene, hand),
       ik(control == ArmControl::kEndEffector ? panda_gym_ik() : exact_ik()) {
@@ -82,6 +117,13 @@ Arm::Arm(const ArmSpec& spec, const Model& scene, ArmControl control_, bool has_
   require(!has_gripper || !fingers.empty(), "the task needs a gripper, but the arm has no fingers");
   check("neutral", neutral, count, -std::numeric_limits<double>::infinity());
   check("max_force", max_force, count, 0);
+  check_fingers("closed", closed, fingers.size());
+  check_fingers("opening", opening, fingers.size());
+  for (const double opens : opening) {
+    require(opens != 0, "opening holds 0; expected by how much the hand opens as the finger moves");
+    per_width.push_back(1 / (static_cast<double>(fingers.size()) * opens));
+  }
+  followers = followers_of(scene, *this);
   check("the impedance",
         {impedance.stiffness, impedance.damping, impedance.rotational_stiffness, impedance.rotational_damping}, 4, 0);
 }

@@ -7,6 +7,12 @@
 
 namespace manyhands {
 
+/// A joint that mimics others.
+struct Follower {
+  std::size_t dof;  ///< the same in q and v
+  double neutral;   ///< where it is in the neutral pose [rad or m]
+};
+
 /// The arm in a scene of which it is the first part. Uniform: one for all worlds of a batch.
 struct Arm {
   /// Throws std::invalid_argument on a name that the scene lacks, on joints or numbers that do not fit the arm.
@@ -19,6 +25,9 @@ struct Arm {
   bool has_gripper;                          ///< else the fingers stay closed
   std::vector<std::size_t> joints, fingers;  ///< their dofs, the same in q and v
   std::vector<double> neutral, max_force;    ///< of `joints`, then of `fingers`
+  std::vector<double> closed, opening;       ///< of `fingers`: the hand opens by opening (q - closed) of each [m]
+  std::vector<double> per_width;             ///< of `fingers`: by how much each moves as the hand opens by 1 m
+  std::vector<Follower> followers;
   FrameId hand;
   IkChain chain;  ///< of the hand
   IkSettings ik;  ///< of controls that move the hand
@@ -50,6 +59,7 @@ void reset_arm(const Arm& arm, State<T>& state, int lane) {
     set_lane(state.q()[arm.dof(i)], lane, static_cast<R>(arm.neutral[i]));
     set_lane(state.target_q()[arm.dof(i)], lane, static_cast<R>(arm.neutral[i]));
   }
+  for (const Follower& joint : arm.followers) set_lane(state.q()[joint.dof], lane, static_cast<R>(joint.neutral));
 }
 
 /// The hand from its tree's origin, in world axes, where its body has been placed.
@@ -70,7 +80,10 @@ MANYHANDS_INLINE HandState<T> observe_hand(const Arm& arm, const Tree<real_t<T>>
   const std::size_t b = arm.chain.body.index();
   const Vec3<T> p_OF = hand_in_tree(arm, ws);
   T width(real_t<T>(0));
-  for (const std::size_t finger : arm.fingers) width += state.q()[finger];
+  for (std::size_t i = 0; i < arm.fingers.size(); ++i) {
+    const T opened = state.q()[arm.fingers[i]] - T(static_cast<real_t<T>>(arm.closed[i]));
+    width = fma(T(static_cast<real_t<T>>(arm.opening[i])), opened, width);
+  }
   return {p_OF + ws.p_WO[b], at_point(ws.V[b], p_OF).v, width};
 }
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,6 +11,8 @@
 #include "manyhands/control/impedance.h"
 
 namespace manyhands {
+
+class Model;
 
 /// What an action (each number in [-1, 1]) does to the arm within one environment step. The gripper's number comes
 /// after these; it opens the fingers by 20 cm per unit. See control/*.h.
@@ -35,15 +38,20 @@ inline constexpr std::array<std::pair<const char*, ArmControl>, 6> kArmControls{
 /// Throws std::invalid_argument, which lists the names, on an unknown one.
 [[nodiscard]] ArmControl arm_control(const std::string& name);
 
-/// What tasks must know of an arm besides its URDF. Its joints are named in the order of actions, fingers last.
+/// What tasks must know of an arm besides its URDF. Its joints are named in the order of actions, fingers last. Joints
+/// that mimic others follow them. The first link is the base, which stands fixed.
 struct ArmSpec {
   std::filesystem::path urdf;
+  std::shared_ptr<const Model> model{};                    ///< in place of the file, if there is one
   Transform<double> X_WA = Transform<double>::identity();  ///< of its base
-  std::vector<std::string> joints, fingers;                ///< fingers slide; the hand opens by the sum of their q
+  std::vector<std::string> joints, fingers;
+  /// For each finger: its q where the hand is closed, and by how much the hand opens per unit [m/rad or 1], not 0.
+  /// Empty: 0, and 1 for fingers that slide.
+  std::vector<double> closed{}, opening{};
   std::string hand;               ///< the frame or link between the finger tips, z away from the hand
   std::vector<double> neutral;    ///< where every episode starts [rad or m]
   std::vector<double> max_force;  ///< of the motors [N m or N]
-  bool meshes = true;             ///< whether collision shapes that need a mesh file count
+  bool meshes = true;             ///< whether the file's collision shapes that need a mesh count
 };
 
 /// The arms that ship with the library: "panda" and "arm6". Throws std::invalid_argument, which lists them, on others.

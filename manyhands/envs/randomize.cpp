@@ -104,7 +104,9 @@ SceneParts::SceneParts(const Model& scene, const Arm& arm, std::span<const Objec
   for (std::size_t i = 0; i < arm.max_force.size(); ++i) motor_dofs.push_back(arm.dof(i));
   const auto is_finger = [&](std::size_t body) {
     const Body& part = scene.bodies()[body];
-    return part.nv == 1 && std::ranges::count(arm.fingers, static_cast<std::size_t>(part.iv)) > 0;
+    const auto dof = static_cast<std::size_t>(part.iv);
+    const bool follows = std::ranges::any_of(arm.followers, [&](const Follower& joint) { return joint.dof == dof; });
+    return part.nv == 1 && (follows || std::ranges::count(arm.fingers, dof) > 0);
   };
   for (std::size_t i = 0; i < scene.geoms().size(); ++i) {
     const Geom& geom = scene.geoms()[i];

@@ -1,6 +1,7 @@
 #include "manyhands/envs/scene.h"
 
 #include <algorithm>
+#include <optional>
 #include <stdexcept>
 
 #include "manyhands/model/compose.h"
@@ -39,6 +40,16 @@ void add_object(ModelBuilder& builder, const ObjectSpec& object) {
   geom.surface.lateral_friction = object.friction;
   geom.surface.rolling_friction = object.rolling_friction;
   builder.add_geom(geom);
+}
+
+constexpr LinkId kBase(1);  // of the arm
+
+/// The joint that holds the arm's base, if it has one.
+std::optional<JointId> stand_of(const ModelBuilder& builder) {
+  for (std::size_t i = 0; i < builder.joints().size(); ++i) {
+    if (builder.joints()[i].child == kBase) return JointId(i);
+  }
+  return std::nullopt;
 }
 
 constexpr std::array kShapes{"box", "cylinder", "sphere", "capsule"};
@@ -85,19 +96,28 @@ void reshape(ObjectSpec& object, const std::string& shape, std::span<const char*
 }
 
 Model load_arm(const ArmSpec& spec) {
-  UrdfOptions options;
-  options.base_pose = spec.X_WA;
-  options.load_meshes = spec.meshes;
-  return load_urdf(spec.urdf, options).model;
+  ModelBuilder builder =
+      builder_of(spec.model != nullptr ? *spec.model : load_urdf(spec.urdf, {.load_meshes = spec.meshes}).model);
+  if (builder.links().size() < 2) throw std::invalid_argument("the arm has no links");
+  const std::optional<JointId> stand = stand_of(builder);
+  if (!stand) {
+    builder.place_root(kBase, spec.X_WA * builder.links()[kBase.index()].X_BL);
+    return builder.build();
+  }
+  Joint& joint = builder.joint(*stand);
+  if (joint.type != JointType::kFixed || joint.parent != builder.world())
+    throw std::invalid_argument("the arm's base, '" + builder.links()[kBase.index()].name + "', must stand fixed");
+  joint.X_PF = spec.X_WA * joint.X_PF;
+  return builder.build();
 }
 
 Model task_scene(const ArmSpec& arm, const Table& table, std::span<const ObjectSpec> objects,
                  std::span<const Obstacle> obstacles) {
   ModelBuilder builder = builder_of(load_arm(arm));
   // Hung on the world before the objects are, so that its numbers come first.
-  const LinkId base(1);
-  const Transform<double> X_WA = builder.links()[base.index()].X_BL;
-  builder.add_joint({.name = "arm_base", .parent = builder.world(), .child = base, .X_PF = X_WA});
+  const Transform<double> X_WA = builder.links()[kBase.index()].X_BL;
+  if (!stand_of(builder))
+    builder.add_joint({.name = "arm_base", .parent = builder.world(), .child = kBase, .X_PF = X_WA});
   add_surroundings(builder, table);
   for (const ObjectSpec& object : objects) add_object(builder, object);
   for (std::size_t i = 0; i < obstacles.size(); ++i) add_obstacle(builder, i, obstacles[i]);
@@ -108,6 +128,7 @@ void require_clear(const Arm& arm, const Model& scene, std::size_t obstacles) {
   World world(std::make_shared<const Model>(scene));
   std::vector<double> q = scene.initial_configuration();
   for (std::size_t i = 0; i < arm.neutral.size(); ++i) q[arm.dof(i)] = arm.neutral[i];
+  for (const Follower& joint : arm.followers) q[joint.dof] = joint.neutral;
   world.set_q(q);
   for (const LinkDistance& near : world.near_links(0)) {
     for (std::size_t i = 0; i < obstacles; ++i) {

@@ -37,7 +37,7 @@ void reshape(ObjectSpec& object, const std::string& shape, std::span<const char*
 /// The link of the i-th obstacle, as messages name it too.
 [[nodiscard]] std::string obstacle_name(std::size_t i);
 
-[[nodiscard]] Model load_arm(const ArmSpec& spec);  ///< read from its file, at its place
+[[nodiscard]] Model load_arm(const ArmSpec& spec);  ///< at its place
 
 /// The arm first, then floor and table, then the objects, each floating, then the obstacles. Throws
 /// std::invalid_argument, which names the obstacle by its place in the list, if one cannot be.

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from manyhands._core import Model, ModelBuilder, World, asset_path, load_urdf
 
-__all__ = ["Description", "Vacuum", "attach", "describe", "load", "names", "path"]
+__all__ = ["Description", "Vacuum", "attach", "describe", "load", "names", "path", "split"]
 
 GRIPPER = "gripper/"
 
@@ -35,6 +35,8 @@ class Description:
     """The link between the fingers, z outwards; empty if there is none."""
     closed: Mapping[str, float] = field(default_factory=dict)
     """Where the joint that drives the fingers closes them [rad or m]."""
+    width: tuple[float, float] = (0.0, 0.0)
+    """Of a gripper, between its fingers at the tool, closed and open; of three, twice their distance from z [m]."""
     payload: float = 0.0
     """What the motors hold in any posture, at the flange or tool; of a gripper, between its fingers [kg]."""
 
@@ -75,6 +77,12 @@ def load(name: str, *, gripper: str | None = None, fixed_base: bool = True) -> M
     if not robot.flange:
         raise ValueError(f"{name} has no flange for a gripper; {', '.join(_with_flange())} have")
     return attach(model, gripper, robot.flange)
+
+
+def split(text: str) -> tuple[str, str | None]:
+    """The arm and the gripper of 'six_axis+two_finger'; None where only one is named."""
+    name, _, gripper = text.partition("+")
+    return name, gripper or None
 
 
 def attach(arm: Model, gripper: str | Model, frame: str, *, prefix: str = GRIPPER) -> Model:
@@ -126,7 +134,9 @@ class Vacuum:
 @cache
 def _catalogue() -> dict[str, Description]:
     entries = json.loads(asset_path("robots/catalogue.json").read_text(encoding="utf-8"))
-    return {name: Description(**entry) for name, entry in entries.items()}
+    return {
+        name: Description(**entry | {"width": tuple(entry.get("width", (0.0, 0.0)))}) for name, entry in entries.items()
+    }
 
 
 def _with_flange() -> list[str]:

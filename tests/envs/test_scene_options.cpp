@@ -7,6 +7,7 @@
 
 #include "manyhands/envs/experts/expert.h"
 #include "manyhands/envs/make.h"
+#include "manyhands/model/io/urdf/urdf.h"
 
 namespace manyhands {
 namespace {
@@ -186,6 +187,17 @@ TEST(Arms, AreRefusedWithAReason) {
             std::string::npos);
   EXPECT_NE(refused([](ArmSpec& arm) { arm.max_force[3] = -1; }).find("max_force holds -1"), std::string::npos);
   EXPECT_NE(refused([](ArmSpec& arm) { arm.fingers[0] = "arm6_joint6"; }).find("fingers must slide"),
+            std::string::npos);
+  EXPECT_NE(refused([](ArmSpec& arm) { arm.opening = {1}; }).find("2 fingers needs as many finite numbers in opening"),
+            std::string::npos);
+  EXPECT_NE(refused([](ArmSpec& arm) { arm.opening = {1, 0}; }).find("opening holds 0"), std::string::npos);
+  EXPECT_NE(refused([](ArmSpec& arm) {
+              arm.closed = {0, std::nan("")};
+            }).find("2 fingers needs as many finite numbers in closed"),
+            std::string::npos);
+  EXPECT_NE(refused([](ArmSpec& arm) {
+              arm.model = std::make_shared<const Model>(load_urdf(arm.urdf, {.fixed_base = false}).model);
+            }).find("must stand fixed"),
             std::string::npos);
   const auto fingerless = [](ArmSpec& arm) {
     arm.fingers.clear();

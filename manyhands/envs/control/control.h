@@ -67,10 +67,12 @@ void apply_action(const Arm& arm, const Tree<real_t<T>>& tree, const Params<P>& 
     case ArmControl::kJointTorque:
       break;
   }
-  const T share(R(1) / static_cast<R>(arm.fingers.size()));
   const auto grip = static_cast<std::size_t>(action_size(arm)) - 1;
-  const T finger = arm.has_gripper ? share * fma(opening, clipped(grip), hand.open_width) : zero;
-  for (const std::size_t i : arm.fingers) state.target_q()[i] = finger;
+  const T width = arm.has_gripper ? fma(opening, clipped(grip), hand.open_width) : zero;
+  for (std::size_t i = 0; i < arm.fingers.size(); ++i) {
+    const T per_width(static_cast<R>(arm.per_width[i])), closed(static_cast<R>(arm.closed[i]));
+    state.target_q()[arm.fingers[i]] = fma(per_width, width, closed);
+  }
 }
 
 /// Before a physics step: sets the forces of controls that drive by force, from the action and the present state.

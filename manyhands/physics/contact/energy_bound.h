@@ -55,7 +55,8 @@ MANYHANDS_INLINE T norm_of_opening(const ContactProblem<T>& problem, const Facto
 }
 
 /// The norm of what motors and limits ask of dofs and tendons, and of all that moves at a speed of which there is never
-/// too much [J^1/2].
+/// too much [J^1/2]. A motor gives no more than the work of its impulse, and its own dof takes no more than that needs to
+/// reach its velocity; where equality constraints move others along, they may take all the work.
 template <Number T>
 MANYHANDS_INLINE T norm_of_joints(const ContactProblem<T>& problem) {
   const JointLaws<T>& laws = problem.joints;
@@ -65,7 +66,9 @@ MANYHANDS_INLINE T norm_of_joints(const ContactProblem<T>& problem) {
     const T v = law_velocity(problem, i), M = law_inertia(problem, i);
     const T driven = v + laws.target[i], returns = max(return_speed(v, i, laws), zero);
     const T reaches = half * M * (driven * driven), works = laws.max_impulse[i] * abs(driven);
-    const T motor = select(laws.max_impulse[i] > zero, min(works, reaches), zero);
+    const bool drives_others = problem.num_equality_rows > 0;
+    const T most = drives_others ? select(is_finite(works), works, reaches) : min(works, reaches);
+    const T motor = select(laws.max_impulse[i] > zero, most, zero);
     sum += sqrt(motor) + sqrt(half * M) * returns;
     inertia += half * M;
   }

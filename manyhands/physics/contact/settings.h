@@ -148,8 +148,9 @@ inline constexpr double kOpeningTolerance = 1e-3;
 /// which all may move at any time.
 inline constexpr double kExcess = 1.05;
 inline constexpr double kHarmlessSpeed = 0.01;
-/// A solution is looked at where it moves something so many times as fast as anything was before [-].
-inline constexpr double kSuspicious = 10;
+/// A solution is looked at where it moves something so many times as fast as anything was before, or as 1 rad/s or m/s.
+/// Motors fling light fingers that drive other things: they are not meant.
+inline constexpr double kSuspicious = 100;
 /// Steps without demands after one that ran away, before they are made again.
 inline constexpr int kCalmSteps = 32;
 

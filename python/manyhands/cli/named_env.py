@@ -92,7 +92,7 @@ class NamedEnv:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What says how an environment is made."""
     group = parser.add_argument_group("environment")
-    group.add_argument("--robot", metavar="NAME", help="panda or arm6")
+    group.add_argument("--robot", metavar="NAME", help="panda, arm6, or an arm and a gripper as six_axis+two_finger")
     group.add_argument("--control", metavar="TYPE", help=f"what actions mean: {', '.join(control_types())}")
     group.add_argument(
         "--option", action="append", metavar="NAME=VALUE",

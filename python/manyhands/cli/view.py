@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import gymnasium
 import numpy as np
 
+from manyhands import robots
 from manyhands._core import World, asset_path
 from manyhands.cli.named_env import POLICY, NamedEnv, given_options
 from manyhands.cli.named_env import add_arguments as add_env_arguments
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 EXAMPLES = """\
 examples:
   manyhands view panda                        a robot that ships with the package
+  manyhands view six_axis+two_finger          an arm of manyhands.robots, with a gripper on
   manyhands view my_robot.urdf
   manyhands view scene.xml
   manyhands view PandaPickAndPlace            an environment: drive it, or watch the scripted expert
@@ -34,7 +36,11 @@ _SCENES = (".urdf", ".xml", ".mjcf", ".sdf")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What comes after `manyhands view`."""
-    parser.add_argument("target", metavar="ROBOT.urdf|SCENE.xml|ENV", help="a file, an environment, `panda` or `arm6`")
+    parser.add_argument(
+        "target",
+        metavar="ROBOT.urdf|SCENE.xml|ENV|ROBOT",
+        help="a file, an environment, `panda`, `arm6`, or one of manyhands.robots",
+    )
     parser.add_argument("--host", default="127.0.0.1", help="address to listen on (this machine alone)")
     parser.add_argument("--port", type=int, default=8080, help="the first to try (8080)")
     parser.add_argument("--token", help="asked for in the page's address; default: none here, a random one elsewhere")
@@ -57,14 +63,14 @@ def shown(arguments: argparse.Namespace) -> "Viewer":
     page: dict[str, Any] = {
         "host": arguments.host, "port": arguments.port, "token": arguments.token, "open_browser": arguments.open
     }  # fmt: skip
-    robot, options = _robot(arguments.target), given_options(arguments)
-    if robot is None:
+    world, options = _world(arguments.target), given_options(arguments)
+    if world is None:
         viewer = _show_environment(arguments.target, options, arguments.policy, arguments.seed, page)
     elif options or arguments.policy is not None:
         given = "--policy" if arguments.policy is not None else f"the option {next(iter(options))}"
         raise ValueError(f"{given} is of environments, and {arguments.target} is none (manyhands envs lists them)")
     else:
-        viewer = view(_world(robot), title=robot.name, **page)
+        viewer = view(world, title=Path(arguments.target).name, **page)
         if viewer.source.joints is not None:
             _hold(viewer)
     if arguments.play:
@@ -72,7 +78,21 @@ def shown(arguments: argparse.Namespace) -> "Viewer":
     return viewer
 
 
-def _robot(target: str) -> Path | None:
+def _world(target: str) -> World | None:
+    """A world of the robot or scene that is meant; None if it is none. Raises ValueError on an unknown gripper."""
+    name, gripper = robots.split(target)
+    if name in robots.names():
+        return World(robots.load(name, gripper=gripper))
+    path = _file(target)
+    if path is None:
+        return None
+    world = World.from_file(path)
+    if len(world.report):
+        print(world.report)
+    return world
+
+
+def _file(target: str) -> Path | None:
     """The file that is meant; None if it is not a file. Raises ValueError on a file of another kind."""
     if Path(target).suffix.lower() in _SCENES:
         return Path(target)
@@ -82,13 +102,6 @@ def _robot(target: str) -> Path | None:
         if Path(target).is_file():
             raise ValueError(f"{target} is no URDF, MJCF or SDF: expected a file {', '.join(_SCENES)}") from None
         return None
-
-
-def _world(path: Path) -> World:
-    world = World.from_file(path)
-    if len(world.report):
-        print(world.report)
-    return world
 
 
 def _show_environment(

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from manyhands._core.envs import EnvBatch, EnvBodies, EnvPictures, Eye, PictureVariation
 from manyhands._core.render import Camera, Look
 from manyhands.arguments import whole_number
+from manyhands.envs.parts import hand_of
 from manyhands.envs.spaces import CameraOptions, EnvOptions
 
 RENDER_MODES = ("rgb_array", "depth_array")
@@ -160,10 +161,9 @@ def _observed(name: str, given: CameraOptions | Camera, env: EnvOptions) -> tupl
         raise ValueError(
             f"cameras: {name!r} has {sorted(unknown)}; options are {sorted(CameraOptions.__annotations__)}"
         )
-    robot = env.get("robot") or "panda"
     place = dict(_PLACES.get(name, {}))
     if name == "wrist":
-        place["frame"] = f"{robot}_grasptarget" if isinstance(robot, str) else robot.hand
+        place["frame"] = hand_of(env.get("robot"))
     options = cast(CameraOptions, {**place, **given})
     if "eye" not in options or "target" not in options:
         raise ValueError(

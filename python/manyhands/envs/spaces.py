@@ -32,7 +32,7 @@ class EnvOptions(TypedDict, total=False):
     distance_threshold: float  # success is nearer than this; 0: what the task says
     randomize: Randomize | None  # what differs from episode to episode: docs/randomization.md
     object_shape: str  # "box", "cylinder", "sphere" or "capsule" in place of what the task says
-    robot: str | ArmSpec | None  # "panda"; "arm6" ships too
+    robot: str | ArmSpec | None  # "panda"; "arm6", and arms of manyhands.robots, as "six_axis+two_finger"
     obstacles: Sequence[Obstacle] | None  # none
     stiffness: tuple[float, float]  # of control_type="impedance": 1000 N/m, 50 N m/rad
     damping: tuple[float, float]  # of the same: 100 N s/m, 2 N m s/rad

@@ -132,6 +132,19 @@ TEST(Contradictions, SolutionsWithTooMuchEnergyAreFound) {
   EXPECT_TRUE(exceeds(std::numeric_limits<double>::quiet_NaN()));
 }
 
+/// A motor that swings a light rod and, by a gear, a heavy one: it does the work that both take, in one step.
+TEST(Contradictions, AMotorMayDriveMoreThanItsOwnBody) {
+  const ModelPointer model = scene(
+      "<body><joint name='light' axis='0 0 1'/><geom type='box' size='.05 .01 .01' mass='0.01'/></body>"
+      "<body pos='1 0 0'><joint name='heavy' axis='0 0 1'/><geom type='box' size='.05 .01 .01' mass='0.1'/></body>",
+      "<equality><joint joint1='heavy' joint2='light'/></equality>");
+  World world(model, 0.002);
+  world.set_joint_motor(model->joint_id("light"), {.target_v = 20, .max_force = 8});
+  world.step();
+  EXPECT_NEAR(world.v()[0], 20, 0.05);  // a held dof yields
+  EXPECT_NEAR(world.v()[1], world.v()[0], 1e-9);
+}
+
 TEST(Contradictions, PressNoHarderAsTimeGoesOn) {
   for (const ModelPointer& model : {tight_slot(), wedged_finger()}) {
     World world(model, 0.002);

@@ -79,6 +79,96 @@ def test_an_arm_spec_of_ones_own_is_the_robot_it_describes() -> None:
         np.testing.assert_equal(rollout(other), shipped)
 
 
+@pytest.mark.parametrize("gripper", ["two_finger", "parallel", "three_finger"])
+@pytest.mark.parametrize("arm", ["six_axis", "six_axis_compact", "six_axis_slim", "seven_axis"])
+def test_any_arm_with_any_gripper_picks_and_places(arm: str, gripper: str) -> None:
+    """By the Panda's expert, which knows neither; three fingers shift a cube as they close."""
+    envs = gymnasium.make_vec("PandaPickAndPlace-v3", num_envs=100, robot=f"{arm}+{gripper}")
+    expert = Expert("PandaPickAndPlace-v3")
+    observation, _ = envs.reset(seed=500)
+    np.testing.assert_allclose(observation["observation"][:, :3], np.tile([0.04, 0, 0.2], (100, 1)), atol=1e-4)
+    solved, over = np.zeros(100, bool), np.zeros(100, bool)
+    for _ in range(50):
+        observation, _, terminated, truncated, _ = envs.step(expert(observation))
+        solved |= terminated & ~over
+        over |= terminated | truncated
+    assert solved.sum() >= (90 if gripper == "three_finger" else 98)
+
+
+def test_a_suction_cup_pushes_but_cannot_grasp() -> None:
+    observation, _ = gymnasium.make("PandaPush-v3", robot="six_axis+vacuum").reset(seed=0)
+    np.testing.assert_allclose(observation["observation"][:3], [0.04, 0, 0.2], atol=1e-4)
+    with pytest.raises(ValueError, match="the task needs a gripper, but the arm has no fingers"):
+        gymnasium.make("PandaPickAndPlace-v3", robot="six_axis+vacuum")
+
+
+@pytest.mark.parametrize(
+    ("arm", "where"),
+    [
+        ("gantry", {"position": (-0.12, 0, 0)}),
+        ("scara", {"position": (-0.4, 0, 0.1), "start": (0, 0, 0.15)}),
+        ("desktop", {"position": (-0.18, 0, 0), "start": (0, 0, 0.1)}),
+    ],
+)
+def test_arms_of_other_kinds_stand_where_they_are_put(arm: str, where: dict[str, Any]) -> None:
+    spec = ArmSpec.of(arm, None if arm == "desktop" else "two_finger", **where)
+    env = gymnasium.make("PandaPickAndPlace-v3", robot=spec)
+    observation, _ = env.reset(seed=0)
+    np.testing.assert_allclose(observation["observation"][:3], where.get("start", (0.04, 0, 0.2)), atol=1e-4)
+    np.testing.assert_allclose(observation["observation"][6], 0, atol=1e-3)
+    open_wide = np.array([0, 0, 0, 1], np.float32)
+    for _ in range(5):
+        observation, *_ = env.step(open_wide)
+    widest = 0.085 if arm != "desktop" else 0.05
+    assert observation["observation"][6] > 0.98 * widest
+
+
+def test_a_gripper_goes_on_a_model_of_any_arm() -> None:
+    ur5e, _ = mh.load_urdf(mh.asset_path("bullet/universal/ur5e.urdf"))  # its base hangs on a link called "world"
+    spec = ArmSpec.of(ur5e, "two_finger", flange="tool0", posture=[0, -1.2, 1.5, -1.9, -1.6, 0])
+    env = gymnasium.make("PandaPickAndPlace-v3", robot=spec)
+    expert = Expert("PandaPickAndPlace-v3")
+    solved = 0
+    for seed in range(10):
+        observation, _ = env.reset(seed=seed)
+        np.testing.assert_allclose(observation["observation"][:3], [0.04, 0, 0.2], atol=1e-4)
+        for _ in range(50):
+            observation, _, terminated, truncated, _ = env.step(expert(observation))
+            if terminated or truncated:
+                break
+        solved += terminated
+    assert solved == 10
+    with pytest.raises(ValueError, match="no link or frame 'nowhere'"):
+        ArmSpec.of(ur5e, "two_finger", flange="nowhere")
+    with pytest.raises(ValueError, match="''"):
+        ArmSpec.of(ur5e, "two_finger")
+    with pytest.raises(ValueError, match="posture has 2 numbers; expected one for each of shoulder_pan_joint"):
+        ArmSpec.of(ur5e, "two_finger", flange="tool0", posture=[0, 1])
+
+
+def test_a_gripper_whose_fingers_turn_has_the_same_bits_in_one_world_and_in_many() -> None:
+    spec = ArmSpec.of("six_axis", "two_finger")
+    one = gymnasium.make("PandaPickAndPlace-v3", robot="six_axis+two_finger", obstacles=[WALL])
+    many = gymnasium.make_vec("PandaPickAndPlace-v3", num_envs=5, num_threads=2, robot=spec, obstacles=[WALL])
+    observation, _ = many.reset(seed=10)
+    alone, _ = one.reset(seed=12)
+    many.action_space.seed(1)
+    for _ in range(20):
+        np.testing.assert_equal(alone["observation"], observation["observation"][2])
+        actions = many.action_space.sample()
+        observation, *_ = many.step(actions)
+        alone, *_ = one.step(actions[2])
+
+
+def test_an_arm_from_a_model_is_copied_and_pickled() -> None:
+    def env() -> Any:
+        return gymnasium.make("PandaPickAndPlace-v3", robot=ArmSpec.of("seven_axis", "parallel")).unwrapped
+
+    expected = rollout(env())
+    for other in (copy.deepcopy(env()), pickle.loads(pickle.dumps(env()))):
+        np.testing.assert_equal(rollout(other), expected)
+
+
 def test_an_arm_stands_where_it_is_put() -> None:
     turned = ArmSpec(**{**vars(ARM6), "position": [0.6, 0, 0.1], "quaternion": [0, 0, 1, 0]})
     observation, _ = gymnasium.make("PandaReach-v3", robot=turned).reset(seed=0)
@@ -111,6 +201,8 @@ def test_a_stiffer_hand_lags_less() -> None:
     ("options", "message"),
     [
         ({"robot": "pandaa"}, "robot is 'pandaa', expected 'panda', 'arm6' or an ArmSpec"),
+        ({"robot": "six_axis+five_finger"}, "there is no robot 'five_finger'"),
+        ({"robot": "desktop"}, "desktop stands at x = -0.6 m, or nearer"),
         ({"robot": ArmSpec(**{**vars(ARM6), "hand": "palm"})}, "'palm'"),
         ({"robot": ArmSpec(**{**vars(ARM6), "neutral": [0] * 7})}, "has 7 numbers in neutral"),
         ({"robot": ArmSpec(**{**vars(ARM6), "quaternion": [0, 0, 0, 2]})}, "length 1"),

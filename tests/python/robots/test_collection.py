@@ -15,6 +15,7 @@ FOLDER = robot_files.ASSETS / "robots"
 ENTRIES = {entry.robot.name: entry for entry in all_entries()}
 ARMS, GRIPPERS, FURNITURE = (mh.robots.names(kind) for kind in ("arm", "gripper", "furniture"))
 FINGERED = [name for name in GRIPPERS if mh.robots.describe(name).closed]
+UP = np.array([0.0, 0.0, 1.0])
 MAKERS = ("ur5", "xarm", "gen3", "iiwa", "panda", "so-101", "so101", "robotiq", "kuka", "kinova", "franka")
 
 
@@ -67,18 +68,79 @@ def test_masses_and_inertias_are_those_of_bodies(name: str) -> None:
 
 
 def bounds(shapes) -> tuple[np.ndarray, np.ndarray]:
-    """Corners of the box around boxes, cylinders and capsules along axes."""
+    """Corners of the box around boxes, balls, and cylinders along axes."""
     corners = []
     for shape in shapes:
         if hasattr(shape, "radius"):
-            cap = shape.radius if type(shape).__name__ == "Capsule" else 0.0
             low, high = (np.array(shape.centre) + side * shape.radius for side in (-1, 1))
-            axis = "xyz".index(shape.axis)
-            low[axis], high[axis] = shape.low - cap, shape.high + cap
+            if hasattr(shape, "axis"):
+                axis = "xyz".index(shape.axis)
+                low[axis], high[axis] = shape.low, shape.high
         else:
             low, high = np.array(shape.low), np.array(shape.high)
         corners.append((low, high))
     return np.min([low for low, _ in corners], axis=0), np.max([high for _, high in corners], axis=0)
+
+
+@pytest.mark.parametrize("name", ENTRIES)
+def test_its_shapes_are_those_that_every_reader_of_urdf_knows(name: str) -> None:
+    shapes = {element.tag for element in ET.parse(mh.robots.path(name)).getroot().findall("link/*/geometry/*")}
+    assert shapes <= {"box", "cylinder", "sphere"}
+
+
+@pytest.mark.parametrize("name", [name for name, entry in ENTRIES.items() if entry.home])
+def test_its_mass_matrix_is_pinocchios(name: str) -> None:
+    pin = pytest.importorskip("pinocchio")
+    ours, _ = mh.load_urdf(mh.robots.path(name))
+    theirs = pin.buildModelFromUrdf(str(mh.robots.path(name)))
+    order = [ours.joint(joint).iv for joint in list(theirs.names)[1:]]
+    for q in np.random.default_rng(4).uniform(-0.5, 0.5, (10, ours.nv)):
+        upper = np.triu(pin.crba(theirs, theirs.createData(), q[order]))
+        expected = upper + np.triu(upper, 1).T
+        np.testing.assert_allclose(mh.dynamics.crba(ours, q)[np.ix_(order, order)], expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ENTRIES)
+def test_pybullet_reads_it_as_we_do(name: str) -> None:
+    bullet = pytest.importorskip("pybullet")
+    model, _ = mh.load_urdf(mh.robots.path(name))
+    client = bullet.connect(bullet.DIRECT)
+    try:
+        flags = bullet.URDF_USE_INERTIA_FROM_FILE
+        body = bullet.loadURDF(str(mh.robots.path(name)), useFixedBase=True, flags=flags, physicsClientId=client)
+        joints = [
+            bullet.getJointInfo(body, i, physicsClientId=client)
+            for i in range(bullet.getNumJoints(body, physicsClientId=client))
+        ]
+        for index, joint in enumerate(joints):
+            mass = bullet.getDynamicsInfo(body, index, physicsClientId=client)[0]
+            assert mass == pytest.approx(model.link(joint[12].decode()).mass)
+        world, q = mh.World(model), np.random.default_rng(5).uniform(-0.5, 0.5, model.nq)
+        world.q = q
+        for index, joint in enumerate(joints):
+            if joint[2] != bullet.JOINT_FIXED:
+                place = q[model.joint(joint[1].decode()).iq]
+                bullet.resetJointState(body, index, place, physicsClientId=client)
+        for index, joint in enumerate(joints):
+            theirs = bullet.getLinkState(body, index, computeForwardKinematics=True, physicsClientId=client)[4]
+            np.testing.assert_allclose(world.body_pose(joint[12].decode())[0], theirs, atol=1e-6)
+    finally:
+        bullet.disconnect(client)
+
+
+@pytest.mark.parametrize("name", ENTRIES)
+def test_mujocos_mass_matrix_is_ours(name: str) -> None:
+    mujoco = pytest.importorskip("mujoco")
+    ours, theirs = mh.load_urdf(mh.robots.path(name))[0], mujoco.MjModel.from_xml_path(str(mh.robots.path(name)))
+    assert theirs.nq == ours.nq
+    order = [ours.joint(theirs.joint(i).name).iv for i in range(theirs.njnt)]
+    data, dense = mujoco.MjData(theirs), np.zeros((theirs.nv, theirs.nv))
+    for q in np.random.default_rng(6).uniform(-0.5, 0.5, (5, ours.nq)) if ours.nq else []:
+        data.qpos[:] = q[order]
+        mujoco.mj_forward(theirs, data)
+        for unit, column in zip(np.eye(theirs.nv), dense, strict=True):
+            mujoco.mj_mulM(theirs, data, column, unit)
+        np.testing.assert_allclose(mh.dynamics.crba(ours, q)[np.ix_(order, order)], dense, atol=1e-9)
 
 
 def test_a_link_of_two_materials_has_the_inertia_of_its_grains() -> None:
@@ -204,6 +266,48 @@ def test_fingers_close_hold_a_cube_and_let_it_go(name: str, loaded: bool) -> Non
     assert world.body_pose("cube")[0][2] < held[2] - 0.05
 
 
+@pytest.mark.parametrize("gripper", GRIPPERS)
+def test_every_gripper_lifts_a_cube_and_holds_it_for_five_seconds(gripper: str) -> None:
+    arm, hand, half = mh.robots.describe("six_axis"), mh.robots.describe(gripper), 0.02
+    world = mh.World()
+    world.add(mh.robots.load("six_axis", gripper=gripper), name="arm")
+    place, turn = world.body_pose("arm/gripper/tool")
+    middle = place - [0, 0, 0 if hand.closed else half]
+    world.add_box("cube", [half] * 3, mass=0.2, position=middle, friction=0.8)
+    world.add_box("post", [half / 2, half / 2, 0.02], position=middle - [0, 0, half + 0.02], fixed=True)
+    world.move({f"arm/{joint}": angle for joint, angle in arm.home.items()})
+    if hand.closed:
+        world.move({f"arm/gripper/{joint}": closed for joint, closed in hand.closed.items()})
+    else:
+        assert mh.robots.Vacuum(world, "arm/gripper/cup").on() == "cube"
+    world.step(250)
+    for height in np.linspace(0, 0.1, 101)[1:]:
+        goal = mh.inverse_kinematics(world.model, "arm/gripper/tool", place + height * UP, turn, start=world.q)
+        assert goal.success
+        world.move({f"arm/{joint}": goal.q[world.model.joint(f"arm/{joint}").iq] for joint in arm.home})
+        world.step(5)
+    world.step(250)
+    lifted = world.body_pose("cube")[0]
+    assert lifted[2] - middle[2] == pytest.approx(0.1, abs=0.01)
+    world.step(2500)
+    np.testing.assert_allclose(world.body_pose("cube")[0], lifted, atol=1e-4)
+
+
+@pytest.mark.parametrize("name", FINGERED)
+def test_its_width_is_that_between_its_pads_and_grows_evenly(name: str) -> None:
+    robot = mh.robots.describe(name)
+    ((joint, closed),) = robot.closed.items()
+    narrow, wide = robot.width
+    for share, tolerance in ((0.0, 1e-4), (0.3, 2.5e-3), (0.7, 2.5e-3)):
+        world = mh.World(mh.robots.load(name))
+        world.move({joint: share * closed})
+        world.step(500)
+        middle = world.body_pose("tool")[0]
+        outwards = [1, 0, 0] if name == "three_finger" else [0, 1, 0]
+        hit = world.ray_cast(middle, outwards)
+        assert hit is not None and 2 * hit.distance == pytest.approx(wide + share * (narrow - wide), abs=tolerance)
+
+
 @pytest.mark.parametrize("name", FINGERED)
 def test_fingers_reach_their_ends_with_nothing_between(name: str) -> None:
     world = mh.World(mh.robots.load(name))
@@ -236,14 +340,10 @@ def test_the_desktop_arm_holds_a_cube_in_its_jaw() -> None:
     world.add(mh.robots.load("desktop"), name="arm")
     robot = mh.robots.describe("desktop")
     world.move({f"arm/{joint}": value for joint, value in robot.home.items()})
-    tool, turn = world.body_pose("arm/tool")
-    half = 0.012
-    x = (
-        np.array([-1.0, 0, 0]) if abs(turn[1]) > 0.5 else np.array([1.0, 0, 0])
-    )  # of the tool: it points down by a turn about y
-    at = tool + (half + 0.001) * x
-    world.add_box("cube", [half] * 3, mass=0.03, position=at, friction=0.8)
-    world.add_box("post", [half / 2, half / 2, 0.02], position=at - [0, 0, half + 0.02], fixed=True)
+    tool, _ = world.body_pose("arm/tool")
+    half = 0.0115  # the tool is 12 mm from the jaw that stays
+    world.add_box("cube", [half] * 3, mass=0.03, position=tool, friction=0.8)
+    world.add_box("post", [half / 2, half / 2, 0.02], position=tool - [0, 0, half + 0.02], fixed=True)
     world.move({f"arm/{joint}": value for joint, value in robot.closed.items()})
     world.step(500)
     world.remove("post")

@@ -8,7 +8,7 @@ import gymnasium
 import numpy as np
 import pytest
 
-from manyhands import cli
+from manyhands import cli, robots
 from manyhands.cli import view
 from manyhands.envs import Expert
 from manyhands.envs.single import ArmEnv
@@ -223,6 +223,15 @@ def test_another_robot_and_control_are_shown() -> None:
     with shown("PandaReach", "--control", "joints") as viewer:
         assert isinstance(viewer.source, DropInSource)
         assert viewer.source.action_size == 7
+
+
+def test_an_arm_that_ships_stands_at_home_with_its_gripper() -> None:
+    with shown("six_axis+two_finger") as viewer:
+        source = viewer.source
+        viewer.player.do(lambda: [source.step() for _ in range(500)], wait=10.0)
+        for joint, place in robots.describe("six_axis").home.items():
+            assert source.q[source.model.joint(joint).iq] == pytest.approx(place, abs=1e-4)
+        assert source.q[source.model.joint("gripper/finger_joint").iq] == pytest.approx(0, abs=1e-4)
 
 
 def test_nonsense_is_refused(tmp_path: Path, reach_policy: Path, capsys: pytest.CaptureFixture[str]) -> None:

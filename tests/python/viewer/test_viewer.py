@@ -121,7 +121,7 @@ def test_parts_may_come_and_go_while_they_are_seen(here: Viewer) -> None:
     assert not here.player.problem
 
 
-@pytest.mark.parametrize("target", ["panda", "PandaReach", "scene.xml"])
+@pytest.mark.parametrize("target", ["panda", "seven_axis", "scara+vacuum", "table", "PandaReach", "scene.xml"])
 def test_the_command_shows_robots_scenes_and_environments(
     target: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -9,7 +9,7 @@ import math
 from dataclasses import dataclass
 
 from robots.collection.common import Entry, Part, frame, link, robot
-from robots.description import HALF_PI, UP, ZERO, Capsule, Cylinder, Joint, Shape, Vec3
+from robots.description import HALF_PI, UP, ZERO, Cylinder, Joint, Shape, Sphere, Vec3
 
 Y: Vec3 = (0.0, 1.0, 0.0)
 TURN, ALMOST = 2 * math.pi, 0.95 * math.pi
@@ -180,7 +180,7 @@ def six_axis_compact() -> Entry:
             math.pi,
             [
                 hub(0.042, 0.046),
-                tube(Capsule("x", 0.0, 0.0775, 0.036)),
+                tube(Cylinder("x", 0.0, 0.0775, 0.036)),
                 drive(Cylinder("z", 0.0, 0.13, 0.042, (0.0775, 0, 0))),
                 ring("z", 0.128, 0.043, (0.0775, 0, 0), "accent"),
             ],
@@ -307,7 +307,8 @@ def seven_axis() -> Entry:
 
     def roll(z: float, effort: float, velocity: float, length: float, radius: float, reach: float = 2.96) -> Axis:
         parts = [
-            tube(Capsule("z", radius, length, radius)),
+            tube(Cylinder("z", radius, length, radius)),
+            tube(Sphere(radius, (0, 0, length))),
             drive(Cylinder("z", 0.0, radius, radius)),
             ring("z", 0.006, radius + 0.001, colour="accent"),
         ]

@@ -45,6 +45,7 @@ class Entry:
     flange: str = ""  # where a gripper goes, z outwards
     tool: str = ""  # of a gripper or an arm with one: where it grips, z outwards
     closed: Mapping[str, float] = field(default_factory=dict)  # of a gripper's joint; its home is open
+    width: tuple[float, float] = (0.0, 0.0)  # of a gripper, between its fingers at the tool, closed and open [m]
     payload: float = 0.0  # kg, at the flange or between the fingers
 
     def catalogue(self) -> dict[str, object]:
@@ -56,6 +57,7 @@ class Entry:
             "flange": self.flange,
             "tool": self.tool,
             "closed": dict(self.closed),
+            "width": list(self.width) if any(self.width) else [],
             "payload": self.payload,
         }
         return {key: value for key, value in said.items() if value}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from robots.bullet_data.common import box
 from robots.collection.common import Entry, Part, link, robot
-from robots.description import ZERO, Capsule, Cylinder, Joint, Link, Vec3
+from robots.description import ZERO, Cylinder, Joint, Link, Vec3
 
 
 def _wood(x: float, y: float, z: float, at: Vec3, colour: str = "oak") -> Part:
@@ -42,14 +42,14 @@ def cage() -> Entry:
     deep, wide, high, radius = 0.5, 0.6, 0.6, 0.012
 
     def bar(axis: str, low: float, high: float, centre: Vec3) -> Part:
-        return Part(Capsule(axis, low, high, radius, centre), "aluminium", "metal")
+        return Part(Cylinder(axis, low, high, radius, centre), "aluminium", "metal")
 
     x, y = deep / 2, wide / 2
-    corners = [bar("z", radius, high, (sx * x, sy * y, 0)) for sx in (-1, 1) for sy in (-1, 1)]
+    corners = [bar("z", 0.0, high, (sx * x, sy * y, 0)) for sx in (-1, 1) for sy in (-1, 1)]
     rims = [bar("x", -x, x, (0, s * y, z)) for s in (-1, 1) for z in (radius, high)]
     rims += [bar("y", -y, y, (s * x, 0, z)) for s in (-1, 1) for z in (radius, high)]
-    sides = [bar("z", radius, high, (k * deep / 4, s * y, 0)) for s in (-1, 1) for k in (-1, 0, 1)]
-    back = [bar("z", radius, high, (x, k * wide / 5, 0)) for k in (-1.5, -0.5, 0.5, 1.5)]
+    sides = [bar("z", 0.0, high, (k * deep / 4, s * y, 0)) for s in (-1, 1) for k in (-1, 0, 1)]
+    back = [bar("z", 0.0, high, (x, k * wide / 5, 0)) for k in (-1.5, -0.5, 0.5, 1.5)]
     return _still(
         "cage",
         "cage of bars, open in front and above: 0.5 m deep, 0.6 m wide and high",

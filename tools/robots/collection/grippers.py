@@ -12,16 +12,32 @@ Y: Vec3 = (0.0, 1.0, 0.0)
 FRICTION = 1.0  # of rubber pads
 
 
-def _pad(low: Vec3, high: Vec3) -> Part:
-    return Part(Box(low, high), "rubber", "graphite")
+def _across(side: int, half: float, y: tuple[float, float], z: tuple[float, float]) -> Box:
+    """A block from -half to half in x; on the right side, -1, mirrored in y."""
+    low, high = sorted(side * end for end in y)
+    return Box((-half, low, z[0]), (half, high, z[1]))
 
 
 def _entry(
-    name: str, about: str, links: list[Link], joints: list[Joint], joint: str, closed: float, payload: float
+    name: str,
+    about: str,
+    links: list[Link],
+    joints: list[Joint],
+    joint: str,
+    closed: float,
+    width: tuple[float, float],
+    payload: float,
 ) -> Entry:
     """A gripper that one joint drives, which is open at 0."""
     return Entry(
-        robot(name, links, joints), "gripper", about, {joint: 0.0}, tool="tool", closed={joint: closed}, payload=payload
+        robot(name, links, joints),
+        "gripper",
+        about,
+        {joint: 0.0},
+        tool="tool",
+        closed={joint: closed},
+        width=width,
+        payload=payload,
     )
 
 
@@ -33,18 +49,17 @@ def parallel() -> Entry:
         Part(box(0.050, 0.150, 0.056, (0, 0, 0.042)), "drive", "shell"),
         Part(box(0.052, 0.030, 0.020, (0, 0, 0.050)), "plastic", "teal", seen_only=True),
     ]
-    jaw = [
-        Part(Box((-0.011, 0.004, 0.0), (0.011, 0.022, 0.030)), "aluminium", "metal"),
-        _pad((-0.011, 0.0, 0.012), (0.011, 0.010, 0.062)),
-    ]
-    mirrored = [
-        Part(Box((-0.011, -0.022, 0.0), (0.011, -0.004, 0.030)), "aluminium", "metal"),
-        _pad((-0.011, -0.010, 0.012), (0.011, 0.0, 0.062)),
-    ]
+    left, right = (
+        [
+            Part(_across(s, 0.011, (0.004, 0.022), (0.0, 0.030)), "aluminium", "metal"),
+            Part(_across(s, 0.011, (0.0, 0.010), (0.012, 0.062)), "rubber", "graphite"),
+        ]
+        for s in (1, -1)
+    )
     links = [
         link("palm", palm),
-        link("left_jaw", jaw, friction=FRICTION),
-        link("right_jaw", mirrored, friction=FRICTION),
+        link("left_jaw", left, friction=FRICTION),
+        link("right_jaw", right, friction=FRICTION),
     ]
     limits = (0.0, stroke, 100.0, 0.2)  # how far it has closed
     joints = [
@@ -53,37 +68,35 @@ def parallel() -> Entry:
     ]
     tool, mount = frame("tool", "palm", (0, 0, 0.118))
     about = "electric gripper of two jaws that slide, 80 mm wide"
-    return _entry("parallel", about, [*links, tool], [*joints, mount], "jaw_joint", stroke, 3.0)
+    return _entry("parallel", about, [*links, tool], [*joints, mount], "jaw_joint", stroke, (0.0, 2 * stroke), 3.0)
 
 
 def two_finger() -> Entry:
     """Two fingers on cranks that keep their tips upright, as a parallelogram does; 85 mm between them."""
     crank, out, base = 0.055, 0.015, 0.075  # length of a crank, y of its pivot, height of the pivot
-    lean = math.asin((0.0425 + 0.006 - out) / crank)  # of an open crank from upright
+    lean = round(math.asin((0.0425 + 0.006 - out) / crank), 6)  # of an open crank from upright
     palm = [
         Part(Cylinder("z", 0.0, 0.016, 0.036), "aluminium", "metal"),
         Part(box(0.060, 0.086, 0.050, (0, 0, 0.041)), "drive", "graphite"),
         Part(box(0.034, 0.060, 0.016, (0, 0, 0.072)), "aluminium", "metal"),
         Part(box(0.062, 0.030, 0.020, (0, 0, 0.045)), "plastic", "accent", seen_only=True),
     ]
+    rod = [
+        Part(box(0.014, 0.012, crank, (0, 0, crank / 2)), "aluminium", "metal"),
+        Part(Cylinder("x", -0.012, 0.012, 0.008), "aluminium", "metal"),
+        Part(Cylinder("x", -0.012, 0.012, 0.008, (0, 0, crank)), "aluminium", "metal"),
+    ]
     links, joints = [link("palm", palm)], []
     for side, s in (("left", 1), ("right", -1)):
         # Open at 0, where the crank leans outwards; a turn about s x closes it.
-        tip: Vec3 = (0, round(s * crank * math.sin(lean), 6), round(crank * math.cos(lean), 6))
-        rod = Part(
-            Box((-0.007, min(0, tip[1]) - 0.004, 0.0), (0.007, max(0, tip[1]) + 0.004, tip[2])), "aluminium", "metal"
-        )
         finger = [
-            Part(
-                Box((-0.010, min(-0.006 * s, 0.010 * s), -0.006), (0.010, max(-0.006 * s, 0.010 * s), 0.016)),
-                "aluminium",
-                "graphite",
-            ),
-            _pad((-0.011, min(-0.006 * s, 0.004 * s), 0.016), (0.011, max(-0.006 * s, 0.004 * s), 0.062)),
+            Part(_across(s, 0.010, (-0.006, 0.010), (-0.006, 0.016)), "aluminium", "graphite"),
+            Part(_across(s, 0.011, (-0.006, 0.004), (0.016, 0.062)), "rubber", "graphite"),
         ]
-        links += [link(f"{side}_crank", [rod]), link(f"{side}_tip", finger, friction=FRICTION)]
+        links += [link(f"{side}_crank", rod), link(f"{side}_tip", finger, friction=FRICTION)]
         driver = "" if s == 1 else "finger_joint"
         name = "finger_joint" if s == 1 else "right_crank_joint"
+        axis: Vec3 = (s, 0, 0)
         joints += [
             Joint(
                 name,
@@ -91,8 +104,8 @@ def two_finger() -> Entry:
                 "palm",
                 f"{side}_crank",
                 (0, s * out, base),
-                ZERO,
-                (s, 0, 0),
+                (-s * lean, 0, 0),
+                axis,
                 (0.0, 0.82, 8.0, 2.0),
                 driver,
             ),
@@ -101,22 +114,23 @@ def two_finger() -> Entry:
                 "revolute",
                 f"{side}_crank",
                 f"{side}_tip",
-                tip,
-                ZERO,
-                (s, 0, 0),
+                (0, 0, crank),
+                (s * lean, 0, 0),
+                axis,
                 (-0.82, 0.0, 8.0, 2.0),
                 "finger_joint",
                 mimic_multiplier=-1.0,
             ),
         ]
-    tool, mount = frame("tool", "palm", (0, 0, round(base + crank + 0.040, 6)))
+    tool, mount = frame("tool", "palm", (0, 0, round(base + crank + 0.050, 6)))
     about = "gripper of two fingers on cranks whose tips stay parallel, 85 mm wide"
-    return _entry("two_finger", about, [*links, tool], [*joints, mount], "finger_joint", 0.82, 3.0)
+    return _entry("two_finger", about, [*links, tool], [*joints, mount], "finger_joint", 0.82, (0.0, 0.085), 3.0)
 
 
 def three_finger() -> Entry:
     """Three fingers of two phalanges a third of a turn apart, all driven by one."""
     count, radius, base, first = 3, 0.045, 0.072, 0.050
+    closed = 0.45  # where the pads' tips all but meet
     palm = [
         Part(Cylinder("z", 0.0, 0.016, 0.036), "aluminium", "metal"),
         Part(Cylinder("z", 0.016, 0.066, 0.058), "drive", "shell"),
@@ -129,7 +143,7 @@ def three_finger() -> Entry:
         near = [Part(Box((-0.007, -0.010, -0.006), (0.009, 0.010, first)), "aluminium", "metal")]
         far = [
             Part(Box((-0.004, -0.009, 0.0), (0.008, 0.009, 0.030)), "aluminium", "graphite"),
-            _pad((-0.009, -0.010, 0.006), (-0.004, 0.010, 0.046)),
+            Part(Box((-0.009, -0.010, 0.006), (-0.004, 0.010, 0.046)), "rubber", "graphite"),
         ]
         links += [link(f"near{k + 1}", near), link(f"far{k + 1}", far, friction=FRICTION)]
         at: Vec3 = (round(radius * math.cos(angle), 6), round(radius * math.sin(angle), 6), base)
@@ -143,7 +157,7 @@ def three_finger() -> Entry:
                 at,
                 (0, 0, round(angle, 9)),
                 (0, -1, 0),
-                (0.0, 0.7, 6.0, 2.0),
+                (0.0, closed, 6.0, 2.0),
                 "" if k == 0 else "finger_joint",
             ),
             Joint(
@@ -154,14 +168,14 @@ def three_finger() -> Entry:
                 (0, 0, first),
                 ZERO,
                 (0, -1, 0),
-                (-0.42, 0.0, 6.0, 2.0),
+                (-0.6 * closed, 0.0, 6.0, 2.0),
                 "finger_joint",
                 mimic_multiplier=-0.6,
             ),
         ]
-    tool, mount = frame("tool", "palm", (0, 0, 0.135))
+    tool, mount = frame("tool", "palm", (0, 0, 0.152))
     about = "gripper of three fingers of two phalanges, for round things"
-    return _entry("three_finger", about, [*links, tool], [*joints, mount], "finger_joint", 0.7, 2.5)
+    return _entry("three_finger", about, [*links, tool], [*joints, mount], "finger_joint", closed, (0.0155, 0.072), 2.0)
 
 
 def vacuum() -> Entry:

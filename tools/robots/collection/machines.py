@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from robots.bullet_data.common import box
 from robots.collection.common import Entry, Part, frame, link, robot
-from robots.description import UP, ZERO, Box, Cylinder, Joint, Vec3
+from robots.description import HALF_PI, UP, ZERO, Box, Cylinder, Joint, Vec3
 
 X: Vec3 = (1.0, 0.0, 0.0)
 Y: Vec3 = (0.0, 1.0, 0.0)
@@ -86,11 +86,9 @@ def desktop() -> Entry:
         for k, (xyz, axis, low, high) in enumerate(places)
     ]
     joints.append(
-        Joint(
-            "jaw_joint", "revolute", "link5", "jaw", (0.030, 0, 0.040), ZERO, Y, (-0.15, 1.74, 1.9, 5.0), damping=0.05
-        )
+        Joint("jaw_joint", "revolute", "link5", "jaw", (0.030, 0, 0.040), ZERO, Y, (0.0, 1.74, 1.9, 5.0), damping=0.05)
     )
-    tool, mount = frame("tool", "link5", (0, 0, 0.095))
+    tool, mount = frame("tool", "link5", (0.012, 0, 0.095), (0, 0, -HALF_PI))  # the jaw opens along y
     home = {"joint1": 0.0, "joint2": -0.4, "joint3": 1.9, "joint4": 1.641593, "joint5": 0.0, "jaw_joint": 0.6}
     return Entry(
         robot("desktop", [*links, tool], [*joints, mount]),
@@ -98,7 +96,8 @@ def desktop() -> Entry:
         "printed arm of five axes and a jaw on hobby servos, of the SO-101's class",
         home,
         tool="tool",
-        closed={"jaw_joint": -0.15},
+        closed={"jaw_joint": 0.0},
+        width=(0.0, 0.031),
         payload=0.15,
     )
 
@@ -159,7 +158,7 @@ def gantry() -> Entry:
         Part(box(0.003, 0.08, 0.08, (0.0935, 0, 0)), "plastic", "teal", seen_only=True),
     ]
     column = [
-        Part(box(0.05, 0.06, 0.60, (0, 0, 0.20)), "profile", "shell"),
+        Part(box(0.05, 0.06, 0.75, (0, 0, 0.275)), "profile", "shell"),
         Part(box(0.07, 0.07, 0.07, (0, 0, -0.135)), "drive", "graphite"),
     ]
     spindle = [Part(Cylinder("z", -0.025, 0.0, 0.032), "aluminium", "metal")]
@@ -173,7 +172,7 @@ def gantry() -> Entry:
     joints = [
         Joint("joint1", "prismatic", "base", "bridge", (0, 0, high), ZERO, X, (-0.45, 0.45, 500.0, 1.5)),
         Joint("joint2", "prismatic", "bridge", "carriage", (0, 0, 0.045), ZERO, Y, (-0.32, 0.32, 300.0, 1.5)),
-        Joint("joint3", "prismatic", "carriage", "column", (0.120, 0, 0), ZERO, UP, (-0.45, 0.0, 400.0, 1.0)),
+        Joint("joint3", "prismatic", "carriage", "column", (0.120, 0, 0), ZERO, UP, (-0.65, 0.0, 400.0, 1.0)),
         Joint("joint4", "revolute", "column", "spindle", (0, 0, -0.170), ZERO, UP, (-6.28, 6.28, 10.0, 6.0)),
     ]
     flange, mount = frame("flange", "spindle", (0, 0, -0.025), HALF_TURN)
