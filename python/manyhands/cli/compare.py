@@ -18,6 +18,7 @@ examples:
 Runs whose settings differ in the seed alone become one curve, the mean, with a band.
 """
 _NO_TERMINAL = 1000  # columns: lines of a file or a pipe are as long as they need to be
+_WIDE = 80  # columns of a terminal, from which on there is room for intervals
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -62,16 +63,18 @@ def show(console: "Console", groups: "list[Group]", band: "Band", out: Path) -> 
     with needs("train", "the page"):
         draw_page(groups, band, page)
     title = f"{groups[0].runs[0].env_id}: success at the end"
+    if not console.is_terminal:
+        console.width = _NO_TERMINAL
+    shown = [number for number, name in enumerate(header(band)) if name != "95 %" or console.width >= _WIDE]
     table = Table(
         title=title, title_justify="left", caption=notes(groups, band), caption_justify="left", box=box.SIMPLE,
         show_edge=False, collapse_padding=True,
     )  # fmt: skip
-    for number, name in enumerate(header(band)):
-        table.add_column(name, justify="right" if number else "left", overflow="fold")
+    for number in shown:
+        justify = "right" if number else "left"
+        table.add_column(header(band)[number], justify=justify, overflow="fold", no_wrap=number > 0)
     for group in groups:
-        table.add_row(*table_row(group, band))
-    if not console.is_terminal:
-        console.width = _NO_TERMINAL
+        table.add_row(*(table_row(group, band)[number] for number in shown))
     console.print(table)
     for path, what in ((picture, "the curves"), (page, "the same, to zoom in")):
         console.print(f"  {path}  {what}", highlight=False, markup=False, soft_wrap=True)

@@ -209,7 +209,14 @@ def _train(
     arguments: argparse.Namespace, console: "Console", run: "TrainingRun", folder: "RunFolder", introduction: str
 ) -> int:
     console.print(introduction, highlight=False, markup=False, soft_wrap=True)
-    outcome = run.train(folder, console)
+    with_ray = "" if arguments.ray is None else f" --ray {shlex.quote(arguments.ray)}"
+    go_on = f"  {_program('manyhands')} train --resume {shlex.quote(str(folder.path))}{with_ray}"
+    try:
+        outcome = run.train(folder, console)
+    except KeyboardInterrupt:  # a second one, while the first was answered
+        lines = f"\nStopped at once. From the last checkpoint it goes on by\n{go_on}"
+        console.print(lines, highlight=False, markup=False, soft_wrap=True)
+        return INTERRUPTED
     _summarise(outcome, folder, run.settings, arguments.ray, console.print)
     if outcome.evaluation is None:
         return INTERRUPTED

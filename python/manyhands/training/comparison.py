@@ -46,14 +46,13 @@ class Run:
         return self.steps if along == "steps" else self.seconds
 
     def is_again(self, other: "Run") -> bool:
-        """Whether it is the other once more, as a copy of its folder is: the same seed, and the same success at the
-        same steps as long as both were training."""
+        """Whether it is the other once more, as a copy of its folder is: the same seed, and the same success at all
+        evaluations while both were training. (Steps are those at which a row was written, which is chance.)"""
         if self.seed != other.seed:
             return False
         both = min(len(self.steps) - self.is_done, len(other.steps) - other.is_done)
         places = slice(both or None)  # all, of a run that was evaluated after training alone
-        mine, its = (np.stack([run.steps[places], run.success[places]]) for run in (self, other))
-        return np.array_equal(mine, its)
+        return np.array_equal(self.success[places], other.success[places])
 
 
 @dataclass(frozen=True)

@@ -92,9 +92,12 @@ def _draw_group(axes: Any, group: Group, along: Along, band: Band, colour: str) 
         for run, places, success in group.single(along):
             style = "-" if run.is_done else "--"
             axes.plot(places, success, style, color=colour, lw=0.7, alpha=0.45)
+            axes.plot(
+                places[-1], success[-1], "o", color=colour, ms=4, alpha=0.6, mfc=colour if run.is_done else "white"
+            )
     mean = curves.mean(axis=0)
     axes.plot(x, mean, color=colour, lw=2.2, label=name_of(group), solid_capstyle="round")
-    axes.plot(x[-1], mean[-1], "o", color=colour, ms=5)
+    axes.plot(x[-1], mean[-1], "o", color=colour, ms=6)
 
 
 def _legend_size(groups: Sequence[Group]) -> tuple[int, int]:

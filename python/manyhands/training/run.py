@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 _SECONDS_PER_PIECE = (0.05, 1.0)  # of training between two looks at it: shortest and longest
 _SHARE_PER_PIECE = 0.01  # of the training so far, between these
-_SECONDS_PER_CHECKPOINT = 30.0
+_SECONDS_PER_CHECKPOINT = (3.0, 30.0)  # the first, and all after it; between them a third of the training so far
 
 
 @dataclass(frozen=True)
@@ -129,9 +129,12 @@ class TrainingRun:
                 shortest, longest = _SECONDS_PER_PIECE
                 wanted = min(max(shortest, _SHARE_PER_PIECE * recorder.seconds), longest)
                 piece = max(1, round(piece * min(wanted / max(elapsed, 1e-6), 2.0)))
-                if time.monotonic() - last_checkpoint > _SECONDS_PER_CHECKPOINT:
+                first, later = _SECONDS_PER_CHECKPOINT
+                if time.monotonic() - last_checkpoint > min(max(first, recorder.seconds / 3), later):
                     self.save(folder.checkpoint)
                     last_checkpoint = time.monotonic()
+            if interrupts.requested:
+                progress.say("Stopping: what was learned is being saved ...")
 
     def _advancer(self, progress: TrainingProgress, interrupts: Interrupts) -> Callable[[int], TrainMetrics]:
         """What runs iterations: the trainer, or the workers of a cluster and the trainer."""

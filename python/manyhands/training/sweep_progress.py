@@ -41,7 +41,7 @@ class SweepProgress:
         title = ", ".join(f"{states[state]} {state}" for state in _STYLES if states[state])
         table = Table("run", "state", title=f"{len(self._runs)} runs: {title}", title_justify="left", box=box.SIMPLE)
         for name in ("steps", "success", "seconds"):
-            table.add_column(name, justify="right")
+            table.add_column(name, justify="right", no_wrap=True)
         shown: Sequence[SweepRun] = self._runs
         if len(shown) > self._console.height - _LINES_AROUND:
             shown = [run for run in shown if run.state in ("training", "failed")]

@@ -33,7 +33,7 @@ PROGRAM = """
 import sys
 from manyhands import cli
 from manyhands.training import run
-run._SECONDS_PER_CHECKPOINT = 0.0
+run._SECONDS_PER_CHECKPOINT = 0.0, 0.0
 sys.exit(cli.main(sys.argv[1:]))
 """
 

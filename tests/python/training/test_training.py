@@ -240,6 +240,7 @@ def test_ctrl_c_saves_a_checkpoint_from_which_the_run_goes_on(tmp_path: Path) ->
     assert process.returncode == 130, err
     assert "Traceback" not in err
     assert f"manyhands train --resume {folder.path}" in out.replace("\n", " ")
+    assert "Stopping: what was learned is being saved" in out
     assert folder.checkpoint.is_file()
     assert folder.curve.read_bytes().startswith(PNG)
     assert not folder.evaluation.exists()
@@ -251,6 +252,18 @@ def test_ctrl_c_saves_a_checkpoint_from_which_the_run_goes_on(tmp_path: Path) ->
     with folder.metrics.open(newline="") as file:
         assert int(list(csv.DictReader(file))[-1]["env_steps"]) == -(-limit // 16) * 16
     assert folder.evaluation.is_file()
+
+
+def test_ctrl_c_twice_says_how_to_go_on(tmp_path: Path) -> None:
+    process = start_endless_run(tmp_path)
+    folder = wait_for_rows(tmp_path, process)
+    for _ in range(2):
+        process.send_signal(signal.SIGINT)
+        time.sleep(0.05)
+    out, err = process.communicate(timeout=60)
+    assert process.returncode in (130, -signal.SIGINT), err
+    assert "Traceback" not in err
+    assert f"manyhands train --resume {folder.path}" in out.replace("\n", " ")
 
 
 def test_required_success_decides_the_exit_code(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
