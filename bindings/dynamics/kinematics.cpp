@@ -15,6 +15,17 @@ using namespace nb::literals;
 
 namespace manyhands {
 
+/// Searches of a model, each for one of its frames.
+struct IkPool {
+  struct Search : IkSearch {
+    Search(const Model& model, int frame) : IkSearch(model, FrameId(frame)) {}
+  };
+
+  explicit IkPool(const Model& model) : searches(model) {}
+
+  ModelPool<Search> searches;
+};
+
 namespace {
 
 using bindings::Array;
@@ -54,13 +65,16 @@ nb::tuple search(PythonModel& model, const std::string& frame, const Array<doubl
   settings.ik.position_tolerance = position_tolerance;
   settings.ik.rotation_tolerance = rotation_tolerance;
   const FrameId id = model.model->frame_id(frame);
+  if (!model.ik) model.ik = std::make_shared<IkPool>(*model.model);
+  const std::shared_ptr<IkPool> pool = model.ik;
   IkSolutions all;
   for (std::size_t first = 0; first < n; first += kPiece) {
     const std::span piece = std::span(targets).subspan(first, std::min(kPiece, n - first));
     IkSolutions found;
     {
       const nb::gil_scoped_release release;
-      found = search_ik(*model.model, id, goal, piece, bindings::as_span(start), settings);
+      pool->searches.use(
+          id.value(), [&](IkPool::Search& one) { found = one.find(goal, piece, bindings::as_span(start), settings); });
     }
     const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
     append(all.q, found.q);

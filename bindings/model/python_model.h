@@ -9,6 +9,7 @@
 namespace manyhands {
 
 struct ControlPools;
+struct IkPool;
 
 struct PythonModel {
   explicit PythonModel(Model m) : PythonModel(std::make_shared<const Model>(std::move(m))) {}
@@ -27,6 +28,7 @@ struct PythonModel {
   DynamicsPool<double> doubles;
   DynamicsPool<float> floats;
   std::shared_ptr<ControlPools> control;  ///< made by the first call of a controller
+  std::shared_ptr<IkPool> ik;             ///< made by the first search of inverse kinematics
 };
 
 }  // namespace manyhands

@@ -37,21 +37,27 @@ ThreadPool::ThreadPool(int num_threads) : process_(getpid()), spins_(spins_for(n
 }
 
 ThreadPool::~ThreadPool() {
-  if (process_ != getpid()) {
-    for (std::jthread& thread : threads_) thread.detach();
-    return;
-  }
+  if (process_ != getpid()) work_alone();
   stop_ = true;
   ++round_;
   round_.notify_all();
 }
 
+/// In a child of fork(): the threads are the parent's, and so is the round that they may be in.
+void ThreadPool::work_alone() {
+  for (std::jthread& thread : threads_) thread.detach();
+  threads_.clear();
+  gate_ = 0;
+  process_ = getpid();
+}
+
 void ThreadPool::run(int n, Call call, void* context) {
+  if (process_ != getpid()) work_alone();
   n_ = n;
   call_ = call;
   context_ = context;
   next_ = 0;
-  if (n > 1 && !threads_.empty() && process_ == getpid()) {
+  if (n > 1 && !threads_.empty()) {
     gate_ = kOpen;
     ++round_;
     round_.notify_all();

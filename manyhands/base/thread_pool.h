@@ -42,6 +42,7 @@ class ThreadPool {
   void serve(int worker);
   bool enter();
   void leave();
+  void work_alone();
 
   std::atomic<std::uint32_t> round_{0};  // changes when there is work
   std::atomic<std::uint32_t> gate_{0};   // whether workers may still take part in the round, and how many do

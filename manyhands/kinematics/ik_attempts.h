@@ -34,11 +34,11 @@ struct IkQuestion {
 template <Number T>
 class IkAttempts {
  public:
-  IkAttempts(const IkQuestion& question, IkSchedule schedule)
+  /// ws: scratch.
+  IkAttempts(const IkQuestion& question, IkSchedule schedule, Workspace<T>& ws)
       : asked_(question),
         schedule_(std::move(schedule)),
-        ws_(asked_.tree),
-        solve_(asked_.tree, asked_.params, asked_.chain, asked_.ik, asked_.goal, target_, q_.data(), ws_) {}
+        solve_(asked_.tree, asked_.params, asked_.chain, asked_.ik, asked_.goal, target_, q_.data(), ws) {}
 
   IkAttempts(const IkAttempts&) = delete;
   IkAttempts& operator=(const IkAttempts&) = delete;
@@ -143,7 +143,6 @@ class IkAttempts {
 
   const IkQuestion& asked_;
   IkSchedule schedule_;
-  Workspace<T> ws_;
   std::vector<T> q_ = std::vector<T>(asked_.start.size());
   IkTarget<T> target_{Transform<T>::identity(), Vec3<T>::zero()};
   GoalSolve<T, float> solve_;

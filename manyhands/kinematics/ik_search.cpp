@@ -16,8 +16,9 @@ using internal::IkQuestion;
 /// Configurations that attempts in float have found are refined and judged in double, the others only measured.
 class Refinement {
  public:
-  Refinement(const Model& model, const IkChain& chain, const IkGoal& goal, const IkSettings& settings)
-      : tree_(model), params_(model), ws_(tree_), chain_(chain), goal_(goal), settings_(settings) {}
+  Refinement(const Tree<double>& tree, const Params<double>& params, Workspace<double>& ws, const IkChain& chain,
+             const IkGoal& goal, const IkSettings& settings)
+      : tree_(tree), params_(params), ws_(ws), chain_(chain), goal_(goal), settings_(settings) {}
 
   void finish(std::span<const IkTarget<double>> targets, IkSolutions& found) {
     const auto nq = static_cast<std::size_t>(tree_.nq);
@@ -62,9 +63,9 @@ class Refinement {
     }
   }
 
-  Tree<double> tree_;
-  ParamsStorage<double> params_;
-  Workspace<double> ws_;
+  const Tree<double>& tree_;
+  const Params<double>& params_;
+  Workspace<double>& ws_;
   const IkChain& chain_;
   const IkGoal& goal_;
   const IkSettings& settings_;
@@ -95,25 +96,27 @@ IkSettings settings_of_attempts(const IkSearchSettings& settings) {
 }
 
 /// Attempts for all targets. A few make the first in scalars, which often suffices.
-void search(const IkQuestion& question, int last_round) {
+void search(const IkQuestion& question, int last_round, Workspace<float>& ws) {
   constexpr std::size_t kFew = 3;
   std::vector<std::size_t> open(question.targets.size());
   std::iota(open.begin(), open.end(), std::size_t{0});
   int round = 0;
   if (open.size() <= kFew) {
-    IkAttempts<float>(question, {open, round, round}).run();
+    IkAttempts<float>(question, {open, round, round}, ws).run();
     std::erase_if(open, [&](std::size_t i) { return question.found.success[i] != 0; });
     ++round;
   }
-  if (!open.empty() && round <= last_round) IkAttempts<NativeLanes>(question, {open, round, last_round}).run();
+  if (open.empty() || round > last_round) return;
+  Workspace<NativeLanes> lanes(question.tree);
+  IkAttempts<NativeLanes>(question, {open, round, last_round}, lanes).run();
 }
 
 void require(bool holds, const std::string& otherwise) {
   if (!holds) throw std::invalid_argument(otherwise);
 }
 
-void check(const Model& model, const IkGoal& goal, std::span<const double> start) {
-  const auto nq = static_cast<std::size_t>(model.nq());
+void check(int model_nq, const IkGoal& goal, std::span<const double> start) {
+  const auto nq = static_cast<std::size_t>(model_nq);
   const auto has_nq = [&](const char* what, std::size_t n) {
     require(n == nq, std::string("the ") + what + " has " + std::to_string(n) + " numbers; the model's q has " +
                          std::to_string(nq));
@@ -142,15 +145,44 @@ IkSolutions search_ik(const Model& model, FrameId frame, std::span<const Transfo
 
 IkSolutions search_ik(const Model& model, FrameId frame, const IkGoal& goal, std::span<const IkTarget<double>> targets,
                       std::span<const double> start, const IkSearchSettings& settings) {
-  check(model, goal, start);
-  const IkChain chain(model, frame);
-  const Tree<float> tree(model);
-  const ParamsStorage<float> params(model);
+  return IkSearch(model, frame).find(goal, targets, start, settings);
+}
+
+struct IkSearch::Parts {
+  Parts(const Model& model, FrameId frame)
+      : chain(model, frame),
+        tree(model),
+        wide_tree(model),
+        params(model),
+        wide_params(model),
+        ws(tree),
+        wide_ws(wide_tree) {}
+
+  IkChain chain;
+  Tree<float> tree;
+  Tree<double> wide_tree;
+  ParamsStorage<float> params;
+  ParamsStorage<double> wide_params;
+  Workspace<float> ws;
+  Workspace<double> wide_ws;
+};
+
+IkSearch::IkSearch(const Model& model, FrameId frame) : frame_(frame), parts_(std::make_unique<Parts>(model, frame)) {}
+
+IkSearch::IkSearch(IkSearch&&) noexcept = default;
+IkSearch& IkSearch::operator=(IkSearch&&) noexcept = default;
+IkSearch::~IkSearch() = default;
+
+IkSolutions IkSearch::find(const IkGoal& goal, std::span<const IkTarget<double>> targets, std::span<const double> start,
+                           const IkSearchSettings& settings) {
+  Parts& own = *parts_;
+  check(own.tree.nq, goal, start);
   IkSolutions found = prepare(targets.size(), start, settings.restarts + 1);
   std::vector<double> nearest(targets.size(), std::numeric_limits<double>::infinity());
-  search({tree, params, chain, goal, settings_of_attempts(settings), targets, start, settings.seed, found, nearest},
-         settings.restarts);
-  Refinement(model, chain, goal, settings.ik).finish(targets, found);
+  const IkQuestion question{own.tree, own.params, own.chain,     goal,  settings_of_attempts(settings),
+                            targets,  start,      settings.seed, found, nearest};
+  search(question, settings.restarts, own.ws);
+  Refinement(own.wide_tree, own.wide_params, own.wide_ws, own.chain, goal, settings.ik).finish(targets, found);
   return found;
 }
 

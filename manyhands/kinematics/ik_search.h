@@ -1,6 +1,10 @@
 // Inverse kinematics for many targets at once, from random starts where the first does not lead there.
 #pragma once
 
+#include <memory>
+#include <span>
+#include <vector>
+
 #include "manyhands/kinematics/ik_goals.h"
 
 namespace manyhands {
@@ -39,5 +43,28 @@ struct IkSolutions {
 [[nodiscard]] IkSolutions search_ik(const Model& model, FrameId frame, const IkGoal& goal,
                                     std::span<const IkTarget<double>> targets, std::span<const double> start,
                                     const IkSearchSettings& settings = {});
+
+/// The same for one frame again and again: what depends on the model alone, more than half of a call, is made once. The
+/// model is borrowed. Not for several threads at a time.
+class IkSearch {
+ public:
+  /// Throws ModelError as IkChain does.
+  IkSearch(const Model& model, FrameId frame);
+  IkSearch(IkSearch&&) noexcept;
+  IkSearch& operator=(IkSearch&&) noexcept;
+  ~IkSearch();
+
+  [[nodiscard]] FrameId frame() const { return frame_; }
+
+  /// Throws std::invalid_argument as `search_ik` does.
+  [[nodiscard]] IkSolutions find(const IkGoal& goal, std::span<const IkTarget<double>> targets,
+                                 std::span<const double> start, const IkSearchSettings& settings = {});
+
+ private:
+  struct Parts;
+
+  FrameId frame_;
+  std::unique_ptr<Parts> parts_;
+};
 
 }  // namespace manyhands

@@ -83,9 +83,9 @@ std::vector<HullTriangle> hull_triangles(std::vector<Vec3<double>>& points) {
   }
   qhT* qh = run.get();
   std::vector<HullTriangle> triangles;
-  run.for_each_facet([&](facetT& facet) {
-    HullTriangle t{{}, {facet.normal[0], facet.normal[1], facet.normal[2]}, 0};
-    setT* corners = qh_facet3vertex(qh, &facet);
+  for (facetT* facet : run.facets()) {
+    HullTriangle t{{}, {facet->normal[0], facet->normal[1], facet->normal[2]}, 0};
+    setT* corners = qh_facet3vertex(qh, facet);
     for (std::size_t k = 0; k < 3; ++k) {
       t.v[k] = qh_pointid(qh, static_cast<vertexT*>(corners->e[k].p)->point);
     }
@@ -95,7 +95,7 @@ std::vector<HullTriangle> hull_triangles(std::vector<Vec3<double>>& points) {
     if (dot(twice, t.normal) < 0) std::swap(t.v[1], t.v[2]);
     t.area = 0.5 * norm(twice);
     triangles.push_back(t);
-  });
+  }
   return triangles;
 }
 

@@ -13,7 +13,7 @@ double depth_in_hull(std::vector<double> points, std::size_t dimension) {
   const int count = static_cast<int>(points.size() / dimension);
   if (!run.build(points.data(), count, static_cast<int>(dimension), "qhull Pp")) return 0;
   double depth = std::numeric_limits<double>::infinity();
-  run.for_each_facet([&](const facetT& facet) { depth = std::min(depth, -facet.offset); });
+  for (const facetT* facet : run.facets()) depth = std::min(depth, -facet->offset);
   return std::max(depth, 0.0);
 }
 

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace manyhands::internal {
 
@@ -28,10 +29,11 @@ class QhullRun {
   }
   [[nodiscard]] qhT* get() { return &qh_; }
 
-  /// Calls f(facetT&) for each facet.
-  template <class Visit>
-  void for_each_facet(Visit&& f) {
-    for (facetT* facet = qh_.facet_list; facet != nullptr && facet->next != nullptr; facet = facet->next) f(*facet);
+  [[nodiscard]] std::vector<facetT*> facets() const {
+    std::vector<facetT*> all;
+    for (facetT* facet = qh_.facet_list; facet != nullptr && facet->next != nullptr; facet = facet->next)
+      all.push_back(facet);
+    return all;
   }
 
  private:

@@ -23,6 +23,7 @@ void cross_solid(const PlacedShape& placed, const Vec& o, const Vec& d, double r
 
 /// Of a mesh: from one triangle to the next.
 void cross_mesh(const PlacedShape& placed, const Vec& o, const Vec& d, double reach, std::vector<Crossing>& found) {
+  const double past = kMeet * (1 + reach + norm(o));  // a hit, beyond rounding
   double t = -reach;
   bool inside = false;
   Crossing next;
@@ -37,7 +38,7 @@ void cross_mesh(const PlacedShape& placed, const Vec& o, const Vec& d, double re
       next.normal_from = hit->normal;
     }
     inside = !inside;
-    t += kMeet;
+    t += past;
   }
 }
 

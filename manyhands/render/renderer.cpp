@@ -246,7 +246,7 @@ void Renderer::render(std::span<const Shot> shots, const Pictures& pictures) {
 
 std::shared_ptr<Renderer> renderer_of(const std::shared_ptr<const Model>& model, const ImageReader& read) {
   constexpr std::size_t kKept = 8;
-  static std::mutex mutex;
+  static ProcessMutex mutex;
   static std::vector<std::shared_ptr<Renderer>> kept;  // the last one used stands last
   {
     const std::scoped_lock lock(mutex);

@@ -3,6 +3,7 @@
 
 #include <mutex>
 
+#include "manyhands/base/process_mutex.h"
 #include "manyhands/base/thread_pool.h"
 #include "manyhands/physics/dynamics/workspace.h"
 #include "manyhands/render/frame.h"
@@ -67,7 +68,7 @@ class Renderer {
   std::vector<Worker> workers_;
   std::vector<PictureFrame> frames_;
   std::vector<std::uint8_t> rough_;  // colours before edges are smoothed
-  std::mutex mutex_;
+  ProcessMutex mutex_;
 };
 
 /// A renderer of the model, for whoever has none of his own: those of the last few models are kept.

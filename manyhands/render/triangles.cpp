@@ -10,6 +10,7 @@
 
 #include "manyhands/base/hash.h"
 #include "manyhands/base/index.h"
+#include "manyhands/base/process_mutex.h"
 
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
@@ -117,7 +118,7 @@ struct Triangles::Built {
 };
 
 std::shared_ptr<const Triangles> Triangles::of(std::vector<Part> parts) {
-  static std::mutex mutex;
+  static ProcessMutex mutex;
   static std::unordered_map<std::uint64_t, std::weak_ptr<const Triangles>> known;
   const std::uint64_t key = hash_of(parts);
   const std::scoped_lock lock(mutex);

@@ -37,6 +37,14 @@ def _real(name: str, values: ArrayLike) -> NDArray[Any]:
     return array
 
 
+def rate(name: str, value: float) -> float:
+    """`value`, which is a share of a whole. Raises ValueError unless it is from 0 to 1."""
+    if not 0 <= value <= 1:
+        hint = f" ({value:g} % is {value / 100:g})" if 1 < value <= 100 else ""
+        raise ValueError(f"{name} is {value:g}, expected 0 to 1{hint}")
+    return value
+
+
 def whole_number(name: str, value: Any, lowest: int, highest: int | None = None) -> int:
     """`value` as an int. Raises ValueError unless it is a whole number of `lowest` to `highest`, both included."""
     expected = f"{lowest} or more" if highest is None else f"{lowest} to {highest}"

@@ -1,6 +1,7 @@
 """Files that appear whole or not at all."""
 
 import os
+import secrets
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -24,13 +25,13 @@ def replacing(path: Path) -> Iterator[Path]:
 
     Raises OSError, of the fitting kind, before the block if nothing can be written there.
     """
-    temporary = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
+    temporary = path.with_name(f".{path.stem}.{secrets.token_hex(8)}{path.suffix}")
     if not path.parent.is_dir():
         raise FileNotFoundError(f"there is no folder {path.parent} to write {path.name} to")
     if path.is_dir():
         raise IsADirectoryError(f"{path} is a folder; name a file")
     try:
-        temporary.touch()
+        os.close(os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))  # nobody else's, and no link
     except OSError as reason:
         text = f"{path} cannot be written ({reason.strerror}); name a place where files can be"
         raise type(reason)(text) from reason
@@ -51,7 +52,7 @@ def replacing_folder(path: Path, mark: str, force: bool = False) -> Iterator[Pat
     """
     path = path.absolute()
     require_new(path, force, mark)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
+    temporary = path.with_name(f".{path.name}.{secrets.token_hex(8)}")
     try:
         temporary.mkdir(parents=True)
     except OSError as reason:

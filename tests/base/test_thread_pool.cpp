@@ -14,6 +14,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "manyhands/base/process_mutex.h"
 #include "manyhands/base/thread_pool.h"
 
 namespace manyhands {
@@ -164,6 +165,37 @@ TEST(ThreadPool, WorksAloneInAChildProcess) {
     pool.reset();
     _exit(calls == 8 ? 0 : 1);
   }
+  int status = -1;
+  waitpid(child, &status, 0);
+  EXPECT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+}
+
+/// The parent's round goes on; its child knows none of the workers inside, nor who holds a lock.
+TEST(ThreadPool, WorksAloneInAChildThatWasBornInARound) {
+  ThreadPool pool(3);
+  ProcessMutex mutex;
+  std::atomic<int> inside = 0;
+  std::atomic<bool> over = false;
+  std::jthread caller([&] {
+    const std::scoped_lock lock(mutex);
+    pool.for_each(3, [&](int, int) {
+      ++inside;
+      inside.notify_all();
+      over.wait(false);
+    });
+  });
+  for (int now = inside; now < 2; now = inside) inside.wait(now);
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(20);
+    const std::scoped_lock lock(mutex);
+    std::atomic<int> calls = 0;
+    pool.for_each(8, [&](int, int) { ++calls; });
+    _exit(calls == 8 ? 0 : 1);
+  }
+  over = true;
+  over.notify_all();
   int status = -1;
   waitpid(child, &status, 0);
   EXPECT_TRUE(WIFEXITED(status));

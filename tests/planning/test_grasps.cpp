@@ -16,7 +16,7 @@ namespace {
 using Vec = Vec3<double>;
 
 TEST(HullDepth, OfACrossPolytopeAndACube) {
-  for (std::size_t n : {2u, 3u, 6u}) {
+  for (const std::size_t n : {2u, 3u, 6u}) {
     std::vector<double> cross, cube;
     for (std::size_t i = 0; i < n; ++i) {
       for (const double x : {-1.0, 1.0}) {
@@ -115,6 +115,23 @@ TEST(Crossings, OverlappingShapesAreOneAndOthersApart) {
   EXPECT_NEAR(found[1].from, 4, 1e-12);
   EXPECT_NEAR(found[1].to, 6, 1e-12);
   EXPECT_NEAR(found[1].normal_to.x, 1, 1e-12);
+}
+
+TEST(Crossings, EndWhereCoordinatesHaveNoDigitsLeft) {
+  const CollisionShape mesh = CollisionShape::mesh(box_mesh({1, 1, 1}));
+  for (const double far : {1e3, 1e9, 1e15}) {
+    const PlacedShape shapes[] = {{mesh.view(), {Mat3<double>::identity(), {far, 0, 0}}}};
+    const std::vector<Crossing> found = crossings(shapes, {far, 0.1, 0.2}, {1, 0, 0}, 4 * far);
+    EXPECT_LE(found.size(), 1u);
+  }
+}
+
+TEST(Grasps, OfAnOpenSurfaceAreNone) {
+  Mesh sheet;
+  sheet.vertices = {{0, 0, 0}, {0.05F, 0, 0}, {0, 0.05F, 0}};
+  sheet.triangles = {{0, 1, 2}};
+  const CollisionShape shape = CollisionShape::mesh(sheet);
+  EXPECT_TRUE(find_grasps({{{shape.view()}}}, {}, {}, {.samples = 20}).empty());
 }
 
 /// The gripper's boxes at a grasp are apart from the object, and both jaws would touch it where the grasp says.

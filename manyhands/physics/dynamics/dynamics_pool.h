@@ -3,6 +3,7 @@
 
 #include <mutex>
 
+#include "manyhands/base/process_mutex.h"
 #include "manyhands/physics/dynamics/batch_dynamics.h"
 
 namespace manyhands {
@@ -44,7 +45,7 @@ class ModelPool {
   }
 
   const Model* model_;
-  std::mutex mutex_;
+  ProcessMutex mutex_;
   std::vector<Idle> idle_;
 };
 

@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, Any
 from manyhands.arguments import MOST_THREADS, whole_number
 from manyhands.cli import compare
 from manyhands.cli.train import new_settings
+from manyhands.env_names import resolve_env_id
 from manyhands.interrupts import INTERRUPTED, Interrupts
 
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from manyhands.training.settings import TrainSettings
     from manyhands.training.sweep import SweepRun
 
 EXAMPLES = """\
@@ -42,6 +44,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--num-envs", type=int, metavar="N", help="worlds stepped at a time (default: the recipe's)")
     parser.add_argument("--max-steps", type=int, metavar="N", help="environment steps at most (default: the recipe's)")
     parser.add_argument("--episodes", type=int, metavar="N", help="of the evaluation after training (default 1000)")
+    parser.add_argument(
+        "--randomize", action="store_true",
+        help="every episode another robot and object, by the ranges of docs/randomization.md; critics see which",
+    )  # fmt: skip
     parser.add_argument("--out", type=Path, metavar="DIR", help="where the run folders go (sweeps/ID)")
 
 
@@ -50,21 +56,18 @@ def run(arguments: argparse.Namespace) -> int:
     from rich.console import Console
 
     from manyhands.training.comparison import read_groups
-    from manyhands.training.sweep import default_jobs, prepare
+    from manyhands.training.lock import locked
+    from manyhands.training.sweep import default_jobs, grid, prepare
 
     seeds = whole_number("--seeds", arguments.seeds, 1, 10_000)
     jobs = default_jobs() if arguments.jobs is None else whole_number("--jobs", arguments.jobs, 1, MOST_THREADS)
     choices = parse_choices(arguments.set or [])
-    changes = {
-        "num_envs": arguments.num_envs,
-        "max_env_steps": arguments.max_steps,
-        "evaluation_episodes": arguments.episodes,
-    }
-    _, settings = new_settings(arguments.task, arguments.recipe, changes)
-    out = Path("sweeps") / settings.env_id if arguments.out is None else arguments.out
-    runs = prepare(out, settings, choices, seeds)
+    out = Path("sweeps") / resolve_env_id(arguments.task) if arguments.out is None else arguments.out
+    at_once = min(jobs, seeds * len(grid(choices)))
+    runs = prepare(out, lambda chosen: _settings(arguments, chosen, at_once), choices, seeds)
     console = Console()
-    interrupted = _train(console, runs, jobs, out)
+    with locked(out):
+        interrupted = _train(console, runs, jobs, out)
     done = [one.folder.path for one in runs if one.state == "done"]
     for one in runs:
         if one.state == "failed":
@@ -77,6 +80,27 @@ def run(arguments: argparse.Namespace) -> int:
     if done:
         compare.show(console, read_groups(done)[0], "bootstrap", out / "comparison")
     return 0 if len(done) == len(runs) else 1
+
+
+def _settings(arguments: argparse.Namespace, chosen: dict[str, Any], at_once: int) -> "TrainSettings":
+    """Those of `manyhands train` with the same options, and the chosen values of trainer settings.
+
+    Raises ValueError unless there is memory for so many runs at once.
+    """
+    from manyhands.training.memory import require_memory
+    from manyhands.training.randomization import randomized
+
+    changes = {
+        "num_envs": arguments.num_envs,
+        "max_env_steps": arguments.max_steps,
+        "evaluation_episodes": arguments.episodes,
+        "overrides": chosen,
+    }
+    _, settings = new_settings(arguments.task, arguments.recipe, changes)
+    if arguments.randomize:
+        settings = randomized(settings, chosen, arguments.max_steps)
+    require_memory(settings, at_once)
+    return settings
 
 
 def parse_choices(assignments: Sequence[str]) -> dict[str, list[Any]]:
@@ -97,6 +121,8 @@ def parse_choices(assignments: Sequence[str]) -> dict[str, list[Any]]:
             raise ValueError(f"{assignment!r}: {text!r} are no numbers, lists, true or false") from error
         if not choices[name]:
             raise ValueError(f"{assignment!r} has no value")
+        if any(value in choices[name][:place] for place, value in enumerate(choices[name])):
+            raise ValueError(f"{assignment!r} has a value twice")
     return choices
 
 

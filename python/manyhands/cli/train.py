@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from manyhands.arguments import MOST_THREADS, whole_number
+from manyhands.arguments import MOST_THREADS, rate, whole_number
 from manyhands.env_names import resolve_env_id
 from manyhands.interrupts import INTERRUPTED
 from manyhands.training.console import counted
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     _Begin = Callable[[TrainSettings], AbstractContextManager[tuple[TrainingRun, RunFolder, str]]]
 
 _MOST_WORKERS = 4096
+_MANY_WORLDS = 20_000  # take a while to make
 
 EXAMPLES = """\
 examples:
@@ -76,8 +77,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--set", action="append", metavar="NAME=VALUE", help="a setting of the trainer; may be given more than once"
     )
     parser.add_argument(
-        "--require-success", type=float, metavar="RATE", help="exit with 1 if the evaluation's success rate is below"
-    )
+        "--require-success", type=float, metavar="RATE",
+        help="exit with 1 if the evaluation's success is below, 0 to 1: 0.9 for 90 %%",
+    )  # fmt: skip
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -89,20 +91,33 @@ def run(arguments: argparse.Namespace) -> int:
     prepare = _prepare_new if arguments.resume is None else _prepare_resumed
     settings, begin = prepare(arguments)
     if arguments.ray is None:
-        with begin(settings) as begun:
-            return _train(arguments, console, *begun)
+        return _make_and_train(arguments, console, settings, begin)
     from manyhands.training.cluster import Cluster
 
     with Cluster(arguments.ray) as cluster:
         if arguments.resume is None and arguments.workers is None:
             settings = replace(settings, workers=min(cluster.default_workers(), settings.num_envs))
-        with begin(settings) as begun:
-            return _train(arguments, console, *begun)
+        return _make_and_train(arguments, console, settings, begin)
+
+
+def _make_and_train(
+    arguments: argparse.Namespace, console: "Console", settings: "TrainSettings", begin: "_Begin"
+) -> int:
+    from manyhands.training.memory import in_gigabytes, require_memory
+
+    taken = require_memory(settings)
+    if settings.num_envs > _MANY_WORLDS and settings.workers is None:
+        text = f"Making {settings.num_envs:,} worlds, which takes about {in_gigabytes(taken)} of memory"
+        console.print(text, highlight=False, markup=False, soft_wrap=True)
+    with begin(settings) as begun:
+        return _train(arguments, console, *begun)
 
 
 def _check_numbers(arguments: argparse.Namespace) -> None:
     if arguments.threads is not None:
         whole_number("--threads", arguments.threads, 1, MOST_THREADS)
+    if arguments.require_success is not None:
+        rate("--require-success", arguments.require_success)
     if arguments.workers is not None:
         whole_number("--workers", arguments.workers, 1, _MOST_WORKERS)
         if arguments.ray is None:
@@ -150,9 +165,10 @@ def _prepare_resumed(arguments: argparse.Namespace) -> "tuple[TrainSettings, _Be
     from manyhands.training.run import TrainingRun
     from manyhands.training.run_folder import RunFolder
 
-    fixed = ("task", "seed", "recipe", "num_envs", "workers", "set", "randomize")
-    if given := [name for name in fixed if getattr(arguments, name) not in (None, False)]:
-        raise ValueError(f"a resumed run keeps its {', '.join(given)}: leave it out, or start a new run")
+    fixed = ("seed", "recipe", "num_envs", "workers", "set", "randomize")
+    given = [f"--{name.replace('_', '-')}" for name in fixed if getattr(arguments, name) not in (None, False)]
+    if given := [*([] if arguments.task is None else [arguments.task]), *given]:
+        raise ValueError(f"a resumed run keeps its task and settings: leave out {', '.join(given)}, or start a new run")
     folder = RunFolder(arguments.resume)
     settings = folder.read_settings(**_changes(arguments))
     if (settings.workers is None) != (arguments.ray is None):

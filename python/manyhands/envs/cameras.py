@@ -143,6 +143,12 @@ def eyes(batch: EnvBatch, cameras: Mapping[str, CameraOptions | Camera]) -> list
     ]
 
 
+def picture_bytes(cameras: Mapping[str, CameraOptions | Camera]) -> int:
+    """What one picture of each takes: 3 bytes a pixel."""
+    taken = (_observed(name, given, {})[0] for name, given in cameras.items())
+    return sum(3 * camera.width * camera.height for camera in taken)
+
+
 def _observed(name: str, given: CameraOptions | Camera, env: EnvOptions) -> tuple[Camera, CameraOptions]:
     """A camera of the observation and its options. Raises ValueError if it cannot be made."""
     if name in _ROWS:

@@ -1,6 +1,5 @@
 """One environment."""
 
-import threading
 from typing import Any, ClassVar
 
 import gymnasium
@@ -13,6 +12,7 @@ from manyhands.envs import spaces
 from manyhands.envs.cameras import RENDER_MODES, EnvCameras, require_mode
 from manyhands.envs.page import Page
 from manyhands.envs.spaces import ControlType, EnvOptions, Observation, RewardType
+from manyhands.envs.turn import Turn
 
 _MADE_ANEW = "_batch", "_cameras", "_page", "_turn"  # in a copy
 
@@ -66,7 +66,7 @@ class ArmEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self._arguments = {"task": task, "reward_type": reward_type, "control_type": control_type, **options}
         self.render_mode = render_mode
         self._page = Page()
-        self._turn = threading.Lock()
+        self._turn = Turn()
         self.control_type = control_type
         self._batch = spaces.make_batch(task, reward_type, control_type, 1, 1, options)
         self._cameras = EnvCameras(self._batch, None if render_mode == "human" else render_mode, options, 1)

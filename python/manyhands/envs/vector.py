@@ -1,6 +1,5 @@
 """Many environments, stepped together in C++."""
 
-import threading
 from collections.abc import Sequence
 from typing import Any
 from weakref import WeakMethod
@@ -20,6 +19,7 @@ from manyhands.envs.cameras import RENDER_MODES, EnvCameras, require_mode
 from manyhands.envs.page import Page
 from manyhands.envs.spaces import ControlType, EnvOptions, Observation, RewardType
 from manyhands.envs.tally import Tally
+from manyhands.envs.turn import Turn
 
 _MADE_ANEW = "_batch", "_bodies", "_cameras", "_envs", "_page", "_tally", "_turn"  # in a copy
 _MOST_WORLDS = 2**20
@@ -87,7 +87,7 @@ class ArmVectorEnv(VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
         spec = self._envs.spec
         limit = spec.max_episode_steps if max_episode_steps is None else max(max_episode_steps, 0)
         self._batch = AutoresetBatch(self._envs, CoreMode[mode.name], limit)
-        self._turn = threading.Lock()
+        self._turn = Turn()
         self._copy = copy
         self._was_reset = False
         self.num_envs = num_envs

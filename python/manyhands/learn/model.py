@@ -52,6 +52,7 @@ _ARGUMENTS = {
     "value_weight": "vf_coef",
     "warmup_transitions": "learning_starts",
 }  # that set the trainer's settings
+_OF_SETTINGS = "TrainerConfig: ", "the trainer setting "  # how errors about them begin
 
 Callback = Callable[["Model"], bool | None]
 
@@ -98,6 +99,8 @@ class Model:
             config.validate()
             return Trainer(worlds.batch, None, config)
         except ValueError as error:
+            if not str(error).startswith(_OF_SETTINGS):  # of the environment, whose first reset this was
+                raise
             raise ValueError(_with_names_of_arguments(str(error))) from None
 
     @property
@@ -308,7 +311,8 @@ def _plain(value: Any) -> Any:
 
 def _with_names_of_arguments(text: str) -> str:
     """What the trainer says of its settings, with the arguments that set them."""
-    text = text.removeprefix("TrainerConfig: ").removeprefix("the trainer setting ")
+    for prefix in _OF_SETTINGS:
+        text = text.removeprefix(prefix)
     return re.sub(r"\w+", lambda word: _ARGUMENTS.get(word[0], word[0]), text)
 
 

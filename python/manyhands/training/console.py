@@ -29,6 +29,11 @@ def counted(number: int, thing: str) -> str:
     return f"{number:,} {thing}{'' if number == 1 else 's'}"
 
 
+def clock(seconds: float) -> str:
+    """For example "2:05"."""
+    return f"{int(seconds) // 60}:{int(seconds) % 60:02d}"
+
+
 def make_console() -> Console:
     """rich's where it is installed."""
     try:

@@ -5,7 +5,7 @@ import time
 from types import TracebackType
 from typing import TYPE_CHECKING
 
-from manyhands.training.console import Console, counted
+from manyhands.training.console import Console, clock, counted
 from manyhands.training.recorder import Row
 
 if TYPE_CHECKING:
@@ -21,10 +21,6 @@ def _speed(row: Row) -> float:
 def _seconds_left(row: Row, env_steps: int) -> float:
     """Until so many steps, at the mean speed."""
     return max(env_steps - row.env_steps, 0) / max(_speed(row), 1.0)
-
-
-def _clock(seconds: float) -> str:
-    return f"{int(seconds) // 60}:{int(seconds) % 60:02d}"
 
 
 def _percent(rate: float) -> str:
@@ -75,7 +71,7 @@ class TrainingProgress:
         """Shows where training stands."""
         in_time = row.env_steps <= self._expected
         total = self._expected if in_time else self._limit  # where training ends at the latest
-        left = f"{'about' if in_time else '≤'} {_clock(_seconds_left(row, total))} left"
+        left = f"{'about' if in_time else '≤'} {clock(_seconds_left(row, total))} left"
         figures = _figures(row, self._workers, left)
         if self._bar is not None:
             self._bar.show(row.env_steps, total, figures)

@@ -85,6 +85,7 @@ class TrainingRun:
 
     def train(self, folder: RunFolder, console: Console) -> Outcome:
         """Trains until solved, at the step limit, or interrupted; then evaluates, unless interrupted."""
+        folder.clear_drafts()
         with Recorder(folder, self.settings.num_envs, self.metrics.iterations) as recorder:
             with Interrupts() as interrupts:
                 if not folder.checkpoint.is_file():

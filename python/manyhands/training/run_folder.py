@@ -68,6 +68,12 @@ class RunFolder:
             raise type(reason)(text) from reason
         self.write_config(settings)
 
+    def clear_drafts(self) -> None:
+        """Removes what a run that was killed had begun to write. To be called by who has locked the folder."""
+        for file in (self.checkpoint, self.metrics, self.config, self.policy, self.evaluation, self.curve):
+            for draft in (*self.path.glob(f".{file.stem}.*{file.suffix}"), *self.path.glob(f"{file.name}.part*")):
+                draft.unlink(missing_ok=True)
+
     def write_config(self, settings: TrainSettings) -> None:
         """Writes config.json: the settings, what follows from them, and the versions at work."""
         last_seed = FIRST_EVALUATION_SEED + settings.evaluation_episodes - 1

@@ -18,7 +18,9 @@ FIRST_EVALUATION_SEED = 10**9  # of the last evaluation: training draws its seed
 def require_setting(name: str) -> Any:
     """The default of one of the trainer's settings; the seed is the run's. Raises ValueError if there is none."""
     known = TrainerConfig().to_dict()
-    if name not in known or name == "seed":
+    if name == "seed":
+        raise ValueError("'seed' is no trainer setting: --seed sets it, and --seeds N has a sweep train 0 to N - 1")
+    if name not in known:
         names = sorted(known.keys() - {"seed"})
         near = difflib.get_close_matches(name, names)
         hint = f"did you mean {', '.join(near)}?" if near else f"there are {', '.join(names)}"

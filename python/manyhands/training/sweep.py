@@ -7,7 +7,7 @@ import re
 import signal
 import subprocess
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -87,36 +87,53 @@ class SweepRun:
         self.state, self.error = "failed", error
 
 
-def prepare(parent: Path, settings: TrainSettings, choices: Mapping[str, Sequence[Any]], seeds: int) -> list[SweepRun]:
-    """A folder in `parent` for each combination and seed, those that are there already included.
+def prepare(
+    parent: Path,
+    settings_with: Callable[[dict[str, Any]], TrainSettings],
+    choices: Mapping[str, Sequence[Any]],
+    seeds: int,
+) -> list[SweepRun]:
+    """A folder in `parent` for each combination and seed, those that are there already included. `settings_with` gives
+    the settings of a combination.
 
-    Raises ValueError on settings that make no sense or differ from those of a run that is there, before it makes any;
-    OSError if a folder cannot be made.
+    Raises ValueError on settings that make no sense or differ from those of a run that is there, and on a folder of
+    another task's runs, before it makes any; OSError if a folder cannot be made.
     """
     runs: list[SweepRun] = []
-    for chosen, seed in itertools.product(grid(choices), range(seeds)):
-        wanted = replace(settings, seed=seed, num_threads=1, overrides=settings.overrides | chosen)
-        wanted.trainer_config()
-        run = SweepRun(RunFolder(parent / _folder_name(chosen, seed)), wanted)
-        if run.folder.config.is_file():
-            _require_same(run.folder, wanted)
-            run.state = "done" if run.folder.read_success() is not None else "waiting"
-            run.row = (read_rows(run.folder) or [None])[-1] if run.state == "done" else None
-        runs.append(run)
+    for chosen in grid(choices):
+        settings = settings_with(chosen)
+        settings.trainer_config()
+        for seed in range(seeds):
+            wanted = replace(settings, seed=seed, num_threads=1)
+            runs.append(SweepRun(RunFolder(parent / _folder_name(chosen, wanted)), wanted))
+    _require_task(parent, runs[0].settings.env_id)
+    there = [run for run in runs if run.folder.config.is_file()]
+    for run in there:
+        _require_same(run.folder, run.settings)
+        run.state = "done" if run.folder.read_success() is not None else "waiting"
+        run.row = (read_rows(run.folder) or [None])[-1] if run.state == "done" else None
     for run in runs:
         if not run.folder.config.is_file():
             run.folder.make(run.settings)
     return runs
 
 
-def _folder_name(chosen: Mapping[str, Any], seed: int) -> str:
-    """Such as gamma=0.95,hidden_layers=64x64,seed=3."""
-    return ",".join([*(f"{name}={_plain(value)}" for name, value in chosen.items()), f"seed={seed}"])
+def _folder_name(chosen: Mapping[str, Any], settings: TrainSettings) -> str:
+    """Such as gamma=0.95,hidden_layers=64x64,seed=3, and randomize,seed=0."""
+    parts = [f"{name}={_plain(value)}" for name, value in chosen.items()]
+    return ",".join([*(["randomize"] if settings.randomize else []), *parts, f"seed={settings.seed}"])
 
 
 def _plain(value: Any) -> str:
     text = "x".join(map(str, value)) if isinstance(value, list) else str(value)
     return re.sub(r"[^\w.+-]", "_", text)
+
+
+def _require_task(parent: Path, env_id: str) -> None:
+    for config in sorted(parent.glob("*/config.json")):
+        there = RunFolder(config.parent).read_settings().env_id
+        if there != env_id:
+            raise ValueError(f"{parent} holds runs of {there}, wanted is {env_id}: name another folder with --out")
 
 
 def _require_same(folder: RunFolder, wanted: TrainSettings) -> None:

@@ -46,7 +46,7 @@ class SweepProgress:
         if len(shown) > self._console.height - _LINES_AROUND:
             shown = [run for run in shown if run.state in ("training", "failed")]
         for run in shown:
-            table.add_row(run.name, Text(run.state, _STYLES[run.state]), *_figures(run))
+            table.add_row(run.name, Text(run.state, _STYLES[run.state]), *figures(run))
         return table
 
     def __enter__(self) -> "SweepProgress":
@@ -61,9 +61,10 @@ class SweepProgress:
             self._live.stop()
 
 
-def _figures(run: SweepRun) -> tuple[str, str, str]:
+def figures(run: SweepRun) -> tuple[str, str, str]:
+    """Steps and, while it trains, their share of the most; success; seconds."""
     if run.row is None:
         return "", "", ""
-    share = run.row.env_steps / run.settings.max_env_steps
+    share = "" if run.state == "done" else f" ({run.row.env_steps / run.settings.max_env_steps:.0%})"
     success = f"{run.row.evaluation_success_rate:.1%}" if run.row.evaluations else ""
-    return f"{run.row.env_steps:,} ({share:.0%})", success, f"{run.row.seconds:.1f}"
+    return f"{run.row.env_steps:,}{share}", success, f"{run.row.seconds:.1f}"

@@ -76,6 +76,16 @@ def test_what_is_returned_is_said(env: gymnasium.Env[Any, Any], says: str) -> No
         PPO("MlpPolicy", env, n_steps=8, **SMALL).learn(8)
 
 
+def test_errors_of_the_first_reset_come_through() -> None:
+    class Cold(Faulty):
+        def reset(self, *, seed: int | None = None, options: Any = None) -> Any:
+            raise ValueError("the temperature is too low")
+
+    with pytest.raises(ValueError, match=r"^the temperature is too low$") as error:
+        PPO("MlpPolicy", Cold(), n_steps=8, **SMALL)
+    assert error.traceback[-1].name == "reset"
+
+
 def test_several_environments_are_checked_one_by_one() -> None:
     class Last(Faulty):
         made = 0

@@ -43,7 +43,16 @@ def test_success_is_shown_where_there_is_one(env: Any) -> None:
 @pytest.mark.parametrize("bar", [False, True])
 def test_the_last_line_comes_once(capfd: Any, bar: bool) -> None:
     PPO("MlpPolicy", "CartPole-v1", verbose=1, **SMALL).learn(512, progress_bar=bar)
-    assert capfd.readouterr().out.count("512 steps") == 1
+    assert capfd.readouterr().out.count("mean return") == 1
+
+
+@pytest.mark.parametrize("width", [50, 80, 120])
+def test_the_bar_fits_the_terminal(capfd: Any, monkeypatch: pytest.MonkeyPatch, width: int) -> None:
+    monkeypatch.setenv("COLUMNS", str(width))
+    PPO("MlpPolicy", "CartPole-v1", **SMALL).learn(512, progress_bar=True)
+    shown = capfd.readouterr().out.strip()
+    assert len(shown) <= width and shown.endswith("0:00 left")
+    assert width < 80 or "mean return" in shown
 
 
 def test_a_training_that_a_callback_ends_shows_where_it_came_to(capfd: Any) -> None:

@@ -145,7 +145,7 @@ ALL: list[tuple[Any, str]] = [
 
 
 @pytest.mark.parametrize(("algorithm", "own"), ALL)
-def test_every_argument_of_version_2_7_is_known_with_its_default(algorithm: Any, own: str) -> None:
+def test_every_argument_of_version_2_9_is_known_with_its_default(algorithm: Any, own: str) -> None:
     arguments = eval(f"dict({', '.join(f'{SHARED} {own}'.split())})")
     algorithm("MlpPolicy", "Pendulum-v1", **arguments)
     guide = (Path(__file__).resolve().parents[3] / "docs" / "learn.md").read_text()

@@ -220,3 +220,20 @@ def test_links_and_shapes_that_cannot_be_held() -> None:
         planning.epsilon_quality(np.zeros((2, 3)), np.zeros((3, 3)))
     with pytest.raises(ValueError, match="torsion"):
         planning.epsilon_quality(np.zeros((2, 3)), np.ones((2, 3)), torsion=[1.0, -1.0])
+
+
+def test_whatever_is_asked_the_answer_is_finite() -> None:
+    rng = np.random.default_rng(0)
+    for k in range(60):
+        size = 10.0 ** rng.uniform(-4, 2)
+        shapes = (
+            collision.Box(size * rng.uniform(0.01, 1, 3)),
+            collision.Convex(size * rng.normal(size=(rng.integers(4, 30), 3)) * 10.0 ** rng.uniform(-4, 0, 3)),
+            collision.Mesh(size * rng.normal(size=(12, 3)), np.array([rng.permutation(12)[:3] for _ in range(20)])),
+            collision.Capsule(size * rng.uniform(0.01, 1), size * rng.uniform(0.01, 5)),
+        )
+        gripper = planning.ParallelGripper(opening=10.0 ** rng.uniform(-2, 1))
+        options = {"friction": 10.0 ** rng.uniform(-3, 1), "samples": 10, "clearance": 0.0, "seed": k}
+        found = planning.grasps(shapes[k % 4], gripper, com=size * rng.normal(size=3), **options)
+        assert all(np.isfinite(rows).all() for rows in found), k
+        assert (found.margin >= 0).all() and (found.quality >= 0).all() and (found.width > 0).all(), k

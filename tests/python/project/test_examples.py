@@ -25,3 +25,18 @@ def test_two_arms_hand_over_a_bar() -> None:
     assert abs(quaternion[3]) > 0.999  # level
     world.step(500)
     np.testing.assert_allclose(world.body_pose("bar")[0], position, atol=1e-3)
+
+
+def test_an_arm_puts_into_a_bin_what_a_camera_sees() -> None:
+    example = runpy.run_path(str(EXAMPLES / "pick_and_place.py"))
+    world = example["station"]()
+    world.add_box("brick", [0.02, 0.04, 0.03], 0.2, [0.45, 0.1, 0.03])
+    world.add_cylinder("can", 0.025, 0.04, 0.2, [0.5, -0.15, 0.04])
+    seen = example["see"](world)
+    things = sorted((seen.body_pose(f"thing{k}")[0] for k in range(2)), key=lambda p: -p[1])
+    for thing, name in zip(things, ("brick", "can"), strict=True):
+        np.testing.assert_allclose(thing, world.body_pose(name)[0], atol=5e-3)
+    example["clear"](world)
+    for name in ("brick", "can"):
+        assert (np.abs(world.body_pose(name)[0] - [0, 0.52, 0.103]) < [0.2, 0.15, 0.103]).all()
+    assert example["plan_pick"](example["see"](world)) == []

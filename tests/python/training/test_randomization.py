@@ -183,7 +183,7 @@ def test_evaluate_tells_success_over_each_range(
     [
         (["manyhands/KukaReach-v0", "--randomize"], "there is no environment"),
         (["PandaReach", "--set", "privileged_critic=true"], "needs PandaReach-v3 to be randomised: add --randomize"),
-        (["--resume", "nowhere", "--randomize"], "a resumed run keeps its randomize"),
+        (["--resume", "nowhere", "--randomize"], "leave out --randomize"),
     ],
 )
 def test_what_cannot_be_randomised_is_refused(

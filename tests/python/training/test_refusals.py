@@ -92,7 +92,11 @@ REQUESTS = [
     ("train --resume garbage", "garbage"),
     ("compare garbage", "garbage"),
     # Trainings that cannot go on
-    ("train PandaReach --set replay_capacity=2000000000", "not enough memory"),
+    ("train PandaReach --set replay_capacity=2000000000", "which takes about 210 GB of memory, and"),
+    ("train PandaReach --num-envs 100000000", "of memory, and"),
+    ("train PandaReach --num-envs 100000000000", "of memory, and"),
+    ("train PandaReach --set evaluation_episodes=100000000", "of memory, and"),
+    ("sweep PandaReach --num-envs 100000000 --jobs 2", "are free for each of 2 runs at a time: at most"),
     ("train PandaReach --set replay_folder=/nowhere", "cannot keep 95 MB in a file in '/nowhere': No such file"),
     ("train PandaReach --set algorithm=SAC --set num_critics=2 --set temperature=1e30", "training diverged"),
     ("train PandaReach --workers 2", "--ray"),

@@ -113,7 +113,6 @@ def test_a_folder_appears_whole_or_not_at_all(tmp_path: Path) -> None:
 
 
 def test_what_cannot_be_made_leaves_no_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    capacity = "replay_capacity=2000000000"
-    assert cli.main(["train", "PandaReach", "--set", capacity, "--runs", str(tmp_path)]) == 2
+    assert cli.main(["train", "PandaReach", "--num-envs", "100000000", "--runs", str(tmp_path)]) == 2
     assert "memory" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())

@@ -14,8 +14,12 @@ import pytest
 
 from manyhands import cli
 from manyhands.cli.sweep import parse_choices
+from manyhands.training.lock import locked
+from manyhands.training.recorder import Row
 from manyhands.training.run_folder import RunFolder
-from manyhands.training.sweep import grid
+from manyhands.training.settings import TrainSettings
+from manyhands.training.sweep import SweepRun, grid
+from manyhands.training.sweep_progress import figures
 
 TINY = ("--num-envs", "16", "--max-steps", "1600", "--episodes", "20")
 ENDLESS = ("--num-envs", "16", "--max-steps", "100000000", "--episodes", "20", "--set", "stop_streak=0")
@@ -158,7 +162,11 @@ def test_processes_end_with_the_sweep(tmp_path: Path) -> None:
     [
         (["PandaReech"], "did you mean PandaReach-v3"),
         (["PandaReach", "--set", "gama=0.9,0.95"], "'gama' is no trainer setting; did you mean gamma?"),
-        (["PandaReach", "--set", "seed=1,2"], "'seed' is no trainer setting"),
+        (
+            ["PandaReach", "--set", "seed=1,2"],
+            "'seed' is no trainer setting: --seed sets it, and --seeds N has a sweep",
+        ),
+        (["PandaReach", "--set", "gamma=0.9,0.95,0.90"], "has a value twice"),
         (["PandaReach", "--set", "gamma"], "expected NAME=VALUE,..."),
         (["PandaReach", "--set", "gamma="], "has no value"),
         (["PandaReach", "--set", "gamma=0.9,high"], "are no numbers"),
@@ -187,5 +195,31 @@ def test_folders_that_cannot_be_used(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert cli.main(["sweep", "PandaReach", "--seeds", "1", "--out", str(tmp_path)]) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert f"{tmp_path / 'seed=0'} holds a run with num_envs=16, wanted is 64: name another folder" in line
-    assert cli.main(["sweep", "PandaPush", "--seeds", "1", "--out", str(tmp_path)]) == 2
-    assert 'env_id="PandaReach-v3", wanted is "PandaPush-v3"' in capsys.readouterr().err
+    for other in ([], ["--set", "gamma=0.9"]):  # folders of other names, too
+        assert cli.main(["sweep", "PandaPush", "--seeds", "1", *other, "--out", str(tmp_path)]) == 2
+        (line,) = capsys.readouterr().err.splitlines()
+        assert f"{tmp_path} holds runs of PandaReach-v3, wanted is PandaPush-v3: name another folder" in line
+    assert names(tmp_path) == ["seed=0"]
+    with locked(tmp_path):
+        assert cli.main(["sweep", "PandaReach", *TINY, "--seeds", "1", "--out", str(tmp_path)]) == 2
+    assert f"trains in {tmp_path} already" in capsys.readouterr().err
+
+
+def test_a_randomised_sweep_is_what_train_makes_of_it(tmp_path: Path) -> None:
+    arguments = ["PandaPush", *TINY, "--randomize", "--set", "gamma=0.9"]
+    out, runs = tmp_path / "sweep", tmp_path / "runs"
+    assert cli.main(["sweep", *arguments, "--seeds", "1", "--out", str(out)]) == 0
+    assert names(out) == ["randomize,gamma=0.9,seed=0"]
+    assert cli.main(["train", *arguments, "--threads", "1", "--runs", str(runs)]) == 0
+    (alone,) = runs.iterdir()
+    swept = RunFolder(out / names(out)[0]).read_settings()
+    assert swept.randomize and swept == RunFolder(alone).read_settings()
+    assert (out / names(out)[0] / "checkpoint.bin").read_bytes() == (alone / "checkpoint.bin").read_bytes()
+
+
+def test_a_run_that_is_done_has_no_share_left(tmp_path: Path) -> None:
+    row = Row(100, 1_600, 0, 10, 0.5, 0.5, 1, 0.0, 0.0, 0.0, 100.0, 10.0)
+    run = SweepRun(RunFolder(tmp_path), TrainSettings("PandaReach-v3", max_env_steps=160_000), row=row)
+    assert figures(run) == ("1,600 (1%)", "50.0%", "10.0")
+    run.state = "done"
+    assert figures(run) == ("1,600", "50.0%", "10.0")

@@ -274,7 +274,14 @@ def test_required_success_decides_the_exit_code(tmp_path: Path, capsys: pytest.C
         (["PandaReach", "--seed", "-1"], "seed is -1"),
         (["PandaReach", "--recipe", "nowhere.yaml"], "there is no file nowhere.yaml with a recipe"),
         (["--resume", "nowhere"], "nowhere is no run folder"),
-        (["PandaReach", "--resume", "nowhere"], "keeps its task"),
+        (
+            ["PandaReach", "--resume", "nowhere", "--set", "gamma=0.9", "--num-envs", "3"],
+            "a resumed run keeps its task and settings: leave out PandaReach, --num-envs, --set, or start a new run",
+        ),
+        (["PandaReach", "--set", "seed=3"], "'seed' is no trainer setting: --seed sets it"),
+        (["PandaReach", "--require-success", "90"], "--require-success is 90, expected 0 to 1 (90 % is 0.9)"),
+        (["PandaReach", "--require-success", "-1"], "--require-success is -1, expected 0 to 1"),
+        (["PandaReach", "--require-success", "nan"], "--require-success is nan, expected 0 to 1"),
     ],
 )
 def test_bad_requests_are_explained_and_leave_nothing(
