@@ -55,8 +55,8 @@ MANYHANDS_INLINE T norm_of_opening(const ContactProblem<T>& problem, const Facto
 }
 
 /// The norm of what motors and limits ask of dofs and tendons, and of all that moves at a speed of which there is never
-/// too much [J^1/2]. A motor gives no more than the work of its impulse, and its own dof takes no more than that needs to
-/// reach its velocity; where equality constraints move others along, they may take all the work.
+/// too much [J^1/2]. A motor gives no more than the work of its impulse, and its own dof takes no more than that needs
+/// to reach its velocity; where equality constraints move others along, they may take all the work.
 template <Number T>
 MANYHANDS_INLINE T norm_of_joints(const ContactProblem<T>& problem) {
   const JointLaws<T>& laws = problem.joints;
