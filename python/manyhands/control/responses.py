@@ -45,7 +45,7 @@ class StabilityMargins(NamedTuple):
     """Of a loop closed by negative feedback; infinite where there is no crossover."""
 
     gain: float
-    """the factor by which the gain may grow until the loop oscillates; of an unstable loop, the crossover's nearest 1"""
+    """the factor by which the gain may grow until the loop oscillates; of an unstable one, the factor nearest 1"""
     gain_frequency: float
     """at which it then oscillates; 0 or infinite if it drifts [rad/s]"""
     phase: float

@@ -148,7 +148,7 @@ def test_a_gripper_goes_on_a_model_of_any_arm() -> None:
 
 def test_a_gripper_whose_fingers_turn_has_the_same_bits_in_one_world_and_in_many() -> None:
     spec = ArmSpec.of("six_axis", "two_finger")
-    one = gymnasium.make("PandaPickAndPlace-v3", robot="six_axis+two_finger", obstacles=[WALL])
+    one = gymnasium.make("PandaPickAndPlace-v3", robot="six_axis + two_finger", obstacles=[WALL])
     many = gymnasium.make_vec("PandaPickAndPlace-v3", num_envs=5, num_threads=2, robot=spec, obstacles=[WALL])
     observation, _ = many.reset(seed=10)
     alone, _ = one.reset(seed=12)

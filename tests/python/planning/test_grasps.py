@@ -194,13 +194,17 @@ def test_hollow_things_are_held_by_their_wall_or_across() -> None:
         ({"clearance": np.inf}, "clearance"),
         ({"seed": -1}, "seed is -1"),
         ({"com": (0, np.nan, 0)}, "com must be finite"),
-        ({"gripper": planning.ParallelGripper(opening=0.0)}, "opening is 0"),
-        ({"gripper": planning.ParallelGripper(palm=(1, 1, -1))}, "palm's size is -1"),
     ],
 )
 def test_what_makes_no_sense_is_refused(options: dict[str, object], text: str) -> None:
     with pytest.raises(ValueError, match=text):
         planning.grasps(collision.Sphere(0.03), **options)  # type: ignore[arg-type]
+
+
+def test_a_gripper_has_lengths() -> None:
+    for lengths, text in (({"opening": -1.0}, "opening is -1"), ({"palm": (1, 1, -1)}, "palm's size is -1")):
+        with pytest.raises(ValueError, match=text):
+            planning.ParallelGripper(**lengths)
 
 
 def test_links_and_shapes_that_cannot_be_held() -> None:
