@@ -43,7 +43,7 @@ make_venv() {
   say "Making .venv with the build tools"
   "$python" -m venv --clear .venv
   .venv/bin/python -c 'import tomllib' 2>/dev/null || .venv/bin/pip install --quiet tomli
-  install_requirements build
+  install_requirements build core  # numpy must be whole when stubs are made, whatever else is fetched meanwhile
 }
 
 install_requirements() {
