@@ -201,7 +201,7 @@ def test_a_stiffer_hand_lags_less() -> None:
     ("options", "message"),
     [
         ({"robot": "pandaa"}, "robot is 'pandaa', expected 'panda', 'arm6' or an ArmSpec"),
-        ({"robot": "six_axis+five_finger"}, "there is no robot 'five_finger'"),
+        ({"robot": "six_axis+five_finger"}, "there is no gripper 'five_finger'"),
         ({"robot": "desktop"}, "desktop stands at x = -0.6 m, or nearer"),
         ({"robot": ArmSpec(**{**vars(ARM6), "hand": "palm"})}, "'palm'"),
         ({"robot": ArmSpec(**{**vars(ARM6), "neutral": [0] * 7})}, "has 7 numbers in neutral"),

@@ -202,9 +202,10 @@ def test_what_makes_no_sense_is_refused(options: dict[str, object], text: str) -
 
 
 def test_a_gripper_has_lengths() -> None:
-    for lengths, text in (({"opening": -1.0}, "opening is -1"), ({"palm": (1, 1, -1)}, "palm's size is -1")):
-        with pytest.raises(ValueError, match=text):
-            planning.ParallelGripper(**lengths)
+    with pytest.raises(ValueError, match="opening is -1"):
+        planning.ParallelGripper(opening=-1.0)
+    with pytest.raises(ValueError, match="palm's size is -1"):
+        planning.ParallelGripper(palm=(1, 1, -1))
 
 
 def test_links_and_shapes_that_cannot_be_held() -> None:
