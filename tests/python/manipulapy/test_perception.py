@@ -42,6 +42,25 @@ def test_clusters_are_those_of_the_definition(seed: int) -> None:
     assert all(labels[k] == -1 for k in range(len(points)) if not near[k][sorted(cores)].any())
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_labels_of_dense_and_regular_clouds_are_exact(seed: int) -> None:
+    """By definition: clusters by their first cores, borders in the lowest; points at exactly reach, and far away."""
+    rng = np.random.default_rng(seed)
+    points = rng.integers(0, 8, (200, 3)) / 8 * [1, 1, seed % 2]
+    points[::7] *= 1e15
+    reach, least = 0.125 * (1 + seed % 3), 1 + seed % 11
+    near = np.linalg.norm(points[:, None] - points[None], axis=2) <= reach
+    expected = np.full(len(points), -1)
+    for number, group in enumerate(clusters_by_definition(points, reach, least)):
+        expected[near[sorted(group)].any(0) & (expected == -1)] = number
+    np.testing.assert_array_equal(perception.dbscan(points, reach, least), expected)
+
+
+def test_many_points_in_one_place_are_one_cluster_at_once() -> None:
+    points = np.random.default_rng(0).uniform(0, 1e-4, (200_000, 3))  # pairwise: minutes
+    assert not perception.dbscan(points, 0.01).any()
+
+
 def test_points_that_are_nowhere_are_noise() -> None:
     points = np.zeros((5, 3))
     points[2] = np.nan
