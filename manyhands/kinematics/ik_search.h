@@ -60,6 +60,7 @@ class IkSearch {
   IkSearch& operator=(IkSearch&&) noexcept;
   ~IkSearch();
 
+  /// The dofs that are solved for.
   [[nodiscard]] const IkChain& chain() const;
 
   /// With `accepts`, a target's attempts go on until one of them reaches it and is accepted. If none is, success is 0,
