@@ -196,6 +196,8 @@ std::vector<double> goal_configurations(const Model& model, const PlanningScene&
   constexpr std::size_t kStarts = 40;
   constexpr double kSame = 1e-3;  // [rad or m]
   const std::size_t n = scene.size();
+  IkSearch search(model, frame);
+  const IkTarget<double> target{X_WF, Vec3<double>::zero()};
   RandomStream random(seed, 2, 0);
   std::vector<double> from(start.begin(), start.end()), found;
   const auto is_new = [&](const std::vector<double>& q) {
@@ -207,8 +209,8 @@ std::vector<double> goal_configurations(const Model& model, const PlanningScene&
     return true;
   };
   for (std::size_t i = 0; i < kStarts && !deadline.has_passed(); ++i) {
-    IkSearchSettings settings{.restarts = i == 0 ? 100 : 0, .seed = seed};
-    const IkSolutions solved = search_ik(model, frame, {&X_WF, 1}, scene.configuration(from), settings);
+    const IkSearchSettings settings{.restarts = i == 0 ? 100 : 0, .seed = seed};
+    const IkSolutions solved = search.find(IkGoal{}, {&target, 1}, scene.configuration(from), settings);
     if (solved.success[0] != 0) {
       std::vector<double> q;
       for (const std::size_t k : scene.coordinates) q.push_back(solved.q[k]);
