@@ -133,19 +133,19 @@ def test_a_pose_out_of_reach_is_told_from_one_in_collision_and_from_no_time(plan
 def test_ctrl_c_ends_a_search() -> None:
     world = scene()
     eighth = (0, 0, np.sin(np.pi / 8), np.cos(np.pi / 8))
-    world.add_box("wall", (1, 0.01, 1), position=(0.8, 0.8, 1), quaternion=eighth, fixed=True)
+    world.add_box("wall", (1, 0.01, 1), position=(0.806, 0.806, 1), quaternion=eighth, fixed=True)
     planner = planning.Planner(world, HAND)
-    goal = planner.start.copy()
-    goal[0] = 2.2  # behind the wall
+    start, goal = planner.start.copy(), planner.start.copy()
+    start[0], goal[0] = -0.8, 2.4  # to both sides of the wall, which leaves too little room at the arm's axis
     limit = 20.0
     timer = threading.Timer(0.3, signal.raise_signal, [signal.SIGINT])
     begin = time.perf_counter()
     timer.start()
     with pytest.raises(KeyboardInterrupt):
-        planner.plan(goal, time_limit=limit)
+        planner.plan(goal, start=start, time_limit=limit)
     timer.join()
     assert time.perf_counter() - begin < limit / 2
-    assert planner.plan(planner.start).success
+    assert planner.plan(start, start=start).success
 
 
 def test_what_cannot_be_is_said(planner: planning.Planner) -> None:
