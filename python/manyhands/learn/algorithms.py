@@ -17,6 +17,7 @@ from manyhands.learn.course import Schedule
 from manyhands.learn.model import Model
 from manyhands.learn.sb3_arguments import check_others, deviation, hindsight, named_arguments, updates_per_step
 from manyhands.learn.worlds import AnyEnv, Worlds, make_worlds
+from manyhands.training.memory import require_replay, require_rollout
 
 PolicyArguments = Mapping[str, Any] | None
 
@@ -80,17 +81,20 @@ def _off_policy(
 ) -> dict[str, Any]:
     """Settings that off-policy algorithms share."""
     updates = updates_per_step(whole("gradient_steps", gradient_steps, -1), train_freq)
-    share = hindsight(replay_buffer_class, replay_buffer_kwargs, hindsight_fraction)
-    longest = worlds.batch.spec.max_episode_steps  # the replay keeps episodes whole
+    share = hindsight(replay_buffer_class, replay_buffer_kwargs, hindsight_fraction, worlds.name, worlds.has_goals)
+    spec = worlds.batch.spec
+    capacity = max(whole("buffer_size", buffer_size, 1), spec.max_episode_steps)  # the replay keeps episodes whole
+    if not replay_folder:
+        require_replay("buffer_size", capacity, spec, "; a file holds more: give replay_folder")
     return {
-        "replay_capacity": max(whole("buffer_size", buffer_size, 1), longest),
+        "replay_capacity": capacity,
         "warmup_transitions": max(whole("learning_starts", learning_starts, 0), 1),
         "batch_size": batch_size,
         "target_rate": tau,
         "gamma": gamma,
         "updates_per_iteration": worlds.batch.num_envs if updates == -1 else updates,
         "return_steps": n_steps,
-        "hindsight_fraction": share if worlds.has_goals else 0.0,
+        "hindsight_fraction": share,
         "replay_folder": os.fspath(replay_folder),
         "random_action_rate": 0.0,
     }
@@ -132,6 +136,8 @@ class PPO(Model):
         worlds = make_worlds(env, n_envs, num_threads, _PPO_WORLDS)
         if n_steps is None:
             n_steps = max(_ROLLOUT // worlds.batch.num_envs, 1)
+        n_steps = whole("n_steps", n_steps, 1)
+        require_rollout("n_steps", n_steps, worlds.batch.spec, worlds.batch.num_envs)
         settings = {
             "algorithm": "PPO",
             "rollout_steps": n_steps,

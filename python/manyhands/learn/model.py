@@ -8,7 +8,7 @@ import secrets
 import tempfile
 import time
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -17,13 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from manyhands._core.learn import Policy, Trainer, TrainerConfig, TrainMetrics
-from manyhands.arguments import whole, whole_number
+from manyhands.arguments import whole
 from manyhands.extras import needs
 from manyhands.files import replacing
 from manyhands.interrupts import Interrupts
 from manyhands.learn.course import Log, Schedule, first_rate, rate_at
 from manyhands.learn.report import Report
-from manyhands.learn.sb3_arguments import METHODS
+from manyhands.learn.sb3_arguments import METHODS, check_others
 from manyhands.learn.worlds import AnyEnv, Worlds, make_worlds
 from manyhands.training.settings import override
 
@@ -195,6 +195,11 @@ class Model:
         and `episode_start` are of policies with a memory, which these are not. Raises ValueError on a wrong shape and
         on numbers that are not finite.
         """
+        if isinstance(observation, tuple) and observation and isinstance(observation[-1], Mapping):
+            raise ValueError(
+                f"the observation is a tuple of {len(observation)}: reset returns (observation, info), step "
+                "(observation, reward, terminated, truncated, info), and predict takes the observation alone"
+            )
         observations, several = self._worlds.observation.unbatch(observation)
         parts = self._worlds.observation.rows(observations)
         for name, part in zip(("observation", "achieved_goal", "desired_goal"), parts, strict=True):
@@ -238,12 +243,14 @@ class Model:
         num_threads: int | None = None,
         verbose: int = 0,
         tensorboard_log: str | Path | None = None,
+        device: Any = "auto",
     ) -> _M:
         """A model that `save` wrote. `env`: None makes the one that it was trained on, by its id. A schedule is not
-        saved: `learning_rate` is the number with which training began, until it is set.
+        saved: `learning_rate` is the number with which training began, until it is set. `device`: "auto" or "cpu".
 
         Raises FileNotFoundError, or ValueError if the file is damaged, of another algorithm, or does not fit `env`.
         """
+        check_others(cls, {"device": device})
         path = _zip_path(path)
         about, checkpoint = _read(path)
         if about["algorithm"] != cls.__name__:
@@ -318,6 +325,8 @@ def _with_names_of_arguments(text: str) -> str:
 
 def _zip_path(path: str | Path) -> Path:
     path = Path(path)
+    if path.name in ("", ".."):
+        raise ValueError(f"the path of the model is {str(path)!r}, a folder; name a file, for example 'model'")
     return path if path.suffix == ".zip" else path.with_name(path.name + ".zip")
 
 
@@ -334,23 +343,3 @@ def _read(path: Path) -> tuple[dict[str, Any], bytes]:
     if missing or about["format"] != _FORMAT:
         raise ValueError(f"{path} is no saved model of this version")
     return about, checkpoint
-
-
-def evaluate_policy(
-    model: Model, env: Any, n_eval_episodes: int = 10, deterministic: bool = True, seed: int = 0
-) -> tuple[float, float]:
-    """Mean and standard deviation of the return over episodes of one Gymnasium environment, from seed `seed` on."""
-    whole_number("n_eval_episodes", n_eval_episodes, 1, 2**31)
-    if not isinstance(env, gymnasium.Env):
-        raise TypeError(f"env is {env!r}, expected one Gymnasium environment, as gymnasium.make gives it")
-    returns: list[float] = []
-    for episode in range(n_eval_episodes):
-        observation, _ = env.reset(seed=seed + episode)
-        total, over = 0.0, False
-        while not over:
-            action, _ = model.predict(observation, deterministic=deterministic)
-            observation, reward, terminated, truncated, _ = env.step(action)
-            total += float(reward)
-            over = bool(terminated or truncated)
-        returns.append(total)
-    return float(np.mean(returns)), float(np.std(returns))

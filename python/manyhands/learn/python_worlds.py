@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from manyhands._core.envs import PythonBatch
 from manyhands.learn.layout import ActionLayout, ObservationLayout
-from manyhands.learn.returned import brief, checked_step, first_observation, require_seed
+from manyhands.learn.returned import brief, checked_rows, checked_step, first_observation, require_seed
 
 DEFAULT_LIMIT = 1000  # steps of an episode where the environment has no limit: what is longer is cut
 
@@ -120,19 +120,11 @@ class PythonWorlds:
             truncated=self.truncated,
         )
 
-    def _show(self, observations: list[Any], where: str) -> None:
-        """Raises ValueError, which says what was returned from `where`, unless it is as the space says."""
-        parts = self._layout.fitting_rows(observations)
-        if parts is None:
-            misfit = next(one for one in observations if self._layout.fitting_rows([one]) is None)
-            raise ValueError(
-                f"{self._name}.{where} returned the observation {brief(misfit)}, expected one of its "
-                f"observation_space, {self._layout.space}"
-            )
+    def _show(self, observations: list[Any], method: str) -> None:
+        """What `method` returned. Raises ValueError unless it is as the space says."""
+        parts = checked_rows(self._layout, observations, f"{self._name}.{method}")
         own = (self.observation, self.achieved_goal, self.desired_goal)
         for mine, rows in zip(own, parts, strict=True):
-            if not np.isfinite(rows).all():
-                raise ValueError(f"{self._name}.{where} returned an observation that is not finite")
             mine[:] = rows
 
     def reset(self, mask: NDArray[np.bool_], seeds: NDArray[np.uint64]) -> None:
@@ -154,18 +146,27 @@ class PythonWorlds:
     def compute_reward(self, achieved: NDArray[np.float32], desired: NDArray[np.float32]) -> NDArray[np.float32]:
         """Called from C++, to give old transitions new goals."""
         asked = getattr(self._worlds.task, "compute_reward", None)
-        if asked is None:
+        if not callable(asked):
             raise ValueError(
                 f"{self._name} has goals and no compute_reward(achieved_goal, desired_goal, info), which hindsight "
                 "asks: write it, or set hindsight_fraction=0"
             )
-        given = np.asarray(asked(achieved, desired, {}))
-        if given.shape != achieved.shape[:1] or given.dtype.kind not in "biuf":
+        goals = f"goals of shape {achieved.shape}"
+        try:
+            returned = asked(achieved, desired, {})
+        except Exception as error:
+            reason = f"{type(error).__name__}: {error}"
+            raise RuntimeError(
+                f"{self._name}.compute_reward() raised {reason}; it was given achieved and desired {goals} and an "
+                "empty info"
+            ) from error
+        rewards = np.asarray(returned)
+        if rewards.shape != achieved.shape[:1] or rewards.dtype.kind not in "biuf":
             raise ValueError(
-                f"{self._name}.compute_reward() returned {brief(given)} for goals of shape {achieved.shape}, expected "
+                f"{self._name}.compute_reward() returned {brief(returned)} for {goals}, expected "
                 f"an array of shape {achieved.shape[:1]}: a reward for each row"
             )
-        return given.astype(np.float32)
+        return rewards.astype(np.float32)
 
 
 def as_stepped(

@@ -67,15 +67,22 @@ def updates_per_step(gradient_steps: int, train_freq: int | tuple[int, str]) -> 
 
 
 def hindsight(
-    replay_buffer_class: Any, replay_buffer_kwargs: Mapping[str, Any] | None, hindsight_fraction: float
+    replay_buffer_class: Any,
+    replay_buffer_kwargs: Mapping[str, Any] | None,
+    hindsight_fraction: float,
+    env: str,
+    has_goals: bool,
 ) -> float:
-    """The share of transitions with a new goal: what it is here, unless a replay buffer says otherwise.
+    """The share of transitions with a new goal: none without goals, else what it is here, unless a replay buffer says
+    otherwise.
 
-    Raises ValueError on a buffer, or an argument of one, that there is none of.
+    Raises ValueError on a buffer, or an argument of one, that there is none of or that needs goals.
     """
     name = getattr(replay_buffer_class, "__name__", replay_buffer_class)
     if name not in (None, "HerReplayBuffer", "ReplayBuffer", "DictReplayBuffer"):
         raise ValueError(f"replay_buffer_class is {name!r}, expected 'HerReplayBuffer', 'ReplayBuffer' or None")
+    if name == "HerReplayBuffer" and not has_goals:
+        raise ValueError(f"replay_buffer_class is {name!r}, but {env} has no goals: leave it out")
     given = named_arguments("replay_buffer_kwargs", replay_buffer_kwargs)
     given.pop("copy_info_dict", None)  # infos are not stored
     strategy = given.pop("goal_selection_strategy", "future")
@@ -89,7 +96,7 @@ def hindsight(
     if given:
         names = ", ".join(map(repr, given))
         raise ValueError(f"replay_buffer_kwargs has no {names}, only 'n_sampled_goal' and 'goal_selection_strategy'")
-    return 0.0 if name in ("ReplayBuffer", "DictReplayBuffer") else hindsight_fraction
+    return hindsight_fraction if has_goals and name not in ("ReplayBuffer", "DictReplayBuffer") else 0.0
 
 
 def deviation(action_noise: Any) -> float:
@@ -126,3 +133,23 @@ METHODS = {
     "train": "`learn` collects and trains",
 }
 """What models have there and not here, and what to do instead."""
+
+_CALLBACKS = "a callback is a function that takes the model: learn(steps, callback=function)"
+_CHOICES = "PPO learns choices"
+_MANY = "give the environment's id and n_envs to the algorithm"
+NAMES = {
+    "A2C": "use PPO",
+    "BaseCallback": _CALLBACKS,
+    "CheckpointCallback": _CALLBACKS,
+    "DictReplayBuffer": "write replay_buffer_class='ReplayBuffer', which turns hindsight off",
+    "DQN": _CHOICES,
+    "DummyVecEnv": _MANY,
+    "EvalCallback": _CALLBACKS,
+    "HerReplayBuffer": "where there are goals it is the default; replay_buffer_class takes its name as a text",
+    "NormalActionNoise": "action_noise takes the standard deviation",
+    "ReplayBuffer": "write replay_buffer_class='ReplayBuffer', which turns hindsight off",
+    "SubprocVecEnv": _MANY,
+    "VecNormalize": "observations are always normalised, and PPO's rewards",
+    "make_vec_env": _MANY,
+}
+"""What modules have there and `manyhands.learn` has not, and what to do instead."""

@@ -49,10 +49,7 @@ def make_worlds(env: AnyEnv, n_envs: int | None, num_threads: int | None, usual:
         whole_number("n_envs", n_envs, 1)
     made = _made(env)
     single = made[0] if isinstance(made, list) else made
-    name = type(single.unwrapped).__name__ if single.spec is None else single.spec.id
-    for space in ("observation_space", "action_space"):
-        if not isinstance(found := getattr(single, space, None), gymnasium.Space):
-            raise ValueError(f"{name}.{space} is {found!r}, expected one of gymnasium.spaces")
+    name = checked_name(single)
     if isinstance(made, VectorEnv):
         if n_envs not in (None, made.num_envs):
             raise ValueError(f"n_envs is {n_envs}, but the vector environment has {made.num_envs} worlds")
@@ -95,6 +92,15 @@ def _copies(env: AnyEnv) -> list[gymnasium.Env[Any, Any]]:
     made = _made(env)
     assert isinstance(made, list)
     return made
+
+
+def checked_name(env: gymnasium.Env[Any, Any] | VectorEnv[Any, Any, Any]) -> str:
+    """Its id, or its class where it has none. Raises ValueError unless it has spaces."""
+    name = type(env.unwrapped).__name__ if env.spec is None else env.spec.id
+    for space in ("observation_space", "action_space"):
+        if not isinstance(found := getattr(env, space, None), gymnasium.Space):
+            raise ValueError(f"{name}.{space} is {found!r}, expected one of gymnasium.spaces")
+    return name
 
 
 def _native_batch(

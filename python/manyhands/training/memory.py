@@ -36,6 +36,16 @@ def require_memory(settings: TrainSettings, runs: int = 1) -> float:
     return available - free
 
 
+def require_replay(name: str, transitions: int, spec: EnvSpec, hint: str) -> None:
+    """Raises ValueError, with the number that fits and `hint`, unless a replay of so many has room in memory."""
+    _require(name, transitions, _bytes_of_transition(spec, TrainerConfig(), {}), free_memory(), 1, hint)
+
+
+def require_rollout(name: str, steps: int, spec: EnvSpec, worlds: int) -> None:
+    """Raises ValueError, with the number that fits, unless so many steps of so many worlds have room in memory."""
+    _require(name, steps, worlds * _FLOAT * _numbers_of_step(spec), free_memory(), 1)
+
+
 def _require(name: str, count: int, each: float, free: float, runs: int, hint: str = "") -> float:
     """The bytes that `count` of them take. Raises ValueError if these are more than are free."""
     if count * each > free:
@@ -69,8 +79,12 @@ def _bytes_of_world(env_id: str) -> float:
 
 def _bytes_of_steps(spec: EnvSpec, config: TrainerConfig) -> float:
     """Of a world's episode so far, and of what PPO learns from."""
-    numbers = spec.observation_dim + 2 * spec.goal_dim + 2 * spec.action_dim + 2
-    return _FLOAT * numbers * (spec.max_episode_steps + (config.rollout_steps if config.algorithm == "PPO" else 0))
+    steps = spec.max_episode_steps + (config.rollout_steps if config.algorithm == "PPO" else 0)
+    return _FLOAT * _numbers_of_step(spec) * steps
+
+
+def _numbers_of_step(spec: EnvSpec) -> int:
+    return spec.observation_dim + 2 * spec.goal_dim + 2 * spec.action_dim + 2
 
 
 def _bytes_of_transition(spec: EnvSpec, config: TrainerConfig, cameras: Mapping[str, Any]) -> float:

@@ -12,6 +12,7 @@ from manyhands.arguments import whole_number
 from manyhands.envs.spaces import as_range
 
 KINDS = {bool: "true or false", int: "a whole number", float: "a number", str: "a text", list: "a list in brackets"}
+MOST = 2**31 - 1  # of what is counted
 FIRST_EVALUATION_SEED = 10**9  # of the last evaluation: training draws its seeds from all 64-bit numbers by hash
 
 
@@ -50,10 +51,12 @@ def override(config: TrainerConfig, name: str, value: Any) -> None:
     """Sets one trainer setting; whole numbers may be written as 1e4. Raises ValueError on another type."""
     kind = type(getattr(config, name))
     whole = kind is int and isinstance(value, float) and value.is_integer()
+    given = int(value) if whole else value
     try:
-        setattr(config, name, int(value) if whole else value)
+        setattr(config, name, given)
     except TypeError as error:
-        raise ValueError(f"the trainer setting {name} is {value!r}, expected {KINDS[kind]}") from error
+        limits = f" from {-MOST - 1} to {MOST}" if kind is int and type(given) is int else ""
+        raise ValueError(f"the trainer setting {name} is {given!r}, expected {KINDS[kind]}{limits}") from error
 
 
 def shares_of(worlds: int, workers: int) -> list[int]:

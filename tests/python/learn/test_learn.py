@@ -291,6 +291,28 @@ def test_wrong_observations_are_refused() -> None:
         goal.predict({"observation": np.zeros(6), "achieved_goal": np.zeros(3)})
 
 
+def test_what_reset_and_step_return_is_no_observation() -> None:
+    env = gymnasium.make("Pendulum-v1")
+    model = PPO("MlpPolicy", env)
+    for returned in (env.reset(), env.step(np.zeros(1))):
+        with pytest.raises(ValueError, match=rf"a tuple of {len(returned)}: reset returns \(observation, info\), step"):
+            model.predict(returned)
+
+
+def test_an_evaluation_tells_of_each_episode() -> None:
+    env = gymnasium.make("Pendulum-v1")
+    model = PPO("MlpPolicy", env)
+    returns, lengths = evaluate_policy(model, env, 3, return_episode_rewards=True)
+    assert lengths == [200] * 3
+    assert evaluate_policy(model, env, 3) == (np.mean(returns), np.std(returns))
+
+
+@pytest.mark.parametrize("path", [".", "", "..", "/", "folder/.."])
+def test_a_model_needs_the_name_of_a_file(path: str) -> None:
+    with pytest.raises(ValueError, match=r"^the path of the model is '.*', a folder; name a file, for example 'model'"):
+        PPO("MlpPolicy", "Pendulum-v1").save(path)
+
+
 def test_bad_files_are_refused(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError, match="no saved model"):
         PPO.load(tmp_path / "nothing")

@@ -1,6 +1,7 @@
 """manyhands.learn takes what programs for Stable-Baselines3 write, or says what to write instead."""
 
 import enum
+import re
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,9 @@ import numpy as np
 import pytest
 
 import manyhands  # noqa: F401  registers the environments
+from manyhands import learn
 from manyhands.learn import DDPG, PPO, SAC, TD3, TQC
+from manyhands.training import memory
 
 SMALL: dict[str, Any] = {"policy_kwargs": {"net_arch": [8]}, "batch_size": 8}
 
@@ -86,7 +89,7 @@ REFUSED: list[tuple[Any, dict[str, Any], str]] = [
     (PPO, {"clip_range_vf": 0.2}, "clip_range_vf is 0.2, expected None: values are not clipped"),
     (PPO, {"action_noise": None}, "PPO has no argument action_noise"),
     (PPO, {"learning_rat": 1}, "PPO has no argument learning_rat; did you mean learning_rate"),
-    (PPO, {"n_steps": 0}, "^n_steps is 0, it must be at least 1"),
+    (PPO, {"n_steps": 0}, "^n_steps is 0, expected 1 or more"),
     (PPO, {"n_steps": 64.5}, "^n_steps is 64.5, expected a whole number"),
     (PPO, {"batch_size": 33}, "^batch_size is 33, it must be even and at least 2"),
     (PPO, {"batch_size": "big"}, "^batch_size is 'big', expected a whole number"),
@@ -96,6 +99,7 @@ REFUSED: list[tuple[Any, dict[str, Any], str]] = [
     (PPO, {"policy_kwargs": {"net_arch": []}}, r"^net_arch is \[\], expected the units"),
     (PPO, {"policy_kwargs": [64]}, r"policy_kwargs is \[64\], expected a dict"),
     (SAC, {"replay_buffer_kwargs": 4}, "replay_buffer_kwargs is 4, expected a dict"),
+    (SAC, {"replay_buffer_class": "HerReplayBuffer"}, "'HerReplayBuffer', but Pendulum-v1 has no goals: leave it out"),
     (SAC, {"use_sde": True}, "use_sde is True, expected False"),
     (SAC, {"action_noise": 0.1}, "action_noise is 0.1, expected None: actions are drawn"),
     (SAC, {"gradient_steps": -2}, "^gradient_steps is -2, expected -1 or more"),
@@ -104,6 +108,12 @@ REFUSED: list[tuple[Any, dict[str, Any], str]] = [
     (SAC, {"tau": 2}, "^tau is 2, it must be in"),
     (SAC, {"learning_starts": 2e6}, "^learning_starts is 2000000, it must be at least 1 and at most buffer_size"),
     (SAC, {"ent_coef": None}, "^ent_coef is None, expected a number"),
+    (
+        SAC,
+        {"learning_starts": 1e12},
+        r"^learning_starts is 1000000000000, expected a whole number from .* to 2147483647",
+    ),
+    (PPO, {"batch_size": 1e12}, r"^batch_size is 1000000000000, expected a whole number from .* to 2147483647"),
     (TQC, {"n_critics": 0}, "^n_critics is 0"),
     (TQC, {"use_sde_at_warmup": True}, "use_sde_at_warmup is True"),
     (TD3, {"target_update_interval": 2}, "target_update_interval is 2, expected 1: .* set tau lower"),
@@ -120,6 +130,21 @@ REFUSED: list[tuple[Any, dict[str, Any], str]] = [
 def test_what_does_not_is_said(algorithm: Any, arguments: dict[str, Any], says: str) -> None:
     with pytest.raises((TypeError, ValueError), match=says):
         algorithm("MlpPolicy", "Pendulum-v1", **arguments)
+
+
+@pytest.mark.parametrize(
+    ("algorithm", "name", "hint"),
+    [(SAC, "buffer_size", "; a file holds more: give replay_folder"), (PPO, "n_steps", "")],
+)
+def test_what_has_no_room_in_memory_is_refused(
+    algorithm: Any, name: str, hint: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(memory, "free_memory", lambda: 1e9)
+    pattern = rf"^{name} is 1,000,000,000,000, which takes .* and 1.0 GB are free: at most ([\d,]+) fit{hint}$"
+    with pytest.raises(ValueError, match=pattern) as refusal:
+        algorithm("MlpPolicy", "Pendulum-v1", **{name: 1e12})
+    (most,) = re.findall(r"at most ([\d,]+) fit", str(refusal.value))
+    assert 1e7 < int(most.replace(",", "")) < 1e8, "a step has 7 to 10 numbers"
 
 
 SHARED = "learning_rate=3e-4 gamma=0.99 stats_window_size=100 tensorboard_log=None policy_kwargs=None verbose=0"
@@ -178,6 +203,27 @@ def test_a_model_goes_on_in_another_environment() -> None:
     with pytest.raises(ValueError, match=r"^the model, of Pendulum-v1, does not fit PandaReach-v3: its task"):
         model.set_env("PandaReach-v3")
     model.learn(10)
+
+
+def test_a_saved_model_is_loaded_on_the_processor(tmp_path: Path) -> None:
+    PPO("MlpPolicy", "CartPole-v1", n_steps=8, **SMALL).save(tmp_path / "model")
+    PPO.load(tmp_path / "model", device="cpu")
+    with pytest.raises(ValueError, match="device is 'cuda', expected 'auto' or 'cpu'"):
+        PPO.load(tmp_path / "model", device="cuda")
+
+
+@pytest.mark.parametrize(
+    ("name", "says"),
+    [
+        ("HerReplayBuffer", "HerReplayBuffer: where there are goals it is the default"),
+        ("DQN", "DQN: PPO learns choices"),
+        ("A2C", "A2C: use PPO"),
+        ("DreamerV3", "DreamerV3$"),
+    ],
+)
+def test_names_of_its_modules_say_what_to_write(name: str, says: str) -> None:
+    with pytest.raises(AttributeError, match=f"^manyhands.learn has no {says}"):
+        getattr(learn, name)
 
 
 @pytest.mark.parametrize("name", ["get_env", "save_replay_buffer", "logger"])
