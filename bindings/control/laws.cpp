@@ -85,7 +85,8 @@ nb::tuple response(const Array<double, 1>& time, const Array<double, 1>& values,
 
 nb::tuple margins(const Array<double, 1>& numerator, const Array<double, 1>& denominator, double delay) {
   const StabilityMargins m = stability_margins(as_span(numerator), as_span(denominator), delay);
-  return nb::make_tuple(m.gain, m.gain_frequency, m.phase, m.phase_frequency);
+  return nb::make_tuple(m.gain, m.gain_frequency, m.phase, m.phase_frequency, m.stable, m.lower_gain,
+                        m.lower_gain_frequency);
 }
 
 }  // namespace

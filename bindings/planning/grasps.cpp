@@ -30,7 +30,9 @@ Vec vector(const Three& v) { return {v[0], v[1], v[2]}; }
 
 ParallelGripper gripper_of(double opening, double depth, double reach, double width, double thickness,
                            const Three& palm) {
-  return {opening, depth, reach, width, thickness, vector(palm)};
+  const ParallelGripper gripper{opening, depth, reach, width, thickness, vector(palm)};
+  require_lengths(gripper);
+  return gripper;
 }
 
 GraspSettings settings_of(double friction, int samples, int approaches, const Three& approach, double tilt,

@@ -23,16 +23,24 @@ struct StepResponse {
 
 /// Of a loop that is closed with negative feedback; infinite where there is no crossover.
 struct StabilityMargins {
-  double gain;             ///< by what factor the loop's gain may grow until it oscillates; below 1 it does already
-  double gain_frequency;   ///< at which it then oscillates: the phase is -180 degrees [rad/s]
-  double phase;            ///< by what angle its phase may fall [rad]
-  double phase_frequency;  ///< where the gain is 1 [rad/s]
+  double gain;  ///< by what factor the gain may grow; of an unstable loop, the crossover's that is nearest to 1
+  double
+      gain_frequency;  ///< at which it then oscillates: the phase is -180 degrees; 0 or infinite if it drifts [rad/s]
+  double phase;        ///< by what angle its phase may fall [rad]
+  double phase_frequency;       ///< where the gain is 1 [rad/s]
+  bool stable;                  ///< whether the closed loop is: the margins of one that is not say what it lacks
+  double lower_gain;            ///< to what factor, below 1, the gain may fall until it oscillates; 0 if it may vanish
+  double lower_gain_frequency;  ///< at which it then oscillates [rad/s]
 };
 
 /// Of the loop L(s) = numerator(s) / denominator(s) exp(-delay s), coefficients of the highest power first. Where there
 /// are several crossovers, the one that leaves least. Found by sweeping 10,000 frequencies over all corners of L and
 /// bisection. A loop that is sampled with step h and held behaves as one with a delay of h / 2 more.
-/// Throws std::invalid_argument on empty or zero polynomials, numbers that are not finite, and a negative delay.
+/// Stable: all poles of 1 / (1 + L) lie left of the imaginary axis. Without delay they are counted by the turn of
+/// numerator + denominator along that axis (Mikhailov, 1938); each crossover of the gain then says how many cross as
+/// the delay grows (Walton and Marshall, Direct method for TDS stability analysis, IEE Proc. D 134, 1987). A loop that
+/// is at its limit without the delay is not called stable with it. Throws std::invalid_argument on empty or zero
+/// polynomials, numbers that are not finite, and a negative delay.
 [[nodiscard]] StabilityMargins stability_margins(std::span<const double> numerator, std::span<const double> denominator,
                                                  double delay);
 

@@ -133,7 +133,12 @@ std::pair<LinkId, Transform<double>> ModelBuilder::frame(std::string_view name) 
   if (const auto link = link_names_.find(name); link != link_names_.end())
     return {LinkId(link->second), Transform<double>::identity()};
   const auto found = frame_names_.find(name);
-  if (found == frame_names_.end()) throw ModelError("there is no link or frame '" + std::string(name) + "'");
+  if (found == frame_names_.end()) {
+    std::string message = "there is no link or frame '" + std::string(name) + "'; there are:";
+    for (const Link& link : links_) message += " '" + link.name + "'";
+    for (const NamedFrame& frame : frames_) message += " '" + frame.name + "'";
+    throw ModelError(message);
+  }
   const NamedFrame& frame = frames_[static_cast<std::size_t>(found->second)];
   return {frame.link, frame.X_LF};
 }

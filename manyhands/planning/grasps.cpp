@@ -188,16 +188,6 @@ void require(bool holds, const char* name, double value, const char* expected) {
   if (!holds) throw std::invalid_argument(std::string(name) + " is " + as_text(value) + "; expected " + expected);
 }
 
-void require_lengths(const ParallelGripper& g) {
-  const auto above_0 = [](const char* name, double x) { require(x > 0 && is_finite(x), name, x, "a number above 0"); };
-  above_0("the gripper's opening", g.opening);
-  above_0("the gripper's depth", g.depth);
-  above_0("the gripper's reach", g.reach);
-  above_0("the gripper's width", g.width);
-  above_0("the gripper's thickness", g.thickness);
-  for (const double x : {g.palm.x, g.palm.y, g.palm.z}) above_0("the palm's size", x);
-}
-
 void require_settings(const GraspSettings& s) {
   require(s.friction > 0 && is_finite(s.friction), "friction", s.friction, "a number above 0");
   require(s.samples > 0, "samples", s.samples, "1 or more");
@@ -217,6 +207,16 @@ void require_solid(const GraspObject& object) {
 }
 
 }  // namespace
+
+void require_lengths(const ParallelGripper& g) {
+  const auto above_0 = [](const char* name, double x) { require(x > 0 && is_finite(x), name, x, "a number above 0"); };
+  above_0("the gripper's opening", g.opening);
+  above_0("the gripper's depth", g.depth);
+  above_0("the gripper's reach", g.reach);
+  above_0("the gripper's width", g.width);
+  above_0("the gripper's thickness", g.thickness);
+  for (const double x : {g.palm.x, g.palm.y, g.palm.z}) above_0("the palm's size", x);
+}
 
 std::vector<Grasp> find_grasps(const GraspObject& object, std::span<const PlacedShape> obstacles,
                                const ParallelGripper& gripper, const GraspSettings& settings) {

@@ -23,6 +23,9 @@ struct ParallelGripper {
   Vec3<double> palm{0.05, 0.15, 0.056};  ///< the size of the box behind the jaws
 };
 
+/// Throws std::invalid_argument unless all its lengths are finite and above 0.
+void require_lengths(const ParallelGripper& gripper);
+
 /// What is to be grasped: solids as `crossings` takes them, fixed to each other.
 struct GraspObject {
   std::vector<PlacedShape> shapes{};

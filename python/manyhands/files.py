@@ -25,11 +25,11 @@ def replacing(path: Path) -> Iterator[Path]:
 
     Raises OSError, of the fitting kind, before the block if nothing can be written there.
     """
+    if path.is_dir():
+        raise IsADirectoryError(f"{path} is a folder; name a file")
     temporary = path.with_name(f".{path.stem}.{secrets.token_hex(8)}{path.suffix}")
     if not path.parent.is_dir():
         raise FileNotFoundError(f"there is no folder {path.parent} to write {path.name} to")
-    if path.is_dir():
-        raise IsADirectoryError(f"{path} is a folder; name a file")
     try:
         os.close(os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))  # nobody else's, and no link
     except OSError as reason:

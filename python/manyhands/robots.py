@@ -42,7 +42,10 @@ class Description:
 
 
 def names(kind: str | None = None) -> list[str]:
-    """All robots, or those of a kind: "arm", "gripper", "furniture"."""
+    """All robots, or those of a kind: "arm", "gripper", "furniture". Raises ValueError on an unknown kind."""
+    kinds = list(dict.fromkeys(robot.kind for robot in _catalogue().values()))
+    if kind is not None and kind not in kinds:
+        raise ValueError(f"kind is {kind!r}, expected one of {', '.join(kinds)}")
     return [name for name, robot in _catalogue().items() if kind in (None, robot.kind)]
 
 
@@ -61,11 +64,15 @@ def path(name: str) -> Path:
 
 
 def load(name: str, *, gripper: str | None = None, fixed_base: bool = True) -> Model:
-    """A robot that starts at home, with a gripper on its flange if one is named.
+    """A robot that starts at home, with a gripper on its flange if one is named, here or as "six_axis+parallel".
 
     The gripper's parts are called 'gripper/part', so its tool is 'gripper/tool'. fixed_base: False lets it float: a bin
-    that can be carried. Raises ValueError on an unknown name, and on a gripper where there is no flange.
+    that can be carried. Raises ValueError on an unknown name, two grippers, and a gripper where there is no flange.
     """
+    name, named = split(name)
+    if named and gripper is not None:
+        raise ValueError(f"both {named!r} and {gripper!r} are to go on the flange of {name}; name one gripper")
+    gripper = gripper or named
     robot = describe(name)
     model, _ = load_urdf(path(name), fixed_base=fixed_base)
     builder = ModelBuilder.of(model)
@@ -80,9 +87,9 @@ def load(name: str, *, gripper: str | None = None, fixed_base: bool = True) -> M
 
 
 def split(text: str) -> tuple[str, str | None]:
-    """The arm and the gripper of 'six_axis+two_finger'; None where only one is named."""
+    """The arm and the gripper of 'six_axis+two_finger', with or without blanks; None where only one is named."""
     name, _, gripper = text.partition("+")
-    return name, gripper or None
+    return name.strip(), gripper.strip() or None
 
 
 def attach(arm: Model, gripper: str | Model, frame: str, *, prefix: str = GRIPPER) -> Model:
@@ -91,6 +98,8 @@ def attach(arm: Model, gripper: str | Model, frame: str, *, prefix: str = GRIPPE
     The gripper's world frame comes to lie in `frame`, z away from the arm; names of its parts follow `prefix`.
     Raises ValueError on an unknown gripper or frame and on names that are taken.
     """
+    if isinstance(gripper, str) and gripper not in (grippers := names("gripper")):
+        raise ValueError(f"there is no gripper {gripper!r}; there are {', '.join(grippers)}")
     builder = ModelBuilder.of(arm)
     builder.add_model(load(gripper) if isinstance(gripper, str) else gripper, frame=frame, prefix=prefix)
     return builder.build()
@@ -100,10 +109,11 @@ class Vacuum:
     """A suction cup in a world: holds what it touches, as a weld, until it is turned off.
 
     cup: the link's name there, 'arm/gripper/cup'. The weld knows no limit of force; `describe("vacuum").payload` says
-    what such a cup may lift.
+    what such a cup may lift. Raises KeyError if there is no such link.
     """
 
     def __init__(self, world: World, cup: str) -> None:
+        world.model.link(cup)
         self._world, self._cup, self._weld = world, cup, ""
 
     def on(self, *, reach: float = 0.003) -> str | None:

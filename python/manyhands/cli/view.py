@@ -1,6 +1,7 @@
 """The command `manyhands view`."""
 
 import argparse
+import difflib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from manyhands import robots
 from manyhands._core import World, asset_path
+from manyhands._core.envs import env_ids
 from manyhands.cli.named_env import POLICY, NamedEnv, given_options
 from manyhands.cli.named_env import add_arguments as add_env_arguments
 from manyhands.env_names import resolve_env_id
@@ -107,7 +109,7 @@ def _file(target: str) -> Path | None:
 def _show_environment(
     target: str, options: dict[str, Any], policy: str | None, seed: int | None, page: dict[str, Any]
 ) -> "Viewer":
-    named, actors = NamedEnv(resolve_env_id(target), options), {}
+    named, actors = NamedEnv(_env_id(target), options), {}
     if policy is not None:
         learned = named.policy(policy)
         named = named.shown_to(learned)
@@ -118,6 +120,18 @@ def _show_environment(
     for name, act in actors.items():
         viewer.actor(name, act)
     return viewer
+
+
+def _env_id(target: str) -> str:
+    """The environment that is meant. Raises ValueError if there is none, with the nearest names, of robots too."""
+    try:
+        return resolve_env_id(target)
+    except ValueError:
+        known = [*robots.names(), "panda", "arm6"]
+        near = difflib.get_close_matches(robots.split(target)[0], [*known, *env_ids()])
+        if not set(near) & set(known):
+            raise
+    raise ValueError(f"there is no robot or environment {target!r}; did you mean {', '.join(near)}?")
 
 
 def _environment(named: NamedEnv) -> gymnasium.Env[Any, Any]:

@@ -45,18 +45,25 @@ class StabilityMargins(NamedTuple):
     """Of a loop closed by negative feedback; infinite where there is no crossover."""
 
     gain: float
-    """the factor by which the loop's gain may grow until it oscillates; below 1 it does already"""
+    """the factor by which the gain may grow until the loop oscillates; of an unstable one, the factor nearest 1"""
     gain_frequency: float
-    """at which it then oscillates [rad/s]"""
+    """at which it then oscillates; 0 or infinite if it drifts [rad/s]"""
     phase: float
     """the angle by which its phase may fall [rad]"""
     phase_frequency: float
     """where the gain is 1 [rad/s]"""
+    stable: bool
+    """whether the closed loop is; the margins of one that is not say what it lacks"""
+    lower_gain: float
+    """the factor below 1 to which the gain may fall until the loop oscillates; 0 if it may vanish"""
+    lower_gain_frequency: float
+    """at which it then oscillates [rad/s]"""
 
 
 def stability_margins(numerator: ArrayLike, denominator: ArrayLike, *, delay: float = 0.0) -> StabilityMargins:
     """Of the loop L(s) = numerator(s) / denominator(s) exp(-delay s), coefficients of the highest power first, delay in
-    seconds. A loop that is sampled every h and held behaves as one with a delay of h / 2 more."""
+    seconds. A loop that is sampled every h and held behaves as one with a delay of h / 2 more. Look at `stable` first:
+    where there is no crossover, the margins of an unstable loop are infinite too."""
     polynomials = [
         np.atleast_1d(finite_rows(*named)) for named in (("numerator", numerator), ("denominator", denominator))
     ]

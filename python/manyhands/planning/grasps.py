@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,9 +21,11 @@ _MOST_SAMPLES = 1_000_000
 _MOST_APPROACHES = 10_000
 
 
-class ParallelGripper(NamedTuple):
+@dataclass(frozen=True)
+class ParallelGripper:
     """Two jaws that slide along y of a frame G between their pads; z points away from the palm. Jaws and palm are
-    boxes. As it is, it holds `robots.load("parallel")`, whose "tool" is G. All in metres."""
+    boxes. As it is, it holds `robots.load("parallel")`, whose "tool" is G. All in metres. Raises ValueError unless all
+    are above 0."""
 
     opening: float = 0.08
     """between the pads, at most"""
@@ -36,6 +39,9 @@ class ParallelGripper(NamedTuple):
     """of a jaw along y"""
     palm: tuple[float, float, float] = (0.05, 0.15, 0.056)
     """the size of the box behind the jaws"""
+
+    def __post_init__(self) -> None:
+        _gripper(self)
 
 
 class Grasps(NamedTuple):
@@ -163,7 +169,8 @@ def _settings(
 
 def _gripper(gripper: ParallelGripper | None) -> Any:
     given = ParallelGripper() if gripper is None else gripper
-    return _core.Gripper(*given._replace(palm=_three("the gripper's palm", given.palm)))
+    lengths = (given.opening, given.depth, given.reach, given.width, given.thickness)
+    return _core.Gripper(*lengths, _three("the gripper's palm", given.palm))
 
 
 def _three(name: str, values: ArrayLike) -> tuple[float, float, float]:

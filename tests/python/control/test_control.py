@@ -116,6 +116,18 @@ def test_ziegler_nichols() -> None:
     assert margins.gain == pytest.approx(6) and 2 * math.pi / margins.gain_frequency == pytest.approx(4.442883)
 
 
+def test_margins_say_whether_the_closed_loop_is_stable() -> None:
+    unstable = control.stability_margins([0.5], [1, -1])  # closes to a pole at 0.5
+    assert not unstable.stable and unstable.gain == pytest.approx(2)
+    stable = control.stability_margins([2], [1, -1])  # at -1
+    assert stable.stable and stable.lower_gain == pytest.approx(0.5) and stable.gain == math.inf
+    assert not control.stability_margins([1], [1, -1]).stable
+    third = control.stability_margins([10], [1, 3, 2, 0])
+    w = third.phase_frequency
+    assert not third.stable and third.gain == pytest.approx(0.6)
+    assert third.phase == pytest.approx(math.pi / 2 - math.atan(w) - math.atan(w / 2))
+
+
 def test_step_responses_are_drawn(tmp_path: Path) -> None:
     t = np.linspace(0, 5, 500)
     both = {"slow": 1 - np.exp(-t), "fast": 1 - np.exp(-5 * t) * np.cos(8 * t)}

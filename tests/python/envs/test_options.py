@@ -148,7 +148,7 @@ def test_a_gripper_goes_on_a_model_of_any_arm() -> None:
 
 def test_a_gripper_whose_fingers_turn_has_the_same_bits_in_one_world_and_in_many() -> None:
     spec = ArmSpec.of("six_axis", "two_finger")
-    one = gymnasium.make("PandaPickAndPlace-v3", robot="six_axis+two_finger", obstacles=[WALL])
+    one = gymnasium.make("PandaPickAndPlace-v3", robot="six_axis + two_finger", obstacles=[WALL])
     many = gymnasium.make_vec("PandaPickAndPlace-v3", num_envs=5, num_threads=2, robot=spec, obstacles=[WALL])
     observation, _ = many.reset(seed=10)
     alone, _ = one.reset(seed=12)
@@ -201,7 +201,7 @@ def test_a_stiffer_hand_lags_less() -> None:
     ("options", "message"),
     [
         ({"robot": "pandaa"}, "robot is 'pandaa', expected 'panda', 'arm6' or an ArmSpec"),
-        ({"robot": "six_axis+five_finger"}, "there is no robot 'five_finger'"),
+        ({"robot": "six_axis+five_finger"}, "there is no gripper 'five_finger'"),
         ({"robot": "desktop"}, "desktop stands at x = -0.6 m, or nearer"),
         ({"robot": ArmSpec(**{**vars(ARM6), "hand": "palm"})}, "'palm'"),
         ({"robot": ArmSpec(**{**vars(ARM6), "neutral": [0] * 7})}, "has 7 numbers in neutral"),

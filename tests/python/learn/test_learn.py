@@ -313,6 +313,12 @@ def test_a_model_needs_the_name_of_a_file(path: str) -> None:
         PPO("MlpPolicy", "Pendulum-v1").save(path)
 
 
+@pytest.mark.parametrize("path", [".", "", ".."])
+def test_an_onnx_file_needs_a_name(path: str) -> None:
+    with pytest.raises(IsADirectoryError, match=r"^\.+ is a folder; name a file$"):
+        PPO("MlpPolicy", "Pendulum-v1").save_onnx(path)
+
+
 def test_bad_files_are_refused(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError, match="no saved model"):
         PPO.load(tmp_path / "nothing")

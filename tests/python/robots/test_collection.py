@@ -206,6 +206,27 @@ def test_motors_hold_the_payload_in_any_posture(name: str) -> None:
     assert robot.payload > 0 and (np.abs(arm + load) < effort).all()
 
 
+@pytest.mark.parametrize("name", ["table", "scara", "claw"])
+def test_what_is_no_gripper_goes_on_no_flange(name: str) -> None:
+    for put_on in (
+        lambda: mh.robots.load("six_axis", gripper=name),
+        lambda: mh.robots.load(f"six_axis+{name}"),
+        lambda: mh.robots.attach(mh.robots.load("six_axis"), name, "flange"),
+    ):
+        with pytest.raises(ValueError, match=f"no gripper '{name}'; there are {', '.join(GRIPPERS)}"):
+            put_on()
+
+
+def test_an_arm_is_named_with_its_gripper() -> None:
+    expected = [link.name for link in mh.robots.load("six_axis", gripper="parallel").links]
+    for name in ("six_axis+parallel", "six_axis + parallel"):
+        assert [link.name for link in mh.robots.load(name).links] == expected
+    with pytest.raises(ValueError, match="name one gripper"):
+        mh.robots.load("six_axis+parallel", gripper="vacuum")
+    with pytest.raises(ValueError, match="kind is 'hand', expected one of arm, gripper, furniture"):
+        mh.robots.names("hand")
+
+
 @pytest.mark.parametrize("gripper", GRIPPERS)
 @pytest.mark.parametrize("arm", [name for name in ARMS if mh.robots.describe(name).flange])
 def test_a_gripper_goes_on_any_flange(arm: str, gripper: str) -> None:
@@ -227,10 +248,16 @@ def test_a_gripper_goes_on_arms_of_others() -> None:
     ur, _ = mh.load_urdf(mh.asset_path("bullet/universal/ur5e.urdf"))
     model = mh.robots.attach(ur, "vacuum", "tool0", prefix="cup/")
     assert model.link("cup/palm").body == model.link("tool0").body
-    with pytest.raises(ValueError, match="nowhere"):
+    with pytest.raises(ValueError, match=r"no link or frame 'nowhere'; there are: .*'tool0'"):
         mh.robots.attach(ur, "vacuum", "nowhere")
     with pytest.raises(ValueError, match="base_link"):
         mh.robots.attach(ur, ur, "tool0", prefix="")
+
+
+def test_a_cup_must_be_there() -> None:
+    world = mh.World(mh.robots.load("vacuum"))
+    with pytest.raises(KeyError, match=r"no link 'cupp'; it has: .*'cup'"):
+        mh.robots.Vacuum(world, "cupp")
 
 
 def hanging(gripper: str, half: float, mass: float = 0.1) -> mh.World:

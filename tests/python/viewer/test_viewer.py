@@ -143,6 +143,8 @@ def test_the_command_says_what_it_does_not_know(capsys: pytest.CaptureFixture[st
 
     assert cli.main(["view", "PandaRaech"]) == 2
     assert "PandaReach" in capsys.readouterr().err
+    assert cli.main(["view", "seven_axi"]) == 2
+    assert "no robot or environment 'seven_axi'; did you mean seven_axis" in capsys.readouterr().err
     assert cli.main(["view", "nowhere.urdf"]) == 2
     assert "nowhere.urdf" in capsys.readouterr().err
     assert cli.main(["view", __file__]) == 2
