@@ -10,7 +10,7 @@ namespace manyhands {
 void bind_build_info(nanobind::module_& m);
 void bind_model(nanobind::module_& m);
 void bind_dynamics(nanobind::module_& m);      // after bind_model
-void bind_kinematics(nanobind::module_& m);    // after bind_model
+void bind_kinematics(nanobind::module_& m);    // after bind_planning
 void bind_collision(nanobind::module_& m);     // after bind_model
 void bind_world(nanobind::module_& m);         // after bind_model
 void bind_batch_worlds(nanobind::module_& m);  // after bind_model

@@ -11,9 +11,9 @@ NB_MODULE(_core, m) {
   manyhands::bind_build_info(m);
   manyhands::bind_model(m);
   manyhands::bind_dynamics(m);
+  manyhands::bindings::bind_planning(m);
   manyhands::bind_kinematics(m);
   manyhands::bindings::bind_control(m);
-  manyhands::bindings::bind_planning(m);
   manyhands::bindings::bind_perception(m);
   manyhands::bind_collision(m);
   manyhands::bind_world(m);

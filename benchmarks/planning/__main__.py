@@ -1,7 +1,8 @@
 """Plans among obstacles on one core: `python -m benchmarks.planning`.
 
 Each problem is planned several times with the same seed, and the least time counts: plans are the same, and what else
-the machine does is not. Every plan is judged by exact distances, looked at on every millimetre of its way.
+the machine does is not. Every plan is judged by exact distances, looked at on every millimetre of its way. Where OMPL
+is installed, `pip install manyhands[peers]`, its RRT-Connect and shortcuts do the same, once each.
 """
 
 import argparse
@@ -12,15 +13,24 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.planning import ompl_peer
 from benchmarks.planning.scenes import ROBOTS, SCENES, Problem, problems
 from manyhands import planning
 
 _OUT = Path("build/planning.json")
+_OURS = "manyhands"
 
 
-def measure(problem: Problem, repeats: int, time_limit: float) -> dict[str, Any]:
-    """Times [s], length and least distance [m] of one problem's plan."""
+def measure(problem: Problem, repeats: int, time_limit: float, others: bool) -> list[dict[str, Any]]:
+    """Times [s], length and least distance [m] of one problem's plans, by planner."""
+    about = {"robot": problem.robot.name, "scene": problem.scene, "number": problem.number}
+    rows = [about | {"planner": _OURS} | _own(problem, repeats, time_limit)]
+    for name, whole_ways in ompl_peer.VARIANTS.items() if others else ():
+        rows.append(about | {"planner": name} | ompl_peer.plan(problem, time_limit, whole_ways))
+    return rows
 
+
+def _own(problem: Problem, repeats: int, time_limit: float) -> dict[str, Any]:
     def plan_once() -> planning.Plan:
         return problem.planner.plan(problem.goal, start=problem.start, time_limit=time_limit, seed=problem.number)
 
@@ -28,9 +38,6 @@ def measure(problem: Problem, repeats: int, time_limit: float) -> dict[str, Any]
     plans = [plan, *(plan_once() for _ in range(repeats - 1 if plan.success else 0))]
     judged = problem.planner.least_distance(plan.waypoints) if plan.success else None
     return {
-        "robot": problem.robot.name,
-        "scene": problem.scene,
-        "number": problem.number,
         "solved": plan.success,
         "search": min(plan.search_time for plan in plans),
         "shorten": min(plan.shorten_time for plan in plans),
@@ -40,15 +47,21 @@ def measure(problem: Problem, repeats: int, time_limit: float) -> dict[str, Any]
     }
 
 
+def print_lines(name: str, rows: list[dict[str, Any]]) -> None:
+    """One for each planner."""
+    for planner in dict.fromkeys(row["planner"] for row in rows):
+        print("\r" + line(name if planner == _OURS else f"  {planner}", [r for r in rows if r["planner"] == planner]))
+
+
 def line(name: str, rows: list[dict[str, Any]]) -> str:
     solved = [row for row in rows if row["solved"]]
     search = np.array([row["search"] for row in rows]) * 1e6
     whole = search + np.array([row["shorten"] for row in rows]) * 1e6
-    lengths = [row["length"] for row in solved]
+    length = np.mean([row["length"] for row in solved]) if solved else np.nan
     least = min((row["distance"] for row in solved), default=float("nan"))
     return (
-        f"{name:<16}{len(solved):>4}/{len(rows):<4}{np.median(search):>9.0f}{np.percentile(search, 95):>9.0f}"
-        f"{np.median(whole):>9.0f}{np.percentile(whole, 95):>9.0f}{np.mean(lengths):>8.2f}{least * 1e3:>9.2f}"
+        f"{name:<20}{len(solved):>4}/{len(rows):<4}{np.median(search):>9.0f}{np.percentile(search, 95):>9.0f}"
+        f"{np.median(whole):>9.0f}{np.percentile(whole, 95):>9.0f}{length:>8.2f}{least * 1e3:>9.2f}"
     )
 
 
@@ -62,18 +75,21 @@ def main() -> None:
     parser.add_argument("--time-limit", type=float, default=5.0, help="[s]")
     arguments = parser.parse_args()
     rows: list[dict[str, Any]] = []
-    print(f"{'':<16}{'solved':>9}{'search us':>9}{'95 %':>9}{'+ short':>9}{'95 %':>9}{'length':>8}{'least mm':>9}")
+    others = ompl_peer.is_installed()
+    if not others:
+        print("OMPL: not installed")
+    print(f"{'':<20}{'solved':>9}{'search us':>9}{'95 %':>9}{'+ short':>9}{'95 %':>9}{'length':>8}{'least mm':>9}")
     begin = time.perf_counter()
     for robot in (robot for robot in ROBOTS if robot.name in arguments.robots):
         of_robot: list[dict[str, Any]] = []
         for scene in arguments.scenes:
-            found = []
+            found: list[dict[str, Any]] = []
             for problem in problems(robot, scene, arguments.count):
-                found.append(measure(problem, arguments.repeats, arguments.time_limit))
-                print(f"\r{robot.name} {scene} {len(found)}", end="", flush=True)
-            print("\r" + line(f"{robot.name} {scene}", found), flush=True)
+                found += measure(problem, arguments.repeats, arguments.time_limit, others)
+                print(f"\r{robot.name} {scene} {problem.number + 1}", end="", flush=True)
+            print_lines(f"{robot.name} {scene}", found)
             of_robot += found
-        print(line(f"{robot.name} all", of_robot), flush=True)
+        print_lines(f"{robot.name} all", of_robot)
         rows += of_robot
     _OUT.parent.mkdir(exist_ok=True)
     _OUT.write_text(json.dumps({"rows": rows, "seconds": time.perf_counter() - begin}, indent=1))

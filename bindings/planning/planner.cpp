@@ -1,4 +1,6 @@
 // manyhands._core.planning.Planner: a scene, what is free in it, and ways through it.
+#include "bindings/planning/planner.h"
+
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
@@ -22,16 +24,6 @@ using bindings::Array;
 using bindings::as_span;
 using bindings::copied;
 using NamePairs = std::vector<std::pair<std::string, std::string>>;
-
-/// A scene with what looks at it.
-struct Planner {
-  Planner(std::shared_ptr<const Model> m, std::span<const double> q, const SceneSettings& settings)
-      : model(std::move(m)), scene(*model, q, settings), check(scene) {}
-
-  std::shared_ptr<const Model> model;
-  PlanningScene scene;
-  ConfigurationCheck check;
-};
 
 SceneSettings settings_of(const Model& model, const std::string& frame, const std::vector<std::string>& joints,
                           const NamePairs& attached, const NamePairs& allowed) {

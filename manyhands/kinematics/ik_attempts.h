@@ -25,6 +25,7 @@ struct IkQuestion {
   std::span<const IkTarget<double>> targets;
   std::span<const double> start;  ///< (nq)
   std::uint64_t seed;
+  const IkFilter& accepts;
 
   IkSolutions& found;
   std::span<double> nearest;  ///< (n) squared error of the best attempt
@@ -69,7 +70,7 @@ class IkAttempts {
 
   void end(int k, double error2, bool reached) {
     const IkAttempt attempt = attempts_[at(k)];
-    const bool success = solve_.take_kept(k) || reached;
+    const bool success = (solve_.take_kept(k) || reached) && is_accepted(k);
     const std::size_t i = attempt.target;
     set_lane(runs_, k, 0.0f);
     schedule_.end(attempt, success);
@@ -78,7 +79,22 @@ class IkAttempts {
     asked_.nearest[i] = error2;
     found.success[i] = success;
     if (success) found.attempts[i] = attempt.round + 1;
-    for (std::size_t j = 0; j < q_.size(); ++j) found.q[i * q_.size() + j] = static_cast<double>(lane(q_[j], k));
+    write(k, std::span(found.q).subspan(i * q_.size(), q_.size()));
+  }
+
+  [[nodiscard]] bool is_accepted(int k) const {
+    if (!asked_.accepts) return true;
+    std::vector<double> q(asked_.start.begin(), asked_.start.end());
+    write(k, q);
+    return asked_.accepts(q);
+  }
+
+  /// What lane k has found, into q (nq). Coordinates outside the chain are left as they are: float would round them.
+  void write(int k, std::span<double> q) const {
+    for (const std::size_t dof : asked_.chain.dofs) {
+      const auto j = static_cast<std::size_t>(asked_.tree.dof_q[dof]);
+      q[j] = static_cast<double>(lane(q_[j], k));
+    }
   }
 
   /// Gives every free lane an attempt, as far as there are any.

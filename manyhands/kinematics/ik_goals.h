@@ -26,11 +26,11 @@ struct IkGoal {
   std::vector<double> posture{};  ///< (nq) to stay near; empty without one
 };
 
-/// Where a goal is.
+/// Where a goal is: in the world, or in the base of the chain.
 template <Number T>
 struct IkTarget {
   Transform<T> X_WF;  ///< its rotation for kFull only
-  Vec3<T> toward;     ///< for kAxisAlong a direction of unit length, for kAxisAt a point [m], both in the world
+  Vec3<T> toward;     ///< for kAxisAlong a direction of unit length, for kAxisAt a point [m]
 };
 
 namespace internal {
@@ -134,6 +134,9 @@ class PostureSearch {
     return mask_t<T>(nearer | !reached);
   }
 
+  /// Where it pulls in this step.
+  [[nodiscard]] MANYHANDS_INLINE const mask_t<T>& pulls() const { return pulls_; }
+
   /// Of dof i in this step.
   [[nodiscard]] MANYHANDS_INLINE T pull(std::size_t i) const {
     const T longest = constant<T>(kLongestPull), zero = constant<T>(0);
@@ -204,7 +207,12 @@ class GoalSolve {
   MANYHANDS_INLINE void look() {
     const Transform<T> X_WF = place_chain(tree_, chain_, X_BF_, q_, ws_);
     p_OF_ = X_WF.p - ws_.p_WO[chain_.body.index()];
-    equations_ = internal::GoalEquations<T>(goal_, target_, X_WF);
+    if (chain_.base) {
+      equations_ = internal::GoalEquations<T>(goal_, target_in_world(), X_WF);
+      p_QF_ = X_WF.p - ws_.p_WO[chain_.base->body.index()];
+    } else {
+      equations_ = internal::GoalEquations<T>(goal_, target_, X_WF);
+    }
     rotation2_ = squared_norm(equations_.e.w);
     position2_ = squared_norm(equations_.e.v);
     if (settings_.patience > 0) judge();
@@ -224,7 +232,7 @@ class GoalSolve {
     const T damping = constant<T>(settings_.damping), error_damping = constant<T>(settings_.error_damping);
     SymMat6<T> damped = SymMat6<T>::diagonal(fma(error_damping, error2(), damping));
     equations_.fill_free(damped);
-    const auto row = [&](std::size_t i) { return equations_.row(at_point(ws_.S[i], p_OF_)); };
+    const auto row = [&](std::size_t i) { return equations_.row(column(i)); };
     internal::take_damped_step(tree_, params_, chain_, settings_, active, damped, equations_.e, row, posture_, q_);
     return mask_t<T>(active & goes_on & !stuck_);
   }
@@ -236,10 +244,8 @@ class GoalSolve {
     posture_.forget(k);
   }
 
-  /// Takes the configuration that is nearest to the posture, where one was wanted, and says how far q is.
-  MANYHANDS_INLINE IkResult<T> finish() {
-    if (posture_.is_wanted()) posture_.take_kept();
-    look();
+  /// How far q was when it was looked at last.
+  [[nodiscard]] MANYHANDS_INLINE IkResult<T> result() const {
     const T position_error = equations_.places ? norm(equations_.e.v) / equations_.wp : constant<T>(0);
     const T rotation_error = norm(equations_.e.w) / equations_.wr;
     const mask_t<T> success((position_error <= constant<T>(settings_.position_tolerance)) &
@@ -247,10 +253,30 @@ class GoalSolve {
     return {success, position_error, rotation_error};
   }
 
+  /// Takes the configuration that is nearest to the posture, where one was wanted, and says how far q is.
+  MANYHANDS_INLINE IkResult<T> finish() {
+    if (posture_.is_wanted()) posture_.take_kept();
+    look();
+    return result();
+  }
+
   /// Whether lane k has been at the goal with a posture wanted, and its q then.
   bool take_kept(int k) { return posture_.take_kept(k); }
 
  private:
+  /// Of the chain's base, where that is now.
+  [[nodiscard]] MANYHANDS_INLINE IkTarget<T> target_in_world() const {
+    const Transform<T> X_WA = frame_pose(chain_.base->body, broadcast<real_t<T>>(chain_.base->X_BF), ws_);
+    const Vec3<T> toward = X_WA.R * target_.toward;
+    return {X_WA * target_.X_WF, goal_.orientation == IkOrientation::kAxisAt ? toward + X_WA.p : toward};
+  }
+
+  /// How dof i moves the frame, at its origin in world axes; as seen from the chain's base, if there is one.
+  [[nodiscard]] MANYHANDS_INLINE Motion<T> column(std::size_t i) const {
+    if (!chain_.base || chain_.base->moved_by[i] == 0) return at_point(ws_.S[i], p_OF_);
+    return Motion<T>::zero() - at_point(ws_.S[i], p_QF_);
+  }
+
   /// Every `patience` looks.
   MANYHANDS_INLINE void judge() {
     const mask_t<T> due(looks_ >= constant<T>(settings_.patience));
@@ -272,7 +298,7 @@ class GoalSolve {
   T position_tolerance_, rotation_tolerance_;  // squared, weighted
   internal::GoalEquations<T> equations_;
   internal::PostureSearch<T> posture_;
-  Vec3<T> p_OF_ = Vec3<T>::zero();
+  Vec3<T> p_OF_ = Vec3<T>::zero(), p_QF_ = Vec3<T>::zero();  // from the origins of the frame's and the base's tree
   T rotation2_{}, position2_{};
   T milestone2_ = constant<T>(0), looks_ = constant<T>(0);  // error2 when progress was last judged, looks since
   mask_t<T> stuck_{false};

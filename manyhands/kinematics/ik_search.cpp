@@ -18,7 +18,9 @@ class Refinement {
  public:
   Refinement(const Tree<double>& tree, const Params<double>& params, Workspace<double>& ws, const IkChain& chain,
              const IkGoal& goal, const IkSettings& settings)
-      : tree_(tree), params_(params), ws_(ws), chain_(chain), goal_(goal), settings_(settings) {}
+      : tree_(tree), params_(params), ws_(ws), chain_(chain), goal_(goal), settings_(settings) {
+    without_posture_.posture.clear();
+  }
 
   void finish(std::span<const IkTarget<double>> targets, IkSolutions& found) {
     const auto nq = static_cast<std::size_t>(tree_.nq);
@@ -39,21 +41,31 @@ class Refinement {
   IkResult<double> refine(const IkTarget<double>& target, bool reached, std::span<double> q) {
     IkSettings ik = settings_;
     ik.patience = 0;
-    if (!reached)
-      ik.max_iterations = 0;
-    else if (goal_.posture.empty())
-      ik.max_iterations = kRefinements;
-    const auto solve = [&] { return solve_goal(tree_, params_, chain_, ik, goal_, target, q.data(), ws_); };
-    const IkResult<double> result = solve();
-    if (!reached || result.success) return result;
-    // Near singular postures the damping holds the last digits back; with less of it a solve may lead away.
+    if (reached && !goal_.posture.empty()) {
+      const IkResult<double> result = solve_goal(tree_, params_, chain_, ik, goal_, target, q.data(), ws_);
+      if (result.success) return result;
+    }
+    const IkResult<double> result = polish(ik, target, reached ? kRefinements : 0, q);
+    if (result.success) return result;
+    // Near singular postures the damping holds the last digits back, and rounding keeps attempts in float from the
+    // goal. With less damping a solve may lead away.
     ik.damping = std::min(ik.damping, kLeastDamping);
-    ik.max_iterations = settings_.max_iterations;
     const std::vector<double> refined(q.begin(), q.end());
-    const IkResult<double> further = solve();
+    const IkResult<double> further = polish(ik, target, ik.max_iterations, q);
     if (further.success) return further;
     std::ranges::copy(refined, q.begin());
     return result;
+  }
+
+  /// One step or more, unless `most` is 0: from a tolerance of float a single one leads far below it.
+  IkResult<double> polish(const IkSettings& ik, const IkTarget<double>& target, int most, std::span<double> q) {
+    GoalSolve<double, double> solve(tree_, params_, chain_, ik, without_posture_, target, q.data(), ws_);
+    solve.look();
+    for (int i = 0; i < most && (i == 0 || !solve.result().success); ++i) {
+      solve.step(true);
+      solve.look();
+    }
+    return solve.result();
   }
 
   void keep_within_limits(std::span<double> q) const {
@@ -68,6 +80,7 @@ class Refinement {
   Workspace<double>& ws_;
   const IkChain& chain_;
   const IkGoal& goal_;
+  IkGoal without_posture_ = goal_;
   const IkSettings& settings_;
 };
 
@@ -86,7 +99,7 @@ IkSolutions prepare(std::size_t n, std::span<const double> start, int attempts) 
 /// Of attempts: float tells errors from rounding down to kFinestInFloat, and one that gets no nearer makes room for the
 /// next.
 IkSettings settings_of_attempts(const IkSearchSettings& settings) {
-  constexpr double kFinestInFloat = 1e-6;  // [m, rad]
+  constexpr double kFinestInFloat = 1e-5;  // [m, rad]
   constexpr int kPatience = 3;
   IkSettings ik = settings.ik;
   ik.position_tolerance = std::max(ik.position_tolerance, kFinestInFloat);
@@ -149,8 +162,8 @@ IkSolutions search_ik(const Model& model, FrameId frame, const IkGoal& goal, std
 }
 
 struct IkSearch::Parts {
-  Parts(const Model& model, FrameId frame)
-      : chain(model, frame),
+  Parts(const Model& model, IkChain moved)
+      : chain(std::move(moved)),
         tree(model),
         wide_tree(model),
         params(model),
@@ -167,23 +180,33 @@ struct IkSearch::Parts {
   Workspace<double> wide_ws;
 };
 
-IkSearch::IkSearch(const Model& model, FrameId frame) : frame_(frame), parts_(std::make_unique<Parts>(model, frame)) {}
+IkSearch::IkSearch(const Model& model, FrameId frame) : parts_(std::make_unique<Parts>(model, IkChain(model, frame))) {}
+
+IkSearch::IkSearch(const Model& model, FrameId frame, FrameId relative_to)
+    : parts_(std::make_unique<Parts>(model, IkChain(model, frame, relative_to))) {}
 
 IkSearch::IkSearch(IkSearch&&) noexcept = default;
 IkSearch& IkSearch::operator=(IkSearch&&) noexcept = default;
 IkSearch::~IkSearch() = default;
 
 IkSolutions IkSearch::find(const IkGoal& goal, std::span<const IkTarget<double>> targets, std::span<const double> start,
-                           const IkSearchSettings& settings) {
+                           const IkSearchSettings& settings, const IkFilter& accepts) {
   Parts& own = *parts_;
   check(own.tree.nq, goal, start);
   IkSolutions found = prepare(targets.size(), start, settings.restarts + 1);
   std::vector<double> nearest(targets.size(), std::numeric_limits<double>::infinity());
-  const IkQuestion question{own.tree, own.params, own.chain,     goal,  settings_of_attempts(settings),
-                            targets,  start,      settings.seed, found, nearest};
+  const IkQuestion question{own.tree, own.params, own.chain,     goal,    settings_of_attempts(settings),
+                            targets,  start,      settings.seed, accepts, found,
+                            nearest};
   search(question, settings.restarts, own.ws);
   Refinement(own.wide_tree, own.wide_params, own.wide_ws, own.chain, goal, settings.ik).finish(targets, found);
+  if (!accepts) return found;
+  const std::size_t nq = start.size();
+  for (std::size_t i = 0; i < targets.size(); ++i)
+    if (found.success[i] != 0) found.success[i] = accepts(std::span(found.q).subspan(i * nq, nq));
   return found;
 }
+
+const IkChain& IkSearch::chain() const { return parts_->chain; }
 
 }  // namespace manyhands

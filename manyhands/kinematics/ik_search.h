@@ -1,6 +1,7 @@
 // Inverse kinematics for many targets at once, from random starts where the first does not lead there.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -22,6 +23,9 @@ struct IkSolutions {
   std::vector<double> position_error, rotation_error;  ///< (n) at q [m], [rad]
   std::vector<int> attempts;                           ///< (n) how many were made
 };
+
+/// Whether a configuration q (nq) will do, beside reaching its target.
+using IkFilter = std::function<bool(std::span<const double> q)>;
 
 /// For each pose in `targets` (X_WF of the frame) a configuration that reaches it; the first attempt begins at
 /// `start` (nq). Attempts run in float lanes, those that are left packed anew after each round; what they find is
@@ -50,20 +54,24 @@ class IkSearch {
  public:
   /// Throws ModelError as IkChain does.
   IkSearch(const Model& model, FrameId frame);
+  /// For targets in another frame: poses X_AF of the frame in A, directions in its axes, points from its origin.
+  IkSearch(const Model& model, FrameId frame, FrameId relative_to);
   IkSearch(IkSearch&&) noexcept;
   IkSearch& operator=(IkSearch&&) noexcept;
   ~IkSearch();
 
-  [[nodiscard]] FrameId frame() const { return frame_; }
+  /// The dofs that are solved for.
+  [[nodiscard]] const IkChain& chain() const;
 
-  /// Throws std::invalid_argument as `search_ik` does.
+  /// With `accepts`, a target's attempts go on until one of them reaches it and is accepted. If none is, success is 0,
+  /// and the errors say whether it was reached. Throws std::invalid_argument as `search_ik` does.
   [[nodiscard]] IkSolutions find(const IkGoal& goal, std::span<const IkTarget<double>> targets,
-                                 std::span<const double> start, const IkSearchSettings& settings = {});
+                                 std::span<const double> start, const IkSearchSettings& settings = {},
+                                 const IkFilter& accepts = {});
 
  private:
   struct Parts;
 
-  FrameId frame_;
   std::unique_ptr<Parts> parts_;
 };
 

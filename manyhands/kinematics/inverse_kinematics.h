@@ -1,6 +1,7 @@
 // Inverse kinematics by damped least squares, in lanes or scalar. See README.md in this folder.
 #pragma once
 
+#include <optional>
 #include <type_traits>
 
 #include "manyhands/math/control_flow.h"
@@ -23,13 +24,24 @@ struct IkSettings {
 
 /// The bodies and dofs that move a frame, from the root out: found once, used in every solve.
 struct IkChain {
+  /// Where a relative pose is measured from.
+  struct Base {
+    BodyId body;
+    Transform<double> X_BF;
+    std::vector<std::uint8_t> moved_by{};  ///< (nv) 1 for the dofs that move it, and the frame does not
+  };
+
   /// Throws ModelError if no joint moves the frame, or if a joint on the way has several dofs.
   IkChain(const Model& model, FrameId frame);
+  /// Of the frame's pose in another, `relative_to`: the dofs that move only one of them. `solve_goal` takes such a
+  /// chain, `improve_ik` does not. Throws ModelError likewise.
+  IkChain(const Model& model, FrameId frame, FrameId relative_to);
 
   BodyId body;
   Transform<double> X_BF;
-  std::vector<std::size_t> bodies;
-  std::vector<std::size_t> dofs;  ///< velocity index of each body of `bodies`
+  std::vector<std::size_t> bodies{};  ///< on the way to the frames, parents first
+  std::vector<std::size_t> dofs{};
+  std::optional<Base> base{};
 };
 
 template <Number T>
@@ -50,14 +62,33 @@ MANYHANDS_INLINE Motion<T> pose_error(const Transform<T>& target, const Transfor
 /// For solves in which nothing but the goal moves the joints.
 struct NoPosture {};
 
+/// Whether a dof at a limit is pressed against it by the error: down the slope of |e|^2, J its column.
+template <Number T, Number P>
+MANYHANDS_INLINE mask_t<T> presses_limit(const Params<P>& params, std::size_t dof, const T& q, const Motion<T>& J,
+                                         const Motion<T>& e) {
+  const T slope = dot(J.w, e.w) + dot(J.v, e.v), zero = constant<T>(0);
+  return mask_t<T>(((q <= broadcast<T>(params.lower[dof])) & (slope < zero)) |
+                   ((q >= broadcast<T>(params.upper[dof])) & (slope > zero)));
+}
+
 /// One step of the chain's joints, dq = z + J^T (J J^T + damped)^-1 (e - J z), where `row(i)` is dof i's column of J as
-/// a motion, and z what `posture` pulls, if one is wanted.
+/// a motion, and z what `posture` pulls, if one is wanted. Dofs that the error presses against a limit stay there, and
+/// the step is that of the others (Bertsekas 1982), rather than one that is cut off.
 template <Number T, Number P, class Row, class Posture>
 MANYHANDS_INLINE void take_damped_step(const Tree<real_t<T>>& tree, const Params<P>& params, const IkChain& chain,
                                        const IkSettings& settings, const mask_t<T>& active, SymMat6<T> damped,
                                        Motion<T> e, const Row& row, const Posture& posture, T* q) {
-  for (const std::size_t i : chain.dofs) {
+  const Motion<T> error = e;
+  const auto column = [&](std::size_t i) {
     const Motion<T> J = row(i);
+    if (!settings.respect_limits || !tree.dof_limited[i]) return J;
+    mask_t<T> held = presses_limit(params, i, q[static_cast<std::size_t>(tree.dof_q[i])], J, error);
+    if constexpr (!std::is_same_v<Posture, NoPosture>) held = mask_t<T>(held & !posture.pulls());
+    const Vec3<T> none = Vec3<T>::zero();
+    return Motion<T>{select(held, none, J.w), select(held, none, J.v)};
+  };
+  for (const std::size_t i : chain.dofs) {
+    const Motion<T> J = column(i);
     damped.add_outer_product(J);
     if constexpr (!std::is_same_v<Posture, NoPosture>) {
       if (posture.is_wanted()) e = fma(-posture.pull(i), J, e);
@@ -65,7 +96,7 @@ MANYHANDS_INLINE void take_damped_step(const Tree<real_t<T>>& tree, const Params
   }
   const Motion<T> y = damped.solve(e);
   for (const std::size_t i : chain.dofs) {
-    const Motion<T> J = row(i);
+    const Motion<T> J = column(i);
     T& qi = q[static_cast<std::size_t>(tree.dof_q[i])];
     T next = qi + dot(J.w, y.w) + dot(J.v, y.v);
     if constexpr (!std::is_same_v<Posture, NoPosture>) {

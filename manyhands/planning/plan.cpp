@@ -204,6 +204,8 @@ GoalConfigurations goal_configurations(const Model& model, const PlanningScene& 
   constexpr double kSame = 1e-3;  // [rad or m]
   const std::size_t n = scene.size();
   const std::string name = "'" + model.frame(frame).name + "'";
+  IkSearch search(model, frame);
+  const IkTarget<double> target{X_WF, Vec3<double>::zero()};
   RandomStream random(seed, 2, 0);
   std::vector<double> from(start.begin(), start.end()), found, colliding;
   const auto is_new = [&](const std::vector<double>& q) {
@@ -215,8 +217,8 @@ GoalConfigurations goal_configurations(const Model& model, const PlanningScene& 
     return true;
   };
   for (std::size_t i = 0; i < kStarts && !deadline.has_passed(); ++i) {
-    IkSearchSettings settings{.restarts = i == 0 ? 100 : 0, .seed = seed};
-    const IkSolutions solved = search_ik(model, frame, {&X_WF, 1}, scene.configuration(from), settings);
+    const IkSearchSettings settings{.restarts = i == 0 ? 100 : 0, .seed = seed};
+    const IkSolutions solved = search.find(IkGoal{}, {&target, 1}, scene.configuration(from), settings);
     if (solved.success[0] != 0) {
       std::vector<double> q;
       for (const std::size_t k : scene.coordinates) q.push_back(solved.q[k]);

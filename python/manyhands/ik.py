@@ -1,14 +1,17 @@
 """Inverse kinematics: the joint configuration that brings a frame to a goal."""
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import Model
 from manyhands._core import kinematics as _core
-from manyhands.arguments import finite_rows, whole_number
+from manyhands.arguments import all_finite, finite_rows, whole_number
 from manyhands.rigid_motions import unit_quaternions
+
+if TYPE_CHECKING:
+    from manyhands.planning.planner import Planner
 
 __all__ = ["IkResult", "inverse", "inverse_kinematics"]
 
@@ -24,7 +27,7 @@ class IkResult(NamedTuple):
     q: NDArray[np.float64]
     """(..., nq) the configuration: the solution, or the nearest that was found."""
     success: NDArray[np.bool_]
-    """Whether both errors are within tolerance."""
+    """Whether both errors are within tolerance, and q is free of collision if that was asked."""
     position_error: NDArray[np.float64]
     """[m], 0 where the goal asks for no position"""
     rotation_error: NDArray[np.float64]
@@ -43,6 +46,8 @@ def inverse(
     posture: ArrayLike | None = None,
     position_weight: float = 1.0,
     rotation_weight: float = 1.0,
+    relative_to: str | None = None,
+    avoid: "Planner | None" = None,
     start: ArrayLike | None = None,
     restarts: int = 100,
     seed: int = 0,
@@ -57,16 +62,27 @@ def inverse(
     look_at: (3,) [m], a point of the world through which that axis passes, from the frame's origin.
     posture: (nq,) to stay near where the goal leaves room. The first attempt begins there unless `start` is given.
     position_weight, rotation_weight: of a metre and a radian, in what remains of a goal that cannot be reached.
+    relative_to: another frame. The goal is then one in its axes and from its origin, and the joints that move only one
+    of both frames are solved for: those of two arms.
+    avoid: a planner of the same model, which plans all joints that are solved for. Attempts go on until one is free of
+    collision in its scene, which is also the default start. If none is, success is False while the errors are within
+    tolerance.
 
     Goals may have n rows, (n, 3) and (n, 4); what has a single one then holds for all. Everything else is as in
     `inverse_kinematics`, which is the goal of position and quaternion.
 
     Raises KeyError for an unknown frame; ValueError for a wrong shape or number, a goal that asks for nothing or for
-    two orientations, or a joint of several degrees of freedom between the world and the frame.
+    two orientations, a joint of several degrees of freedom between the world and the frame, or a planner that does not
+    fit.
     """
     goal = _goal(position, quaternion, direction, look_at)
     preferred = None if posture is None else _configuration(model, "posture", posture)
-    q0 = preferred if start is None else _configuration(model, "start", start)
+    if start is not None:
+        q0 = _configuration(model, "start", start)
+    elif preferred is not None:
+        q0 = preferred
+    else:
+        q0 = model.neutral_configuration() if avoid is None else avoid.configuration(avoid.start)
     for name, number in (
         ("position_tolerance", position_tolerance),
         ("rotation_tolerance", rotation_tolerance),
@@ -78,10 +94,11 @@ def inverse(
     found: Any = _core.search(
         model,
         frame,
+        relative_to or "",
         goal.position,
         goal.quaternion,
         goal.toward,
-        model.neutral_configuration() if q0 is None else q0,
+        q0,
         orientation=goal.orientation,
         axis=_unit("axis", axis).tolist() if goal.orientation in ("along", "at") else _AXIS,
         position_weight=position_weight if goal.places else 0.0,
@@ -92,6 +109,7 @@ def inverse(
         respect_limits=respect_limits,
         position_tolerance=position_tolerance,
         rotation_tolerance=rotation_tolerance,
+        avoid=None if avoid is None else avoid._core,
     )
     return IkResult(*(array[0] for array in found)) if goal.is_single else IkResult(*found)
 
@@ -207,6 +225,6 @@ def _configuration(model: Model, name: str, values: ArrayLike) -> Array:
     q = np.asarray(values, np.float64)
     if q.shape != (model.nq,):
         raise ValueError(f"{name} has shape {q.shape}; expected ({model.nq},)")
-    if not np.isfinite(q).all():
+    if not all_finite(q):
         raise ValueError(f"{name} must be finite, but is {q}")
     return q

@@ -7,6 +7,7 @@ shapes, numbers that are not finite, and quaternions without a direction raise V
 Lynch, Park: Modern Robotics, 2017, chapter 3, which names the maps so; manyhands/math/rigid_motion.h.
 """
 
+import math
 from typing import Any
 
 import numpy as np
@@ -26,9 +27,16 @@ _LARGEST_SKEW = 1e-6
 def unit_quaternions(name: str, values: ArrayLike) -> Array:
     """Values as quaternions (..., 4) of any length that leaves no direction open."""
     quaternions = finite_rows(name, values, 4)
-    if ((quaternions * quaternions).sum(-1) < _SHORTEST_QUATERNION**2).any():
+    if _shortest(quaternions) < _SHORTEST_QUATERNION:
         raise ValueError(f"a {name} is shorter than {_SHORTEST_QUATERNION:g}, which leaves its direction open")
     return quaternions
+
+
+def _shortest(quaternions: Array) -> float:
+    """The least length of quaternions (..., 4); a single one, as most are, without numpy's detours."""
+    if quaternions.ndim == 1:
+        return math.hypot(*quaternions.tolist())
+    return float(np.linalg.norm(quaternions, axis=-1).min(initial=np.inf))
 
 
 def _poses(position: ArrayLike, quaternion: ArrayLike) -> tuple[Array, Array]:
