@@ -65,11 +65,18 @@ nb::object rows_of(std::span<const double> numbers, std::size_t n) {
   return copied(numbers.data(), {numbers.size() / n, n});
 }
 
+/// Ctrl-C ends a search.
+void look_for_signals() {
+  const nb::gil_scoped_acquire acquire;
+  if (PyErr_CheckSignals() != 0) throw nb::python_error();
+}
+
 nb::tuple plan(Planner& self, const Array<double, 1>& start, const Array<double, 2>& goals, double time_limit,
                bool shorten, double blend, double range, std::uint64_t seed) {
   PlanSettings settings{.time_limit = time_limit, .shorten = shorten, .blend = blend};
   settings.rrt = {range, seed};
   settings.shortening.seed = seed;
+  settings.look_up = look_for_signals;
   Plan found;
   {
     const nb::gil_scoped_release release;
@@ -79,18 +86,19 @@ nb::tuple plan(Planner& self, const Array<double, 1>& start, const Array<double,
                         found.nodes, found.iterations, found.search_time, found.shorten_time);
 }
 
-nb::object goals(Planner& self, const std::string& frame, const Array<double, 1>& position,
-                 const Array<double, 1>& quaternion, const Array<double, 1>& start, std::size_t count,
-                 std::uint64_t seed, double time_limit) {
+/// rows (m, n), and where there are none, the plan's status and message.
+nb::tuple goals(Planner& self, const std::string& frame, const Array<double, 1>& position,
+                const Array<double, 1>& quaternion, const Array<double, 1>& start, std::size_t count,
+                std::uint64_t seed, double time_limit) {
   const double *p = position.data(), *r = quaternion.data();
   const Transform<double> X_WF{to_matrix(normalized(Quat<double>{r[0], r[1], r[2], r[3]})), {p[0], p[1], p[2]}};
-  std::vector<double> found;
+  GoalConfigurations found;
   {
     const nb::gil_scoped_release release;
     found = goal_configurations(*self.model, self.scene, self.check, self.model->frame_id(frame), X_WF, as_span(start),
-                                count, seed, Deadline(time_limit));
+                                count, seed, Deadline(time_limit, look_for_signals));
   }
-  return rows_of(found, self.scene.size());
+  return nb::make_tuple(rows_of(found.rows, self.scene.size()), name_of(found.status), found.message);
 }
 
 nb::object numbers(const std::vector<double>& row) { return copied(row.data(), {row.size()}); }

@@ -69,7 +69,8 @@ struct ConfigurationCheck::Scratch {
       const auto sway = static_cast<double>(is_pair ? sways.pair[static_cast<std::size_t>(doubt.pair)]
                                                     : sways.part[static_cast<std::size_t>(doubt.part)]);
       const double clear = scene.margin + sway;
-      const double d = is_pair ? exact.distance(doubt.pair, clear) : exact.distance(doubt.part, doubt.obstacle, clear);
+      const double d = is_pair ? exact.distance(scene.pairs[static_cast<std::size_t>(doubt.pair)], clear)
+                               : exact.distance(doubt.part, doubt.obstacle, clear);
       if (d < scene.margin) return Finding::kCollides;
       if (d < clear) found = Finding::kNear;
     }

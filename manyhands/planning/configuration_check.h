@@ -41,7 +41,8 @@ class ConfigurationCheck {
   [[nodiscard]] std::vector<std::uint8_t> are_free(std::span<const double> rows);
   /// What collides there: the deepest. By exact distances of shapes alone, without balls or lanes; none if it is free.
   [[nodiscard]] std::optional<Encounter> encounter(std::span<const double> planned);
-  /// The least distance of any two things that may not touch [m]; the same way. Infinite if there are no two.
+  /// The least distance of any two things that may not touch [m], whatever the margin; the same way. Infinite if there
+  /// are no two.
   [[nodiscard]] Encounter nearest(std::span<const double> planned);
 
  private:

@@ -78,8 +78,7 @@ double ExactCheck::distance_from_cloud(const MovingPart& part, int cloud, double
   return least;
 }
 
-double ExactCheck::distance(int pair_index, double far) const {
-  const PartPair& pair = scene_.pairs[static_cast<std::size_t>(pair_index)];
+double ExactCheck::distance(const PartPair& pair, double far) const {
   double least = far;
   const MovingPart &a = scene_.parts[pair.a], &b = scene_.parts[pair.b];
   for (const SceneGeom& x : a.geoms) {
@@ -100,11 +99,12 @@ Encounter ExactCheck::nearest(double far) const {
       if (d < found.distance) found = {scene_.link_name(part.link), name_of(i), d};
     }
   }
-  for (std::size_t k = 0; k < scene_.pairs.size(); ++k) {
-    const PartPair& pair = scene_.pairs[k];
-    const double d = distance(static_cast<int>(k), found.distance);
-    if (d < found.distance)
-      found = {scene_.link_name(scene_.parts[pair.a].link), scene_.link_name(scene_.parts[pair.b].link), d};
+  for (const std::vector<PartPair>* pairs : {&scene_.pairs, &scene_.pairs_apart}) {
+    for (const PartPair& pair : *pairs) {
+      const double d = distance(pair, found.distance);
+      if (d < found.distance)
+        found = {scene_.link_name(scene_.parts[pair.a].link), scene_.link_name(scene_.parts[pair.b].link), d};
+    }
   }
   return found;
 }

@@ -14,7 +14,7 @@ class ExactCheck {
 
   /// Of a part from an obstacle or a cloud, and of both parts of a pair from each other [m]; `far` if it is more.
   [[nodiscard]] double distance(int part, int obstacle, double far) const;
-  [[nodiscard]] double distance(int pair, double far) const;
+  [[nodiscard]] double distance(const PartPair& pair, double far) const;
   /// The nearest two of all that may not touch; nothing farther than `far` is looked for.
   [[nodiscard]] Encounter nearest(double far) const;
 

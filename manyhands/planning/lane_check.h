@@ -64,6 +64,7 @@ class LaneCheck {
   }
 
   const PlanningScene& scene_;
+  float margin_;  // each ball has it: two together have it once too often
   Workspace<T> ws_;
   std::vector<T> q_;
   std::vector<Vec3<T>> origin_, centre_;      // (parts) of the body, and of the ball that holds the part, in the world

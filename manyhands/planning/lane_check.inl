@@ -7,7 +7,11 @@ namespace manyhands {
 
 template <Number T>
 LaneCheck<T>::LaneCheck(const PlanningScene& scene)
-    : scene_(scene), ws_(scene.tree_in_float), origin_(scene.parts.size()), centre_(scene.parts.size()) {
+    : scene_(scene),
+      margin_(static_cast<float>(scene.margin)),
+      ws_(scene.tree_in_float),
+      origin_(scene.parts.size()),
+      centre_(scene.parts.size()) {
   for (const double x : scene.q) q_.push_back(constant<T>(x));
   std::vector<T> mocap;
   for (const double x : scene.mocap) mocap.push_back(constant<T>(x));
@@ -106,7 +110,7 @@ void LaneCheck<T>::look_at_balls(std::size_t i, const BallNode& leaf, std::size_
 template <Number T>
 void LaneCheck<T>::look_at_nodes(std::size_t i, const BallNode& x, const BallNode& y, const Vec3<T>& p_x,
                                  const Vec3<T>& p_y, float sway) {
-  const float touching = x.bound.radius + y.bound.radius, reach = touching + sway;
+  const float touching = x.bound.radius + y.bound.radius - margin_, reach = touching + sway;
   const T apart = squared_norm(p_x - p_y);
   const mask_t<T> near(apart < T(reach * reach));
   if (none(near)) return;
@@ -137,7 +141,7 @@ void LaneCheck<T>::look_at_balls(std::size_t i, const BallNode& x, const BallNod
     const Vec3<T> p = placed(pair.a, a[k]);
     for (std::size_t l = y.first; l < y.last; ++l) {
       const T apart = squared_norm(p - placed(pair.b, b[l]));
-      const float inner = a[k].inner + b[l].inner, reach = a[k].radius + b[l].radius + sway;
+      const float inner = a[k].inner + b[l].inner - margin_, reach = a[k].radius + b[l].radius - margin_ + sway;
       if (inner > 0) hit_ = hit_ | mask_t<T>(apart < T(inner * inner));
       if (sway > kCoarseSway) continue;
       const mask_t<T> near(apart < T(reach * reach));

@@ -25,10 +25,13 @@ std::string outside_limits(const PlanningScene& scene, Rows q) {
   return {};
 }
 
-std::string in_words(const Encounter& found) {
+/// What is nearer than the margin at q, which is not free.
+std::string collision_in_words(const PlanningScene& scene, ConfigurationCheck& check, Rows q) {
+  const Encounter found = check.nearest(q);
   const std::string links = "'" + found.a + "' and '" + found.b + "' ";
-  return found.distance < 0 ? links + "overlap by " + as_text(-found.distance) + " m"
-                            : links + "are " + as_text(found.distance) + " m apart";
+  if (found.distance < 0) return links + "overlap by " + as_text(-found.distance) + " m";
+  const std::string apart = links + "are " + as_text(found.distance) + " m apart";
+  return scene.margin == 0 ? apart : apart + ", less than the margin of " + as_text(scene.margin) + " m";
 }
 
 /// Moves joints without limits by whole turns to where they are nearest to the start.
@@ -67,7 +70,11 @@ std::vector<double> nearest_first(Rows rows, Rows start) {
 class Planning {
  public:
   Planning(const PlanningScene& scene, ConfigurationCheck& check, Rows start, const PlanSettings& settings)
-      : scene_(scene), check_(check), start_(start), settings_(settings), deadline_(settings.time_limit) {}
+      : scene_(scene),
+        check_(check),
+        start_(start),
+        settings_(settings),
+        deadline_(settings.time_limit, settings.look_up) {}
 
   Plan plan(Rows goals) {
     if (!is_start_good() || !take_goals(goals)) return plan_;
@@ -101,7 +108,7 @@ class Planning {
     if (const std::string limits = outside_limits(scene_, start_); !limits.empty())
       return refuse(PlanStatus::kStartOutsideLimits, "the start is outside of limits: " + limits);
     if (check_.are_free(start_)[0] != 0) return true;
-    return refuse(PlanStatus::kStartCollides, "the start collides: " + in_words(check_.nearest(start_)));
+    return refuse(PlanStatus::kStartCollides, "the start collides: " + collision_in_words(scene_, check_, start_));
   }
 
   /// Keeps the goals that are good; says what is wrong with the first if none is.
@@ -116,7 +123,7 @@ class Planning {
         goals_.insert(goals_.end(), goal.begin(), goal.end());
       } else if (plan_.message.empty()) {
         if (limits.empty())
-          refuse(PlanStatus::kGoalCollides, "the goal collides: " + in_words(check_.nearest(goal)));
+          refuse(PlanStatus::kGoalCollides, "the goal collides: " + collision_in_words(scene_, check_, goal));
         else
           refuse(PlanStatus::kGoalOutsideLimits, "the goal is outside of limits: " + limits);
       }
@@ -190,16 +197,17 @@ Plan find_plan(const PlanningScene& scene, ConfigurationCheck& check, std::span<
   return Planning(scene, check, start, settings).plan(goals);
 }
 
-std::vector<double> goal_configurations(const Model& model, const PlanningScene& scene, ConfigurationCheck& check,
-                                        FrameId frame, const Transform<double>& X_WF, std::span<const double> start,
-                                        std::size_t count, std::uint64_t seed, const Deadline& deadline) {
+GoalConfigurations goal_configurations(const Model& model, const PlanningScene& scene, ConfigurationCheck& check,
+                                       FrameId frame, const Transform<double>& X_WF, std::span<const double> start,
+                                       std::size_t count, std::uint64_t seed, const Deadline& deadline) {
   constexpr std::size_t kStarts = 40;
   constexpr double kSame = 1e-3;  // [rad or m]
   const std::size_t n = scene.size();
+  const std::string name = "'" + model.frame(frame).name + "'";
   IkSearch search(model, frame);
   const IkTarget<double> target{X_WF, Vec3<double>::zero()};
   RandomStream random(seed, 2, 0);
-  std::vector<double> from(start.begin(), start.end()), found;
+  std::vector<double> from(start.begin(), start.end()), found, colliding;
   const auto is_new = [&](const std::vector<double>& q) {
     for (std::size_t i = 0; i < found.size(); i += n) {
       double most = 0;
@@ -214,7 +222,10 @@ std::vector<double> goal_configurations(const Model& model, const PlanningScene&
     if (solved.success[0] != 0) {
       std::vector<double> q;
       for (const std::size_t k : scene.coordinates) q.push_back(solved.q[k]);
-      if (is_new(q) && check.are_free(q)[0] != 0) found.insert(found.end(), q.begin(), q.end());
+      if (check.are_free(q)[0] == 0)
+        colliding = q;
+      else if (is_new(q))
+        found.insert(found.end(), q.begin(), q.end());
     } else if (i == 0) {
       break;  // a hundred restarts did not reach it
     }
@@ -223,9 +234,19 @@ std::vector<double> goal_configurations(const Model& model, const PlanningScene&
       from[k] = random.uniform(std::max(scene.lower[k], -kFar), std::min(scene.upper[k], kFar));
     }
   }
+  if (found.empty() && deadline.has_passed())
+    return {.status = PlanStatus::kTimeLimit,
+            .message = "no time was left to find a configuration that brings " + name + " there without a collision"};
+  if (found.empty() && colliding.empty())
+    return {.status = PlanStatus::kNoGoal,
+            .message = "out of reach: inverse kinematics found no configuration that brings " + name + " there"};
+  if (found.empty())
+    return {.status = PlanStatus::kGoalCollides,
+            .message = "every configuration found that brings " + name + " there collides; in the last, " +
+                       collision_in_words(scene, check, colliding)};
   std::vector<double> sorted = nearest_first(found, start);
   sorted.resize(std::min(sorted.size(), count * n));
-  return sorted;
+  return {.rows = sorted};
 }
 
 Encounter least_distance(const PlanningScene& scene, ConfigurationCheck& check, std::span<const double> rows,

@@ -11,7 +11,7 @@ enum class PlanStatus {
   kStartCollides,
   kGoalOutsideLimits,  ///< of all goals, the first says why
   kGoalCollides,
-  kNoGoal,     ///< no configuration reaches the pose
+  kNoGoal,     ///< no configuration reaches the pose, not even one that collides
   kTimeLimit,  ///< that is not to say that there is no plan
 };
 
@@ -21,6 +21,7 @@ struct PlanSettings {
   double blend = 0.5;  ///< how far from a corner the path may leave it [rad or m]
   RrtSettings rrt{};
   ShorteningSettings shortening{};
+  std::function<void()> look_up{};  ///< called every 50 ms; what it throws ends the search
 };
 
 /// What was found.
@@ -38,13 +39,19 @@ struct Plan {
 [[nodiscard]] Plan find_plan(const PlanningScene& scene, ConfigurationCheck& check, std::span<const double> start,
                              std::span<const double> goals, const PlanSettings& settings = {});
 
-/// Configurations (rows of n) that bring a frame, which only planned joints move, to X_WF, within limits and free: of
-/// those found from `start` (n) and from random configurations the `count` nearest to the start. Ends when time runs
-/// out.
-[[nodiscard]] std::vector<double> goal_configurations(const Model& model, const PlanningScene& scene,
-                                                      ConfigurationCheck& check, FrameId frame,
-                                                      const Transform<double>& X_WF, std::span<const double> start,
-                                                      std::size_t count, std::uint64_t seed, const Deadline& deadline);
+/// Configurations that reach a pose.
+struct GoalConfigurations {
+  std::vector<double> rows{};               ///< of n
+  PlanStatus status = PlanStatus::kSolved;  ///< if there are none: why
+  std::string message{};                    ///< the same in a sentence
+};
+
+/// Those that bring a frame, which only planned joints move, to X_WF, within limits and free: of those found from
+/// `start` (n) and from random configurations the `count` nearest to the start. Ends when time runs out.
+[[nodiscard]] GoalConfigurations goal_configurations(const Model& model, const PlanningScene& scene,
+                                                     ConfigurationCheck& check, FrameId frame,
+                                                     const Transform<double>& X_WF, std::span<const double> start,
+                                                     std::size_t count, std::uint64_t seed, const Deadline& deadline);
 
 /// The least distance on the way along waypoints (rows of n), looked at so often that no point moves by more than
 /// `step` [m] from one look to the next: the judge of plans, by exact distances of shapes alone.

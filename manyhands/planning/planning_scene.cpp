@@ -254,43 +254,46 @@ class SceneMaker {
         y.geoms, [&](const SceneGeom& geom) { return distance(x, geom, X_WB * geom.X_BG) < kTouchesHeld; });
   }
 
-  /// Leaves out the pairs that planned joints cannot bring to touch, and those of sloppy models that always do.
+  /// Leaves out the pairs that no joint between moves, and those of sloppy models that always touch; sets those apart
+  /// that planned joints cannot bring as near as the margin.
   void leave_out_pairs() {
     internal::ExactCheck exact(scene_);
     std::vector<PartPair> kept;
-    for (std::size_t i = 0; i < scene_.pairs.size(); ++i) {
-      const int pair = static_cast<int>(i);
-      if (!stays_apart(exact, pair) && !always_overlaps(exact, pair)) kept.push_back(scene_.pairs[i]);
+    for (PartPair& pair : scene_.pairs) {
+      if (std::ranges::all_of(pair.reach, [](float reach) { return reach == 0; })) continue;
+      if (stays_apart(exact, pair))
+        scene_.pairs_apart.push_back(std::move(pair));
+      else if (!always_overlaps(exact, pair))
+        kept.push_back(std::move(pair));
     }
     scene_.pairs = std::move(kept);
   }
 
-  [[nodiscard]] bool always_overlaps(internal::ExactCheck& exact, int pair) const {
+  [[nodiscard]] bool always_overlaps(internal::ExactCheck& exact, const PartPair& pair) const {
     constexpr int kLooks = 50;
     std::vector<double> q = scene_.planned(scene_.q);
     RandomStream random(0, 3, 0);
     for (int look = 0; look < kLooks; ++look) {
       exact.place(q);
-      if (exact.distance(pair, scene_.margin) >= scene_.margin) return false;
+      if (exact.distance(pair, 0) >= 0) return false;
       for (std::size_t k = 0; k < q.size(); ++k)
         q[k] = random.uniform(std::max(scene_.lower[k], -kHalfTurn), std::min(scene_.upper[k], kHalfTurn));
     }
     return true;
   }
 
-  /// Whether no joints are between the two, so that they stay as they are; or so few that looks at some configurations
-  /// prove them apart in all: in a box of these, no point moves by more than the reach of joints times its halves.
-  [[nodiscard]] bool stays_apart(internal::ExactCheck& exact, int pair) const {
+  /// Whether so few joints are between the two that looks at some configurations prove them apart in all: in a box of
+  /// these, no point moves by more than the reach of joints times its halves.
+  [[nodiscard]] bool stays_apart(internal::ExactCheck& exact, const PartPair& pair) const {
     constexpr std::size_t kMostJoints = 2;
     constexpr int kMostLooks = 1000;
-    const std::vector<float>& reach = scene_.pairs[static_cast<std::size_t>(pair)].reach;
+    const std::vector<float>& reach = pair.reach;
     std::vector<std::size_t> between;
     for (std::size_t k = 0; k < reach.size(); ++k) {
       if (reach[k] == 0) continue;
       between.push_back(k);
       if (!std::isfinite(scene_.lower[k]) || !std::isfinite(scene_.upper[k])) return false;
     }
-    if (between.empty()) return true;
     if (between.size() > kMostJoints) return false;
     std::vector<double> q = scene_.planned(scene_.q);
     std::vector<std::pair<std::vector<double>, std::vector<double>>> boxes{{scene_.lower, scene_.upper}};

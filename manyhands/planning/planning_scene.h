@@ -42,7 +42,7 @@ struct SceneSettings {
 /// A ball in single precision, in the axes of the body that it moves with.
 struct PartBall {
   Vec3<float> centre{};
-  float radius{}, inner{};  ///< as Ball; rounding is allowed for
+  float radius{}, inner{};  ///< as Ball, with the margin; rounding is allowed for
 };
 
 /// A ball that holds others: those of a leaf, or of its two children.
@@ -112,6 +112,8 @@ struct PlanningScene {
   std::vector<std::size_t> bodies;       ///< that planned joints move, parents first
   std::vector<MovingPart> parts;
   std::vector<PartPair> pairs;
+  std::vector<PartPair>
+      pairs_apart;                  ///< whose joints cannot bring them as near as the margin: what is free need not ask
   std::vector<Obstacle> obstacles;  ///< owners of the pieces in `tree_of_obstacles`; after them come the clouds
   ObstacleTree tree_of_obstacles;
   double margin;

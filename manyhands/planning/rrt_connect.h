@@ -3,23 +3,38 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
+#include <utility>
 
 #include "manyhands/planning/configuration_check.h"
 
 namespace manyhands {
 
-/// Until when a search may go on.
+/// Until when a search may go on. It ends earlier if `look_up`, which is called every 50 ms, throws.
 class Deadline {
  public:
-  explicit Deadline(double seconds)
+  explicit Deadline(double seconds, std::function<void()> look_up = {})
       : end_(Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                                std::chrono::duration<double>(seconds < kLong ? seconds : kLong))) {}
-  [[nodiscard]] bool has_passed() const { return Clock::now() >= end_; }
+                                std::chrono::duration<double>(seconds < kLong ? seconds : kLong))),
+        look_up_(std::move(look_up)),
+        next_look_(Clock::now() + kBetweenLooks) {}
+
+  [[nodiscard]] bool has_passed() const {
+    const Clock::time_point now = Clock::now();
+    if (look_up_ && now >= next_look_) {
+      next_look_ = now + kBetweenLooks;
+      look_up_();
+    }
+    return now >= end_;
+  }
 
  private:
   using Clock = std::chrono::steady_clock;
   static constexpr double kLong = 1e6;  // [s]
+  static constexpr std::chrono::milliseconds kBetweenLooks{50};
   Clock::time_point end_;
+  std::function<void()> look_up_;
+  mutable Clock::time_point next_look_;
 };
 
 struct RrtSettings {

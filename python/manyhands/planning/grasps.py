@@ -12,7 +12,7 @@ from manyhands._core import Model, World
 from manyhands._core import planning as _core
 from manyhands.arguments import finite_rows, whole_number
 from manyhands.collision import Shape
-from manyhands.planning.scene import state_of
+from manyhands.planning.scene import names, state_of
 
 Array = NDArray[np.float64]
 
@@ -93,7 +93,7 @@ def grasps_in(
     """Antipodal grasps of a link where it is, in the world: the line through both contacts lies within both friction
     cones (Nguyen 1988). Open jaws and the palm touch neither the link nor the obstacles.
 
-    scene: a world, or a model with its configuration q (nq,). obstacles: names of links, as the table's.
+    scene: a world, or a model with its configuration q (nq,). obstacles: a link's name, or several, as the table's.
 
     Options: friction of the pads, 0.5. samples, 100: points of the surface that are tried. approaches, 8: directions
     around each pair of contacts. approach (3,), (0, 0, -1): how the gripper's z should point; tilt, pi: how far it may
@@ -104,7 +104,9 @@ def grasps_in(
     Raises ValueError on a link without shapes and on numbers that make no sense, KeyError on unknown links.
     """
     model, now, mocap = state_of(scene, q)
-    found: Any = _core.grasps_of_link(model, now, mocap, link, list(obstacles), _gripper(gripper), _settings(**options))
+    found: Any = _core.grasps_of_link(
+        model, now, mocap, link, names(obstacles), _gripper(gripper), _settings(**options)
+    )
     return Grasps(*found)
 
 

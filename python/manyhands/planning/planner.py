@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from manyhands._core import Model, World
 from manyhands._core import planning as _core
 from manyhands.arguments import finite_rows, whole_number
-from manyhands.planning.scene import state_of
+from manyhands.planning.scene import names, state_of
 from manyhands.planning.timing import time_optimal
 from manyhands.planning.trajectories import Trajectory, limit_row
 from manyhands.rigid_motions import unit_quaternions
@@ -106,12 +106,13 @@ class Planner:
     """What moves and what stands in the way, as they are now: a later change of the world needs another planner.
 
     scene: a world, or a model with its configuration q (nq,), by default the initial one.
-    frame: the joints that move it are planned. Or joints: their names; each has one coordinate. All others stay.
+    frame: the joints that move it are planned. Or, in its place, joints: their names; each has one coordinate. All
+    others stay.
     attached: links that are carried, by the link that carries each, as {"cube": "panda_hand"}. They move with it from
     where they are now, and may touch the links of the robot that they touch now.
     allowed: pairs of links that may touch, beside those that the model allows.
     cloud: points (m, 3) [m] that nothing comes nearer to than cloud_radius [m]; those that are not finite are left out.
-    margin: a distance that is kept from everything [m].
+    margin: a distance that is kept from everything, and by the robot's links from each other [m].
     overshoot: how far the balls that stand for links stick out of them [m]: a matter of speed, not of what is free.
     """
 
@@ -130,12 +131,18 @@ class Planner:
         overshoot: float = 0.0125,
     ) -> None:
         model, now, mocap = state_of(scene, q)
+        chosen = names(joints)
+        if frame is not None and chosen:
+            raise ValueError(
+                f"frame is {frame!r} and joints are {chosen}; give the frame to plan all joints that move it, "
+                "or joints alone to plan just these"
+            )
         self.model = model
         self.frame = frame
         points = [] if cloud is None else [(_points(cloud), float(cloud_radius))]
         pairs = list((attached or {}).items())
         self._core = _core.Planner(
-            model, now, mocap, frame or "", list(joints), pairs, list(allowed), points, margin, overshoot
+            model, now, mocap, frame or "", chosen, pairs, list(allowed), points, margin, overshoot
         )
 
     @property
@@ -150,7 +157,7 @@ class Planner:
 
     @property
     def self_pairs(self) -> list[tuple[str, str]]:
-        """Links that move and are kept from each other: those that the planned joints could bring to touch."""
+        """Links that move and are kept from each other: those that planned joints could bring as near as the margin."""
         return list(self._core.pairs)
 
     def configuration(self, planned: ArrayLike) -> Array:
@@ -171,7 +178,7 @@ class Planner:
 
     def nearest(self, planned: ArrayLike) -> Encounter:
         """The two links that are nearest to touching at planned joints (n,), of those that may not; by exact distances
-        of all shapes."""
+        of all shapes, whatever the margin."""
         return Encounter(*self._core.nearest(self._row("planned", planned)))
 
     def least_distance(self, waypoints: ArrayLike, step: float = 0.001) -> Encounter:
@@ -206,39 +213,37 @@ class Planner:
         unless time runs out. shorten: cut corners. blend: how far from a corner the curve may leave it [rad or m].
         range: the longest edge of the search.
 
-        What cannot be solved is said by the plan's `status` and `message`. Raises ValueError on arrays that do not fit
-        and NaN.
+        What cannot be solved is said by the plan's `status` and `message`. Ctrl-C ends the search. Raises ValueError on
+        arrays that do not fit and NaN.
         """
         begin = self.start if start is None else self._row("start", start)
         number = whole_number("seed", seed, 0, _LARGEST_SEED)
         if not time_limit >= 0:
             raise ValueError(f"time_limit is {time_limit} s; expected 0 or more")
-        goals = self._goals(goal, position, quaternion, begin, number, time_limit)
-        if len(goals) == 0:
-            message = f"no configuration was found that brings '{self.frame}' there without a collision"
-            nothing = np.zeros((0, len(self.joints)))
-            return Plan(
-                self.joints,
-                np.asarray(self._core.velocity),
-                ("goal unreachable", message, nothing, None, 0, 0, 0.0, 0.0),
-            )
-        found: Any = self._core.plan(begin, goals, time_limit, shorten, blend, range, number)
+        goals, status, message = self._goals(goal, position, quaternion, begin, number, time_limit)
+        found: Any = (status, message, goals, None, 0, 0, 0.0, 0.0)
+        if len(goals) > 0:
+            found = self._core.plan(begin, goals, time_limit, shorten, blend, range, number)
         return Plan(self.joints, np.asarray(self._core.velocity), found)
 
-    def _goals(self, goal: Any, position: Any, quaternion: Any, start: Array, seed: int, time_limit: float) -> Array:
+    def _goals(
+        self, goal: Any, position: Any, quaternion: Any, start: Array, seed: int, time_limit: float
+    ) -> tuple[Array, str, str]:
+        """Goals (m, n), and where there are none, the plan's status and message."""
         if (goal is None) == (position is None) or (position is None) != (quaternion is None):
             raise ValueError("give either goal, or position and quaternion")
         if goal is not None:
             rows = finite_rows("goal", goal, len(self.joints))
             if rows.ndim > 2 or rows.size == 0:
                 raise ValueError(f"goal has shape {rows.shape}; expected ({len(self.joints)},) or rows of it")
-            return _flat(rows)
+            return _flat(rows), "", ""
         if self.frame is None:
             raise ValueError("a pose is that of a frame; make the planner with one")
         p, r = finite_rows("position", position, 3), unit_quaternions("quaternion", quaternion)
         if p.ndim != 1 or r.ndim != 1:
             raise ValueError(f"position has shape {p.shape} and quaternion {r.shape}; expected (3,) and (4,)")
-        return np.asarray(self._core.goals(self.frame, p, r, start, _GOALS, seed, time_limit))
+        rows, status, message = self._core.goals(self.frame, p, r, start, _GOALS, seed, time_limit)
+        return np.asarray(rows), status, message
 
     def _row(self, name: str, values: ArrayLike) -> Array:
         row = finite_rows(name, values, len(self.joints))
@@ -256,6 +261,8 @@ def plan(scene: World | Model, frame: str, goal: ArrayLike | None = None, **opti
 
 def _points(cloud: ArrayLike) -> Array:
     points = np.asarray(cloud, np.float64)
+    if points.shape == (0,):  # an empty list
+        points = points.reshape(0, 3)
     if points.ndim != 2 or points.shape[1] != 3:
         raise ValueError(f"cloud has shape {points.shape}; expected (m, 3)")
     return np.ascontiguousarray(points[np.isfinite(points).all(axis=1)])

@@ -160,7 +160,7 @@ def test_a_table_takes_away_what_comes_from_below() -> None:
     assert not (poses(clear)[:, 2, 2] > 0.5).any() and len(clear.width) > 20
     down = clear.only(poses(clear)[:, 2, 2] < -0.99)
     assert 0 < len(down.width) < len(clear.width)
-    model = planning.grasps_in(world.model, "it", q=world.q, obstacles=["table"])
+    model = planning.grasps_in(world.model, "it", q=world.q, obstacles="table")
     np.testing.assert_array_equal(model.position, clear.position)
 
 

@@ -1,6 +1,8 @@
 """Plans: what is free, by another way of looking; ways that are free all along; and why there is no plan."""
 
 import itertools
+import signal
+import threading
 import time
 from collections.abc import Iterator
 
@@ -115,7 +117,35 @@ def test_a_pose_is_reached(planner: planning.Planner) -> None:
     assert plan.success, plan.message
     p, r = mh.kinematics.forward(planner.model, planner.configuration(plan.waypoints[-1]), HAND)
     assert np.allclose(p, position, atol=1e-4) and abs(abs(np.dot(r, quaternion)) - 1) < 1e-6
-    assert planner.plan(position=(3, 0, 0), quaternion=quaternion).status == "goal unreachable"
+
+
+def test_a_pose_out_of_reach_is_told_from_one_in_collision_and_from_no_time(planner: planning.Planner) -> None:
+    down = (1.0, 0.0, 0.0, 0.0)
+    far = planner.plan(position=(3, 0, 0), quaternion=down)
+    assert far.status == "goal unreachable" and "out of reach" in far.message and HAND in far.message
+    within = planner.plan(position=(0.45, 0, 0.4), quaternion=down)  # within the post
+    assert within.status == "goal collides" and "post" in within.message and "overlap" in within.message
+    late = planner.plan(position=(0.4, -0.35, 0.35), quaternion=down, time_limit=0)
+    assert late.status == "time limit" and "no time was left" in late.message
+    assert not (far.success or within.success or late.success) and within.waypoints.shape == (0, 7)
+
+
+def test_ctrl_c_ends_a_search() -> None:
+    world = scene()
+    eighth = (0, 0, np.sin(np.pi / 8), np.cos(np.pi / 8))
+    world.add_box("wall", (1, 0.01, 1), position=(0.806, 0.806, 1), quaternion=eighth, fixed=True)
+    planner = planning.Planner(world, HAND)
+    start, goal = planner.start.copy(), planner.start.copy()
+    start[0], goal[0] = -0.8, 2.4  # to both sides of the wall, which leaves too little room at the arm's axis
+    limit = 20.0
+    timer = threading.Timer(0.3, signal.raise_signal, [signal.SIGINT])
+    begin = time.perf_counter()
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        planner.plan(goal, start=start, time_limit=limit)
+    timer.join()
+    assert time.perf_counter() - begin < limit / 2
+    assert planner.plan(start, start=start).success
 
 
 def test_what_cannot_be_is_said(planner: planning.Planner) -> None:
@@ -182,6 +212,36 @@ def test_clouds_are_obstacles() -> None:
     assert plan.success and planner.least_distance(plan.waypoints).distance > 0
 
 
+def test_an_empty_cloud_is_none() -> None:
+    for cloud in ([], np.zeros((0, 3))):
+        assert planning.Planner(scene(), HAND, cloud=cloud).is_free(HOME[:7])
+
+
+def test_margins_are_kept_once_and_nearest_does_not_know_them(planner: planning.Planner) -> None:
+    rows = np.concatenate([HOME[None, :7], random_rows(planner, 200, 11)])
+    nearest = [planner.nearest(row) for row in rows]
+    for margin in (0.01, 0.02, 0.028, 0.03, 0.05, 0.3):
+        wide = planning.Planner(scene(), HAND, margin=margin)
+        assert [wide.nearest(row) for row in rows] == nearest
+        free = wide.is_free(rows)
+        assert np.array_equal(free, [found.distance > margin for found in nearest])
+        assert free[0] == (margin < 0.0285)
+        assert 10 < free.sum() < 190 or margin > 0.0285
+
+
+def test_a_broken_margin_is_said_with_the_pair_that_breaks_it() -> None:
+    wide = planning.Planner(scene(), HAND, margin=0.03)
+    plan = wide.plan(wide.start + 0.1)
+    assert plan.status == "start collides"
+    expected = "'panda_link5' and 'panda_link7' are 0.0285258 m apart, less than the margin of 0.03 m"
+    assert expected in plan.message
+
+
+def test_pairs_that_can_overlap_are_looked_at_however_wide_the_margin(planner: planning.Planner) -> None:
+    for margin in (0.03, 0.1, 0.3):
+        assert set(planner.self_pairs) <= set(planning.Planner(scene(), HAND, margin=margin).self_pairs)
+
+
 def test_pairs_may_be_allowed_and_a_margin_kept(planner: planning.Planner) -> None:
     rows = random_rows(planner, 200, 10)
     every = planning.Planner(scene(), HAND, allowed=[(link.name, "post") for link in planner.model.links])
@@ -218,6 +278,11 @@ def test_bad_scenes_are_refused() -> None:
         planning.Planner(world, HAND, cloud=np.zeros((3, 2)))
     with pytest.raises(KeyError):
         planning.Planner(world, "nobody")
+    with pytest.raises(ValueError, match="or joints alone"):
+        planning.Planner(world, HAND, joints=["panda_joint1"])
+    assert planning.Planner(world, joints="panda_joint1").joints == ("panda_joint1",)
+    with pytest.raises(TypeError, match="str; expected a World or a Model"):
+        planning.Planner("panda.urdf", HAND)  # type: ignore[arg-type]
     world.add_box("loose", (0.1, 0.1, 0.1), position=(1, 1, 1))
     joint = next(joint.name for joint in world.model.joints if joint.type == "floating")
     with pytest.raises(ValueError, match="has 7 coordinates"):
