@@ -64,6 +64,7 @@ def test_a_training_takes_what_was_told(env_id: str, tmp_path: Path) -> None:
     """By the peak of a process of its own, to a quarter."""
     program = f"""
 from pathlib import Path
+import manyhands.training.curve, manyhands.training.events, manyhands.training.policy_file  # libraries, not worlds
 from manyhands import cli
 from manyhands.training.memory import require_memory
 from manyhands.training.settings import TrainSettings
