@@ -265,6 +265,7 @@ class SerialManipulator:
         q, success, far, turned = _core.search(
             self.model,
             TIP,
+            "",
             goal[None, :3, 3],
             _core.quaternions(goal[:3, :3].reshape(1, 9)),
             _NOWHERE,
@@ -279,6 +280,7 @@ class SerialManipulator:
             respect_limits=True,
             position_tolerance=ev,
             rotation_tolerance=eomg,
+            avoid=None,
         )
         return q[0], bool(success[0]), float(turned[0]), float(far[0])
 
