@@ -122,10 +122,12 @@ std::string made_motion(const WorldCore& core, double h) {
       tree = balance.root[b];
     }
   }
+  const double moving = std::max(balance.after[tree], balance.moved[tree]), risen = internal::risen(balance, tree);
+  const std::string gains = risen > moving ? "springs gain " + internal::short_text(risen)
+                                           : "motion grows from " + internal::short_text(balance.before[tree]) +
+                                                 " J to " + internal::short_text(moving);
   return "moves joint '" + core.model->joint(core.model->bodies()[farthest].joint).name + "' by " +
-         internal::short_text(most) + " rad or m at once, and its tree's motion grows from " +
-         internal::short_text(balance.before[tree]) + " J to " +
-         internal::short_text(std::max(balance.after[tree], balance.moved[tree])) + " J from nothing";
+         internal::short_text(most) + " rad or m at once, and its tree's " + gains + " J from nothing";
 }
 
 }  // namespace
@@ -167,7 +169,7 @@ void World::step_once(WorldCore& core) {
 }
 
 void World::require_balance(WorldCore& core) {
-  if (keep_balance(core.system.tree, core.params, time_step_, core.q_before(), core.v_before(), core.step.dynamics.bias,
+  if (keep_balance(core.system.tree, core.params, time_step_, core.q_before(), core.v_before(), core.step.dynamics,
                    core.state, core.scratch, core.balance))
     fail_step(core, made_motion(core, time_step_));
 }
