@@ -3,6 +3,8 @@
 python examples/replanning.py            (needs the extra `online`)
 """
 
+from typing import Any
+
 import numpy as np
 
 import manyhands as mh
@@ -10,7 +12,7 @@ from manyhands import planning
 from manyhands.planning.replanning import Replan, replan
 
 HAND = "panda_grasptarget"
-LIMITS = {"acceleration": 5.0, "jerk": 100.0}
+LIMITS: dict[str, Any] = {"acceleration": 5.0, "jerk": 100.0}
 START, GOAL = ([turn, 0.2, 0, -2.0, 0, 2.2, 0.785] for turn in (-1.2, 1.2))
 SEEN = 0.1  # [s] when the ball comes
 BALL, RADIUS = np.array([0.52, 0.3, 0.3]), 0.08  # [m]

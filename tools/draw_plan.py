@@ -16,13 +16,13 @@ from manyhands import kinematics as kin
 from manyhands import planning
 
 Array = NDArray[np.float64]
-OUT = Path("/tmp/plan.png")
-WIDTH, HEIGHT, ANGLE = 1200, 720, math.radians(34)
+OUT = Path(__file__).resolve().parent.parent / "docs/images/plan.png"
+WIDTH, HEIGHT, ANGLE = 1100, 760, math.radians(34)
 FRAME = "panda_grasptarget"
 DOWN = (1, 0, 0, 0)
 GHOSTS = (0.28, 0.5, 0.72)  # of the way, at which the arm is drawn through between its ends
 BEADS = 60  # along the way of the hand
-START, GOAL = np.array([0.12, 0.42, 0.85]), np.array([0.95, 0.45, 0.1])  # colours
+START, GOAL = (0.12, 0.42, 0.85), (0.95, 0.45, 0.1)  # colours
 GLASS = 0.3  # opacity of arms on the way
 
 
@@ -35,14 +35,14 @@ def scene() -> mh.World:
     return world
 
 
-def add_arm(world: mh.World, name: str) -> Array:
+def add_arm(world: mh.World, name: str) -> list[int]:
     """One more arm; where its joints are in q, in the order of the planned ones."""
     model, _ = mh.load_urdf(mh.asset_path("panda/panda.urdf"))
     world.add(model, name=name)
-    return np.array([j.iq for j in world.model.joints if j.nv == 1 and j.name.startswith(f"{name}/panda_joint")])
+    return [j.iq for j in world.model.joints if j.nv == 1 and j.name.startswith(f"{name}/panda_joint")]
 
 
-def place(world: mh.World, where: Array, posture: Array) -> None:
+def place(world: mh.World, where: list[int], posture: Array) -> None:
     q = np.array(world.q)
     q[where] = posture
     world.q = q
@@ -55,7 +55,7 @@ def render(world: mh.World, camera: mh.Camera, marks: list[mh.Mark]) -> Array:
 
 def beads(points: Array) -> list[mh.Mark]:
     shares = np.linspace(0, 1, len(points))[:, None]
-    colours = (1 - shares) * START + shares * GOAL
+    colours = (1 - shares) * np.array(START) + shares * np.array(GOAL)
     return [
         mh.Mark("sphere", [0.007], point, rgba=[*colour, 1.0]) for point, colour in zip(points, colours, strict=True)
     ]
@@ -68,13 +68,14 @@ def main() -> None:
     across = planner.plan(position=(0.5, -0.3, 0.25), quaternion=DOWN, start=above.waypoints[-1], seed=1)
     motion = across.trajectory(acceleration=5.0)
     way = planner.configuration(motion.sample(np.linspace(0, motion.duration, BEADS)).q)
-    marks = beads(kin.forward(planner.model, way, FRAME)[0])
+    marks = [mh.Mark("cylinder", [0.04, 0.0005], [0.5, -0.3, 0.121], rgba=[*GOAL, 1.0])]
+    marks += beads(kin.forward(planner.model, way, FRAME)[0])
     start, *between, goal = motion.sample(motion.duration * np.array([0, *GHOSTS, 1])).q
     world.add_plane("floor")
     world.q = planner.configuration(start)
     place(world, add_arm(world, "goal"), goal)
     camera = mh.Camera.perspective(WIDTH, HEIGHT, ANGLE).orbit(
-        [0.25, 0, 0.45], 2.3, math.radians(75), math.radians(-14)
+        [0.3, 0, 0.4], 1.95, math.radians(80), math.radians(-18)
     )
     solid = render(world, camera, marks)
     ghost, seen = add_arm(world, "ghost"), solid.copy()
