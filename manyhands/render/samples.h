@@ -5,6 +5,14 @@
 
 namespace manyhands {
 
+/// The meshes that a part of a picture shows, drawn with `scale` x `scale` points to a pixel.
+struct Layers {
+  int scale = 1;
+  bool is_exact = false;         ///< the meshes themselves, not their coarser copies
+  Raster still, moving;          ///< by number of the frame's solid item
+  std::vector<Raster> clear{};  ///< of each see-through item
+};
+
 struct Samples {
   static constexpr int kPackets = 8;
 
@@ -25,9 +33,12 @@ struct Samples {
   std::array<Rays, kPackets> red{}, green{}, blue{};  ///< as screens take them, 0 to 255
 };
 
-/// Depths, and what is seen, of the frame's solid items.
-void find(const PictureFrame& frame, Samples& samples);
-/// Colours, after `find`.
-void shade(const PictureFrame& frame, Samples& samples);
+/// Begins to look: nothing is found.
+void clear(const PictureFrame& frame, Samples& samples);
+/// Depths, and what is seen, of the frame's solid items that stand still, or of those that may move, before what has been
+/// found so far. `layers` holds them at the samples.
+void find(const PictureFrame& frame, const Layers& layers, bool still, Samples& samples);
+/// Colours, of what has been found.
+void shade(const PictureFrame& frame, const Layers& layers, Samples& samples);
 
 }  // namespace manyhands
