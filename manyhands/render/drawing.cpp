@@ -28,8 +28,9 @@ View view_of(const PlacedItem& placed, const Camera& camera, int scale) {
   return view;
 }
 
-/// Draws the meshes that the rows from `first` to before `end` show.
-void draw_layers(const PictureFrame& frame, int first, int end, int scale, bool is_exact, Layers& layers) {
+/// Draws the meshes that the rows from `first` to before `end` show; those that stand still only if they are wanted.
+void draw_layers(const PictureFrame& frame, int first, int end, int scale, bool is_exact, bool wants_still,
+                 Layers& layers) {
   const Camera& camera = frame.camera;
   const GridPart part{0, scale * first, scale * camera.width, scale * (end - first)};
   layers.scale = scale;
@@ -42,7 +43,7 @@ void draw_layers(const PictureFrame& frame, int first, int end, int scale, bool 
     if (placed.item->triangles == nullptr || !placed.view.meets(rows)) return;
     raster.draw(mesh_of(placed, is_exact), view_of(placed, camera, scale), static_cast<int>(number));
   };
-  for (std::size_t i = 0; i < frame.solid.size(); ++i) {
+  for (std::size_t i = wants_still ? 0 : frame.num_still; i < frame.solid.size(); ++i) {
     draw_into(i < frame.num_still ? layers.still : layers.moving, frame.solid[i], i);
   }
   for (std::size_t i = 0; i < frame.clear.size(); ++i) {
@@ -51,16 +52,16 @@ void draw_layers(const PictureFrame& frame, int first, int end, int scale, bool 
   }
 }
 
-void find_all(const PictureFrame& frame, const Layers& layers, Samples& samples) {
+void find_still(const PictureFrame& frame, const Layers& layers, Samples& samples) {
   clear(frame, samples);
-  for (const bool still : {true, false}) find(frame, layers, still, samples);
+  find(frame, layers, true, samples);
 }
 
 Samples grid(const Camera& camera, int x0, int y0) {
   Samples s;
   s.packets = std::min(kTile, camera.height - y0);
   const float left = static_cast<float>(x0), top = static_cast<float>(y0);
-  s.part = {left, left + kTile, top, top + kTile};
+  s.part = tile_part(x0, y0);
   for (int k = 0; k < s.packets; ++k) {
     for (int j = 0; j < kRays; ++j) {
       set_lane(s.x[size(k)], j, left + static_cast<float>(j) + 0.5f);
@@ -72,6 +73,39 @@ Samples grid(const Camera& camera, int x0, int y0) {
 }
 
 std::uint8_t byte(float value) { return static_cast<std::uint8_t>(value + 0.5f); }
+
+struct Tile {
+  int x, y;            // its first pixel
+  std::size_t number;  // row by row
+};
+
+/// Calls visit(tile) for the tiles of some rows.
+template <class Visit>
+void for_each_tile(const Camera& camera, int first, int end, Visit&& visit) {
+  const int columns = (camera.width + kTile - 1) / kTile;
+  for (int y = first; y < end; y += kTile) {
+    for (int x = 0; x < camera.width; x += kTile) visit(Tile{x, y, size(y / kTile * columns + x / kTile)});
+  }
+}
+
+void copy_colours(const Camera& camera, const Tile& tile, std::span<const std::uint8_t> from,
+                  std::span<std::uint8_t> to) {
+  const int columns = std::min(kTile, camera.width - tile.x);
+  for (int y = tile.y; y < std::min(tile.y + kTile, camera.height); ++y) {
+    const std::size_t first = 3 * (size(y) * size(camera.width) + size(tile.x));
+    std::copy_n(&from[first], 3 * size(columns), &to[first]);
+  }
+}
+
+/// Whether a tile or one beside it is not that of the backdrop: then its edges may be others.
+bool is_touched(const Drawing& drawing, const Tile& tile) {
+  const Camera& camera = drawing.frame.camera;
+  const std::size_t columns = size((camera.width + kTile - 1) / kTile);
+  const auto is = [&](bool exists, std::size_t number) { return exists && drawing.touched[number]; };
+  return is(true, tile.number) || is(tile.x > 0, tile.number - 1) ||
+         is(tile.x + kTile < camera.width, tile.number + 1) || is(tile.y > 0, tile.number - columns) ||
+         is(tile.y + kTile < camera.height, tile.number + columns);
+}
 
 /// Calls visit(pixel, packet, lane) for the pixels of a tile at (x0, y0).
 template <class Visit>
@@ -125,11 +159,11 @@ class EdgeSamples {
  public:
   EdgeSamples(const PictureFrame& frame, const Layers& layers, int x0, int y0, std::span<std::uint8_t> picture)
       : frame_(frame), layers_(layers), n_(layers.scale), picture_(picture) {
-    samples_.part = {static_cast<float>(x0), static_cast<float>(x0 + kTile), static_cast<float>(y0),
-                     static_cast<float>(y0 + kTile)};
+    samples_.part = tile_part(x0, y0);
     samples_.per_pixel = n_ * n_;
   }
 
+  [[nodiscard]] const LitPart& lit() const { return samples_.lit; }
   void add(int x, int y) { pixels_[size(count_++)] = {x, y}; }
 
   void flush() {
@@ -137,7 +171,8 @@ class EdgeSamples {
     for (int first = 0; first < packets; first += Samples::kPackets) {
       samples_.packets = std::min(Samples::kPackets, packets - first);
       for (int k = 0; k < samples_.packets; ++k) place(size(k), (first + k) / (n_ * n_), (first + k) % (n_ * n_));
-      find_all(frame_, layers_, samples_);
+      find_still(frame_, layers_, samples_);
+      find(frame_, layers_, false, samples_);
       shade(frame_, layers_, samples_);
       for (int k = 0; k < samples_.packets; ++k) add_colours(size(k), size((first + k) / (n_ * n_)));
     }
@@ -185,51 +220,66 @@ class EdgeSamples {
 
 }  // namespace
 
-void draw(const PictureFrame& frame, std::span<const Seen> seen, int first, int end, Layers& layers,
-          const Pictures& to) {
+void draw(const Drawing& drawing, int first, int end, Layers& layers, const Pictures& to) {
+  const PictureFrame& frame = drawing.frame;
+  const Backdrop* const backdrop = drawing.backdrop;
+  const bool has_colour = !to.colour.empty();
   const bool has_geometry = !to.depth.empty() || !to.segmentation.empty() || !to.normals.empty();
-  const bool is_exact = std::ranges::all_of(frame.solid, [](const PlacedItem& placed) {
-    return placed.item->triangles == nullptr || placed.shown == &placed.item->triangles->exact();
-  });
-  const auto for_each_tile = [&](auto&& visit) {
-    for (int y = first; y < end; y += kTile) {
-      for (int x = 0; x < frame.camera.width; x += kTile) {
-        Samples samples = grid(frame.camera, x, y);
-        find_all(frame, layers, samples);
-        visit(samples, x, y);
-      }
-    }
-  };
-  const auto paint = [&](Samples& samples, int x, int y) {
+  const auto paint = [&](Samples& samples, const Tile& tile) {
     shade(frame, layers, samples);
-    write_colours(frame.camera, samples, x, y, to);
+    write_colours(frame.camera, samples, tile.x, tile.y, to);
+    if (drawing.into != nullptr) drawing.into->tiles[tile.number].lit = samples.lit;
   };
-  if (has_geometry) {
-    draw_layers(frame, first, end, 1, true, layers);
-    for_each_tile([&](Samples& samples, int x, int y) {
-      write_geometry(frame.camera, seen, samples, x, y, to);
-      if (is_exact && !to.colour.empty()) paint(samples, x, y);
+  if (has_geometry || drawing.into != nullptr) {
+    draw_layers(frame, first, end, 1, true, backdrop == nullptr, layers);
+    for_each_tile(frame.camera, first, end, [&](const Tile& tile) {
+      Samples samples = grid(frame.camera, tile.x, tile.y);
+      if (backdrop == nullptr) {
+        find_still(frame, layers, samples);
+      } else {
+        static_cast<Found&>(samples) = backdrop->tiles[tile.number].exact;
+      }
+      if (drawing.into != nullptr) drawing.into->tiles[tile.number].exact = samples;
+      find(frame, layers, false, samples);
+      if (has_geometry) write_geometry(frame.camera, drawing.seen, samples, tile.x, tile.y, to);
     });
   }
-  if (to.colour.empty() || (has_geometry && is_exact)) return;
-  draw_layers(frame, first, end, 1, false, layers);
-  for_each_tile(paint);
+  if (!has_colour) return;
+  draw_layers(frame, first, end, 1, false, backdrop == nullptr, layers);
+  for_each_tile(frame.camera, first, end, [&](const Tile& tile) {
+    if (backdrop != nullptr && !drawing.touched[tile.number]) {
+      return copy_colours(frame.camera, tile, backdrop->rough, to.colour);
+    }
+    Samples samples = grid(frame.camera, tile.x, tile.y);
+    if (backdrop == nullptr) {
+      find_still(frame, layers, samples);
+    } else {
+      static_cast<Found&>(samples) = backdrop->tiles[tile.number].shown;
+    }
+    if (drawing.into != nullptr) drawing.into->tiles[tile.number].shown = samples;
+    find(frame, layers, false, samples);
+    paint(samples, tile);
+  });
 }
 
-void smooth(const PictureFrame& frame, std::span<const std::uint8_t> rough, int first, int end, Layers& layers,
+void smooth(const Drawing& drawing, std::span<const std::uint8_t> rough, int first, int end, Layers& layers,
             std::span<std::uint8_t> to) {
-  draw_layers(frame, first, end, frame.look.antialiasing, false, layers);
-  for (int y0 = first; y0 < end; y0 += kTile) {
-    for (int x0 = 0; x0 < frame.camera.width; x0 += kTile) {
-      EdgeSamples samples(frame, layers, x0, y0, to);
-      for (int y = y0; y < std::min(y0 + kTile, end); ++y) {
-        for (int x = x0; x < std::min(x0 + kTile, frame.camera.width); ++x) {
-          if (is_edge(frame.camera, rough, x, y)) samples.add(x, y);
-        }
-      }
-      samples.flush();
+  const PictureFrame& frame = drawing.frame;
+  const Camera& camera = frame.camera;
+  draw_layers(frame, first, end, frame.look.antialiasing, false, true, layers);
+  for_each_tile(camera, first, end, [&](const Tile& tile) {
+    if (drawing.backdrop != nullptr && !is_touched(drawing, tile)) {
+      return copy_colours(camera, tile, drawing.backdrop->smooth, to);
     }
-  }
+    EdgeSamples samples(frame, layers, tile.x, tile.y, to);
+    for (int y = tile.y; y < std::min(tile.y + kTile, end); ++y) {
+      for (int x = tile.x; x < std::min(tile.x + kTile, camera.width); ++x) {
+        if (is_edge(camera, rough, x, y)) samples.add(x, y);
+      }
+    }
+    samples.flush();
+    if (drawing.into != nullptr) widen(drawing.into->tiles[tile.number].lit, samples.lit());
+  });
 }
 
 }  // namespace manyhands

@@ -17,6 +17,10 @@ struct Rectangle {
   }
 };
 
+[[nodiscard]] inline Rectangle widened(const Rectangle& r, float by) {
+  return {r.left - by, r.right + by, r.top - by, r.bottom + by};
+}
+
 /// An item where it is.
 struct PlacedItem {
   const Item* item;

@@ -20,9 +20,7 @@ void require_size(const char* what, std::size_t found, std::size_t expected) {
                               " numbers; expected " + std::to_string(expected) + ", or none if it is not wanted");
 }
 
-bool smooths(const PictureFrame& frame, const Pictures& to) {
-  return frame.look.antialiasing > 1 && !to.colour.empty();
-}
+constexpr std::size_t kMostKept = std::size_t{1} << 21;  // pixels of a picture whose backdrop is kept
 
 /// Rows that are drawn in one go: so few that they stay in the processor's cache, and every thread has some.
 int band_of(const Camera& camera, int num_threads) {
@@ -92,12 +90,6 @@ void Renderer::place_bodies(const Shot& shot, Worker& worker) const {
   }
 }
 
-void Renderer::prepare(const Shot& shot, PictureFrame& frame, Worker& worker) const {
-  place_bodies(shot, worker);
-  set_frame(frame, *scene_, shot.camera, shot.look, worker.X_WB, shot.marks, shot.guise, textures_);
-  set_suns(frame);
-}
-
 Transform<double> Renderer::camera_pose(const Shot& shot) {
   const Camera& camera = shot.camera;
   if (camera.frame.empty()) return camera.X_FC;
@@ -111,40 +103,80 @@ void Renderer::render(std::span<const Shot> shots, const Pictures& pictures) {
   require_fit(shots, pictures);
   if (shots.empty()) return;
   const std::scoped_lock lock(mutex_);
-  const int n = static_cast<int>(shots.size()), height = shots[0].camera.height;
+  const int n = static_cast<int>(shots.size());
   if (n >= 4 * pool_.num_threads()) {
     pool_.for_each(n, [&](int shot, int worker) {
-      Worker& own = workers_[size(worker)];
-      PictureFrame& frame = own.frame;
-      prepare(shots[size(shot)], frame, own);
-      for (int i = 0; i < static_cast<int>(frame.suns.size()); ++i) draw_sun(frame, i);
-      const Pictures to = pictures.of(size(shot), shots.size());
-      draw(frame, scene_->seen(), 0, height, own.layers, to);
-      if (smooths(frame, to)) {
-        own.rough.assign(to.colour.begin(), to.colour.end());
-        smooth(frame, own.rough, 0, height, own.layers, to.colour);
-      }
+      const auto in_turn = [&](int count, auto&& body) {
+        for (int i = 0; i < count; ++i) body(i, worker);
+      };
+      const int band = band_of(shots[size(shot)].camera, 1);
+      take(shots[size(shot)], band, worker, in_turn, pictures.of(size(shot), shots.size()));
     });
     return;
   }
   // Few pictures are cut into bands, so that every thread has work.
+  const auto by_all = [&](int count, auto&& body) { pool_.for_each(count, body); };
   for (std::size_t shot = 0; shot < shots.size(); ++shot) {
-    PictureFrame& frame = workers_[0].frame;
-    prepare(shots[shot], frame, workers_[0]);
-    pool_.for_each(static_cast<int>(frame.suns.size()), [&](int i, int) { draw_sun(frame, i); });
-    const Pictures to = pictures.of(shot, shots.size());
-    const int band = band_of(frame.camera, pool_.num_threads()), bands = (height + band - 1) / band;
-    const auto for_each_band = [&](auto&& body) {
-      pool_.for_each(bands, [&](int item, int worker) {
-        body(item * band, std::min((item + 1) * band, height), workers_[size(worker)].layers);
-      });
-    };
-    for_each_band([&](int first, int end, Layers& layers) { draw(frame, scene_->seen(), first, end, layers, to); });
-    if (!smooths(frame, to)) continue;
-    std::vector<std::uint8_t>& rough = workers_[0].rough;
-    rough.assign(to.colour.begin(), to.colour.end());
-    for_each_band([&](int first, int end, Layers& layers) { smooth(frame, rough, first, end, layers, to.colour); });
+    const int band = band_of(shots[shot].camera, pool_.num_threads());
+    take(shots[shot], band, 0, by_all, pictures.of(shot, shots.size()));
   }
+}
+
+template <class ForEach>
+void Renderer::take(const Shot& shot, int band, int worker, const ForEach& for_each, const Pictures& to) {
+  Worker& own = workers_[size(worker)];
+  PictureFrame& frame = own.frame;
+  place_bodies(shot, own);
+  set_frame(frame, *scene_, shot.camera, shot.look, own.X_WB, shot.marks, shot.guise, textures_);
+  set_suns(frame);
+  Drawing drawing{.frame = frame, .seen = scene_->seen()};
+  std::shared_ptr<const Backdrop> backdrop;
+  if (frame.num_still > 0 && size(frame.camera.width) * size(frame.camera.height) <= kMostKept) {
+    const BackdropKey key = backdrop_key(frame);
+    bool is_wanted = false;
+    backdrop = backdrops_.find(key, is_wanted);
+    if (is_wanted) {
+      backdrop = draw_backdrop(still_part(frame), band, for_each);
+      backdrops_.keep(key, backdrop);
+    }
+  }
+  if (backdrop != nullptr) {
+    drawing.backdrop = backdrop.get();
+    drawing.touched = touched_tiles(frame, *backdrop);
+  }
+  if (!to.colour.empty()) {
+    for_each(static_cast<int>(frame.suns.size()), [&](int i, int) { draw_sun(frame, i); });
+  }
+  paint(drawing, band, for_each, to, own.rough);
+}
+
+template <class ForEach>
+void Renderer::paint(const Drawing& drawing, int band, const ForEach& for_each, const Pictures& to,
+                     std::vector<std::uint8_t>& rough) {
+  const int height = drawing.frame.camera.height;
+  const auto for_each_band = [&](auto&& body) {
+    for_each((height + band - 1) / band, [&](int item, int worker) {
+      body(item * band, std::min((item + 1) * band, height), workers_[size(worker)].layers);
+    });
+  };
+  for_each_band([&](int first, int end, Layers& layers) { draw(drawing, first, end, layers, to); });
+  if (to.colour.empty() || drawing.frame.look.antialiasing < 2) return;
+  rough.assign(to.colour.begin(), to.colour.end());
+  for_each_band([&](int first, int end, Layers& layers) { smooth(drawing, rough, first, end, layers, to.colour); });
+}
+
+template <class ForEach>
+std::shared_ptr<const Backdrop> Renderer::draw_backdrop(const PictureFrame& still, int band, const ForEach& for_each) {
+  const Camera& camera = still.camera;
+  const auto tiles = [](int pixels) { return size((pixels + kTile - 1) / kTile); };
+  const auto made = std::make_shared<Backdrop>();
+  made->tiles.resize(tiles(camera.width) * tiles(camera.height));
+  made->smooth.resize(3 * size(camera.width) * size(camera.height));
+  Drawing drawing{.frame = still, .seen = scene_->seen()};
+  drawing.into = made.get();
+  paint(drawing, band, for_each, {.colour = made->smooth, .depth = {}, .segmentation = {}, .normals = {}}, made->rough);
+  if (made->rough.empty()) made->rough = made->smooth;
+  return made;
 }
 
 std::shared_ptr<Renderer> renderer_of(const std::shared_ptr<const Model>& model, const ImageReader& read) {

@@ -6,7 +6,7 @@
 #include "manyhands/base/process_mutex.h"
 #include "manyhands/base/thread_pool.h"
 #include "manyhands/physics/dynamics/workspace.h"
-#include "manyhands/render/samples.h"
+#include "manyhands/render/backdrop.h"
 
 namespace manyhands {
 
@@ -30,6 +30,8 @@ struct Pictures {
   /// Number i of n.
   [[nodiscard]] Pictures of(std::size_t i, std::size_t n) const;
 };
+
+struct Drawing;
 
 /// Takes pictures with threads of its own. What is see-through (alpha below 1) and marks are in the colour picture
 /// only. The same picture whatever the number of threads and the other pictures of a call. Calls from several threads
@@ -62,7 +64,15 @@ class Renderer {
 
   void require_fit(std::span<const Shot> shots, const Pictures& pictures) const;
   void place_bodies(const Shot& shot, Worker& worker) const;
-  void prepare(const Shot& shot, PictureFrame& frame, Worker& worker) const;
+  // for_each(n, body) calls body(i, worker) for i in [0, n), by one thread or by several; bands are of so many rows.
+  template <class ForEach>
+  void take(const Shot& shot, int band, int worker, const ForEach& for_each, const Pictures& to);
+  template <class ForEach>
+  void paint(const Drawing& drawing, int band, const ForEach& for_each, const Pictures& to,
+             std::vector<std::uint8_t>& rough);
+  template <class ForEach>
+  [[nodiscard]] std::shared_ptr<const Backdrop> draw_backdrop(const PictureFrame& still, int band,
+                                                              const ForEach& for_each);
 
   std::shared_ptr<const Scene> scene_;
   std::vector<Texture> textures_;  // the geoms' own
@@ -70,6 +80,7 @@ class Renderer {
   std::vector<double> mocap_;  // where the model has these bodies
   ThreadPool pool_;
   std::vector<Worker> workers_;
+  Backdrops backdrops_;
   ProcessMutex mutex_;
 };
 

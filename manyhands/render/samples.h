@@ -13,9 +13,32 @@ struct Layers {
   std::vector<Raster> clear{};  ///< of each see-through item
 };
 
-struct Samples {
-  static constexpr int kPackets = 8;
+inline constexpr int kTile = 8;  ///< pixels, along the side of a square: a packet is a row of it
 
+/// The square whose upper left pixel is (x, y).
+[[nodiscard]] inline Rectangle tile_part(int x, int y) {
+  const float left = static_cast<float>(x), top = static_cast<float>(y);
+  return {left, left + kTile, top, top + kTile};
+}
+
+/// What is seen along the rays of up to eight packets.
+struct Found {
+  static constexpr int kPackets = 8;
+  std::array<Rays, kPackets> depth{};    ///< camera.far where there is nothing [m]
+  std::array<RayInts, kPackets> seen{};  ///< numbers of paints; -1 where there is nothing
+  std::array<Vec3<Rays>, kPackets> n{};  ///< unit, in the world, towards the camera
+};
+
+/// Where points that face the sun lie.
+struct LitPart {
+  Rectangle across;  ///< the light; of nothing, left > right [m]
+  float lowest;      ///< towards it [m]
+};
+[[nodiscard]] LitPart nothing_lit();
+/// Makes `lit` so large that `other` is in it.
+void widen(LitPart& lit, const LitPart& other);
+
+struct Samples : Found {  // by `find`
   // ---- given ----
   int packets = 0;
   Rectangle part{};                        ///< of the picture; holds all positions [pixels]
@@ -24,13 +47,9 @@ struct Samples {
   int per_pixel = 1;                       ///< samples that share a pixel, and its rays to the sun
   std::array<int, kPackets> number{};      ///< of the packet's among those of its pixels
 
-  // ---- found by `find` ----
-  std::array<Rays, kPackets> depth{};    ///< camera.far where there is nothing [m]
-  std::array<RayInts, kPackets> seen{};  ///< numbers of paints; -1 where there is nothing
-  std::array<Vec3<Rays>, kPackets> n{};  ///< unit, in the world, towards the camera
-
   // ---- found by `shade` ----
   std::array<Rays, kPackets> red{}, green{}, blue{};  ///< as screens take them, 0 to 255
+  LitPart lit = nothing_lit();
 };
 
 /// Begins to look: nothing is found.

@@ -217,6 +217,17 @@ Light patterned(const PictureFrame& frame, const Samples& s, std::size_t k, cons
 
 }  // namespace
 
+LitPart nothing_lit() {
+  const float never = internal::kNever;
+  return {{never, -never, never, -never}, never};
+}
+
+void widen(LitPart& lit, const LitPart& other) {
+  const Rectangle &a = lit.across, &b = other.across;
+  lit.across = {min(a.left, b.left), max(a.right, b.right), min(a.top, b.top), max(a.bottom, b.bottom)};
+  lit.lowest = min(lit.lowest, other.lowest);
+}
+
 void shade(const PictureFrame& frame, const Layers& layers, Samples& s) {
   Lit lit;
   std::array<Vec, Samples::kPackets> d, p;
@@ -241,8 +252,8 @@ void shade(const PictureFrame& frame, const Layers& layers, Samples& s) {
     is_lit = is_lit || any(lit.mask[k]);
   }
   if (frame.look.shadows && is_lit) {
-    lit.across = {least(left), greatest(right), least(top), greatest(bottom)};
-    lit.lowest = least(lowest);
+    lit.part = {{least(left), greatest(right), least(top), greatest(bottom)}, least(lowest)};
+    widen(s.lit, lit.part);
     cast_shadows(frame, s, lit);
   }
   for (std::size_t k = 0; k < size(s.packets); ++k) {

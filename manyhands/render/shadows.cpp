@@ -16,9 +16,9 @@ using Masks = std::array<RayMask, Samples::kPackets>;
 
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 constexpr float kFarthest = 1e4f;     // casts a shadow [m]
-constexpr float kSquare = 0.5f;       // largest side of a square of a sun's grid, in pixels
-constexpr float kSoftSquare = 1;      // likewise, of one of many suns
-constexpr int kLeastSquares = 512;    // a grid may have so many along a side, and more for large pictures
+constexpr float kSquare = 1;          // largest side of a square of a sun's grid, in pixels
+constexpr float kSoftSquare = 2;      // likewise, of one of many suns
+constexpr int kLeastSquares = 256;    // a grid may have so many along a side, and more for large pictures
 constexpr float kOff = 1;             // in squares: so far off the surface a grid is asked
 constexpr float kNearest = 0.02f;     // what is nearer to the camera does not count [m]
 
@@ -63,7 +63,7 @@ View view_of(const PictureFrame& frame, const PlacedItem& placed, const SunPoint
 }
 
 /// Makes the rectangle so large that the item's box is in it.
-void widen(Rectangle& covered, const Item& item, const View& view) {
+void widen_by(Rectangle& covered, const Item& item, const View& view) {
   for (int k = 0; k < 8; ++k) {
     const Vec3<float> p{k & 1 ? item.high.x : item.low.x, k & 2 ? item.high.y : item.low.y,
                         k & 4 ? item.high.z : item.low.z};
@@ -99,10 +99,8 @@ MANYHANDS_INLINE RayMask below(const SunPoint& sun, const Vec3<float>& up, RayMa
 void cast(const PictureFrame& frame, const Samples& s, const SunPoint& sun, float spread, const Lit& lit, Masks& open) {
   for (const PlacedItem& placed : frame.solid) {
     if (casts_by_grid(placed)) continue;
-    const float wide = spread * (placed.height - lit.lowest);
-    const Rectangle reach{placed.shade.left - wide, placed.shade.right + wide, placed.shade.top - wide,
-                          placed.shade.bottom + wide};
-    if (placed.height < lit.lowest || !reach.meets(lit.across)) continue;
+    const float above = placed.height - lit.part.lowest;
+    if (above < 0 || !widened(placed.shade, spread * above).meets(lit.part.across)) continue;
     for (std::size_t k = 0; k < size(s.packets); ++k) {
       when(open[k], [&] { open[k] = open[k] & !blocked(placed, open[k], lit.from[k], sun.towards, s.seen[k]); });
     }
@@ -152,11 +150,12 @@ void cast_soft(const PictureFrame& frame, const Samples& s, Lit& lit) {
 }  // namespace
 
 void set_suns(PictureFrame& frame) {
+  frame.texel = 0;
   frame.suns.resize(frame.look.shadows ? size(frame.look.shadow_rays) : 0);
   if (frame.suns.empty()) return;
   frame.texel = texel_of(frame);
   for (PlacedItem& placed : frame.solid) {
-    if (casts_by_grid(placed)) placed.casts = &placed.item->triangles->within(0.5f * frame.texel);
+    if (casts_by_grid(placed)) placed.casts = &placed.item->triangles->within(frame.texel);
   }
   const auto& [x, y, z] = frame.light;
   const int n = frame.look.shadow_rays;
@@ -176,7 +175,7 @@ void draw_sun(PictureFrame& frame, int i) {
   SunPoint& sun = frame.suns[size(i)];
   Rectangle covered{kInfinite, -kInfinite, kInfinite, -kInfinite};
   for (const PlacedItem& placed : frame.solid) {
-    if (casts_by_grid(placed)) widen(covered, *placed.item, view_of(frame, placed, sun));
+    if (casts_by_grid(placed)) widen_by(covered, *placed.item, view_of(frame, placed, sun));
   }
   GridPart part;
   if (covered.left <= covered.right) {

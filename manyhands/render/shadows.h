@@ -10,8 +10,7 @@ struct Lit {
   std::array<RayMask, Samples::kPackets> mask;
   std::array<Vec3<Rays>, Samples::kPackets> from;
   std::array<Rays, Samples::kPackets> share;
-  Rectangle across;  ///< the light
-  float lowest;      ///< towards it
+  LitPart part;
 };
 
 inline constexpr float kAbove = 1e-3f;  ///< rays to the sun start so far off the surface [m]
