@@ -13,7 +13,7 @@ namespace {
 using Vec = Vec3<float>;
 using Key = std::array<float, 6>;
 
-constexpr float kFacing = 0.3f;  // how much directions count in the cut, in sizes of the mesh
+constexpr float kFacing = 1.2f;  // how much directions count in the cut, in sizes of the mesh
 
 Vec area_of(const Facet& facet) {
   return cross(facet.corner[1] - facet.corner[0], facet.corner[2] - facet.corner[0]);
@@ -74,23 +74,6 @@ void cut(std::span<int> order, const std::vector<Key>& keys, std::size_t most, V
   cut(order.subspan(half), keys, most, visit);
 }
 
-/// Whether each edge is passed once in either direction, or as often in one as in the other.
-bool closed(std::span<const Facet> mesh) {
-  using Edge = std::pair<std::array<float, 3>, std::array<float, 3>>;
-  std::vector<Edge> there, back;
-  for (const Facet& facet : mesh) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto a = numbers(facet.corner[k]), b = numbers(facet.corner[(k + 1) % 3]);
-      if (a == b) continue;
-      there.emplace_back(a, b);
-      back.emplace_back(b, a);
-    }
-  }
-  std::ranges::sort(there);
-  std::ranges::sort(back);
-  return there == back;
-}
-
 /// Appends repetitions of the last number until there is a multiple of kRays.
 template <class Numbers>
 void fill_up(Numbers& all) {
@@ -127,9 +110,24 @@ void set_bounds(ClusterBounds& bounds, int k, std::span<const Facet> mesh, std::
 
 }  // namespace
 
-ClusteredMesh::ClusteredMesh(std::span<const Facet> mesh) {
+bool is_closed(std::span<const Facet> mesh) {
+  using Edge = std::pair<std::array<float, 3>, std::array<float, 3>>;
+  std::vector<Edge> there, back;
+  for (const Facet& facet : mesh) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto a = numbers(facet.corner[k]), b = numbers(facet.corner[(k + 1) % 3]);
+      if (a == b) continue;
+      there.emplace_back(a, b);
+      back.emplace_back(b, a);
+    }
+  }
+  std::ranges::sort(there);
+  std::ranges::sort(back);
+  return there == back;
+}
+
+ClusteredMesh::ClusteredMesh(std::span<const Facet> mesh, bool closed) : is_closed(closed) {
   if (mesh.empty()) return;
-  is_closed = closed(mesh);
   const std::vector<Key> keys = keys_of(mesh);
   std::vector<int> order(mesh.size());
   std::iota(order.begin(), order.end(), 0);

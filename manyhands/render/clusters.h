@@ -36,14 +36,18 @@ struct ClusteredMesh {
   static constexpr int kMostTriangles = 64;                  ///< of a cluster
   static constexpr int kMostVertices = 3 * kMostTriangles;  ///< likewise
 
-  explicit ClusteredMesh(std::span<const Facet> mesh);
+  /// is_closed: whether it is known that each edge is passed as often in one direction as in the other.
+  ClusteredMesh(std::span<const Facet> mesh, bool is_closed);
 
   std::vector<Cluster> clusters;
   std::vector<ClusterBounds> bounds;
   std::vector<float> x, y, z;                         ///< vertices of the clusters, one after the other [m]
   std::array<std::vector<std::uint8_t>, 3> corners;  ///< of the triangles, by vertex of their cluster
   std::vector<Facet> facets;                          ///< the triangles
-  bool is_closed = false;                             ///< its triangles are seen from outside only
+  bool is_closed;                                     ///< its triangles are seen from outside only
 };
+
+/// Whether each edge is passed as often in one direction as in the other.
+[[nodiscard]] bool is_closed(std::span<const Facet> mesh);
 
 }  // namespace manyhands

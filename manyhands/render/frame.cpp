@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "manyhands/render/triangles.h"
+
 namespace manyhands {
 
 namespace {

@@ -75,14 +75,6 @@ struct PictureFrame {
   }
 };
 
-/// How a picture's geoms differ from the model's. Each list has one entry for every geom of the model, or none at all.
-struct Guise {
-  std::vector<std::array<float, 4>> rgba{};
-  std::vector<Pattern> patterns{};
-  std::vector<Vec3<double>> sizes{};  ///< of simple shapes, see Shape [m]; x = 0: the model's
-  std::vector<Texture> textures{};    ///< take the place of the model's, of floors' checks and of dice
-};
-
 /// X_WB: poses of the model's bodies (bodies). textures: the model's own, one for each geom, or none at all. All
 /// numbers must fit, which the renderer checks. Frames are used again and again, so that their memory is.
 void set_frame(PictureFrame& frame, const Scene& scene, const Camera& camera, const Look& look,

@@ -54,10 +54,12 @@ class Raster {
 
  private:
   struct Projected;
+  struct Candidates;
   struct Setup;
   void draw_cluster(const ClusteredMesh& mesh, const Cluster& cluster, const View& view, bool culls, bool clips);
   void draw_clipped(const ClusteredMesh& mesh, int triangle, const View& view, bool culls);
-  void draw_eight(const Projected& corners, RayMask wanted, bool culls, RayInts numbers);
+  [[nodiscard]] Candidates candidates_of(const Projected& corners, RayMask wanted, bool culls) const;
+  void draw_eight(const Projected& corners, const Candidates& candidates, RayInts numbers);
   void fill(const Setup& setup, int k, int triangle);
 
   GridPart part_;

@@ -1,12 +1,9 @@
 // Pictures of scenes: colour, depth, segmentation and normals, by rays on the CPU.
 #pragma once
 
-#include <mutex>
-
-#include "manyhands/base/process_mutex.h"
-#include "manyhands/base/thread_pool.h"
-#include "manyhands/physics/dynamics/workspace.h"
-#include "manyhands/render/backdrop.h"
+#include "manyhands/render/camera.h"
+#include "manyhands/render/look.h"
+#include "manyhands/render/scene.h"
 
 namespace manyhands {
 
@@ -31,8 +28,6 @@ struct Pictures {
   [[nodiscard]] Pictures of(std::size_t i, std::size_t n) const;
 };
 
-struct Drawing;
-
 /// Takes pictures with threads of its own. What is see-through (alpha below 1) and marks are in the colour picture
 /// only. The same picture whatever the number of threads and the other pictures of a call. Calls from several threads
 /// take turns.
@@ -44,6 +39,10 @@ class Renderer {
   explicit Renderer(std::shared_ptr<const Model> model, int num_threads = 0, const ImageReader& read = {})
       : Renderer(std::make_shared<const Scene>(std::move(model)), num_threads, read) {}
 
+  ~Renderer();
+  Renderer(const Renderer&) = delete;
+  Renderer& operator=(const Renderer&) = delete;
+
   [[nodiscard]] const Scene& scene() const { return *scene_; }
 
   /// Throws std::invalid_argument if cameras differ in size, a configuration, a camera, a look or a span has numbers
@@ -53,35 +52,9 @@ class Renderer {
   [[nodiscard]] Transform<double> camera_pose(const Shot& shot);
 
  private:
-  struct Worker {
-    explicit Worker(Workspace<double> of) : bodies(std::move(of)) {}
-    Workspace<double> bodies;
-    std::vector<Transform<double>> X_WB{};
-    PictureFrame frame{};
-    Layers layers{};
-    std::vector<std::uint8_t> rough{};  // colours before edges are smoothed
-  };
-
-  void require_fit(std::span<const Shot> shots, const Pictures& pictures) const;
-  void place_bodies(const Shot& shot, Worker& worker) const;
-  // for_each(n, body) calls body(i, worker) for i in [0, n), by one thread or by several; bands are of so many rows.
-  template <class ForEach>
-  void take(const Shot& shot, int band, int worker, const ForEach& for_each, const Pictures& to);
-  template <class ForEach>
-  void paint(const Drawing& drawing, int band, const ForEach& for_each, const Pictures& to,
-             std::vector<std::uint8_t>& rough);
-  template <class ForEach>
-  [[nodiscard]] std::shared_ptr<const Backdrop> draw_backdrop(const PictureFrame& still, int band,
-                                                              const ForEach& for_each);
-
+  struct Work;
   std::shared_ptr<const Scene> scene_;
-  std::vector<Texture> textures_;  // the geoms' own
-  Tree<double> tree_;
-  std::vector<double> mocap_;  // where the model has these bodies
-  ThreadPool pool_;
-  std::vector<Worker> workers_;
-  Backdrops backdrops_;
-  ProcessMutex mutex_;
+  std::unique_ptr<Work> work_;
 };
 
 /// A renderer of the model, for whoever has none of his own: those of the last few models are kept.

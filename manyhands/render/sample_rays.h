@@ -3,6 +3,7 @@
 
 #include "manyhands/math/control_flow.h"
 #include "manyhands/render/frame.h"
+#include "manyhands/render/triangles.h"
 
 namespace manyhands {
 

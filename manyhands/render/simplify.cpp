@@ -165,6 +165,7 @@ bool Simplifier::State::fits(int from, int to) const {
 }
 
 void Simplifier::State::move(int from, int to) {
+  const std::vector<int> known = neighbours(to);
   for (const int i : around[index(from)]) {
     if (is_gone[index(i)]) continue;
     Corners& t = triangles[index(i)];
@@ -182,7 +183,7 @@ void Simplifier::State::move(int from, int to) {
   ++version[index(to)];
   for (const int other : neighbours(to)) {
     push(to, other);
-    push(other, to);
+    if (!std::ranges::binary_search(known, other)) push(other, to);
   }
 }
 

@@ -19,8 +19,8 @@ using Corner = std::array<int, 3>;
 
 constexpr float kSmooth = 0.766f;  // cosine of the angle below which an edge is none
 // Coarser copies are off by these shares of a mesh's size, and twice as much from one to the next ...
-constexpr float kFinest = 1.0f / 4096, kCoarsest = 1.0f / 32;
-constexpr float kWorthwhile = 0.75f;  // ... if they have so many triangles of the last, or fewer
+constexpr float kFinest = 1.0f / 2048, kCoarsest = 1.0f / 32;
+constexpr float kWorthwhile = 0.6f;   // ... if they have so many triangles of the last, or fewer
 
 /// For each vertex, the first one at the same place: files repeat vertices where normals or textures differ.
 std::vector<int> merged(const std::vector<Vec>& vertices) {
@@ -138,7 +138,8 @@ Triangles::Triangles(const std::vector<Part>& parts) {
   }
   const float size = size_of(all);
   std::size_t last = all.size();
-  levels_.push_back({0, ClusteredMesh(all)});
+  const bool closed = is_closed(all);
+  levels_.push_back({0, ClusteredMesh(all, closed)});
   for (float error = kFinest * size; error <= kCoarsest * size; error *= 2) {
     std::vector<Facet> coarser;
     for (Simplifier& simplifier : simplifiers) {
@@ -148,7 +149,7 @@ Triangles::Triangles(const std::vector<Part>& parts) {
     }
     if (static_cast<float>(coarser.size()) > kWorthwhile * static_cast<float>(last)) continue;
     last = coarser.size();
-    levels_.push_back({error, ClusteredMesh(coarser)});
+    levels_.push_back({error, ClusteredMesh(coarser, closed)});
   }
 }
 
