@@ -1,6 +1,7 @@
 #include "manyhands/render/simplify.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <queue>
 #include <tuple>
@@ -72,6 +73,7 @@ struct Simplifier::State {
   std::vector<Corners> triangles;
   std::vector<bool> is_gone;  // of triangles
   std::priority_queue<Move> moves;
+  std::vector<Move> refused;  // which may fit when more is allowed
 
   [[nodiscard]] Vec at(int vertex) const { return broadcast<double>(place[index(vertex)]); }
   [[nodiscard]] Vec area(const Corners& t) const { return cross(at(t[1]) - at(t[0]), at(t[2]) - at(t[0])); }
@@ -82,7 +84,11 @@ struct Simplifier::State {
     moves.push({quadric[index(from)].at(at(to)), from, to, version[index(from)]});
   }
   [[nodiscard]] std::vector<int> neighbours(int vertex) const;
-  [[nodiscard]] bool fits(int from, int to) const;
+  /// Of the normals that the mesh has at a vertex, the one that fits a triangle with the normal n best.
+  [[nodiscard]] const Vec3<float>& normal_at(int vertex, const Vec3<float>& n) const {
+    return *std::ranges::max_element(normals[index(vertex)], {}, [&](const Vec3<float>& m) { return dot(m, n); });
+  }
+  [[nodiscard]] bool fits(int from, int to, double least_cosine) const;
   void move(int from, int to);
 };
 
@@ -142,8 +148,8 @@ std::vector<int> Simplifier::State::neighbours(int vertex) const {
   return found;
 }
 
-/// Whether no triangle turns over, and the surface does not grow together.
-bool Simplifier::State::fits(int from, int to) const {
+/// Whether no triangle turns over, or away from the normals at its corners, and the surface does not grow together.
+bool Simplifier::State::fits(int from, int to, double least_cosine) const {
   constexpr double kTurned = 0.2;  // cosine
   bool are_neighbours = false;
   for (const int i : around[index(from)]) {
@@ -156,7 +162,11 @@ bool Simplifier::State::fits(int from, int to) const {
     Corners moved = t;
     std::ranges::replace(moved, from, to);
     const Vec before = area(t), after = area(moved);
-    if (dot(before, after) <= kTurned * norm(before) * norm(after)) return false;
+    const double size = norm(after);
+    if (dot(before, after) <= kTurned * norm(before) * size) return false;
+    const Vec3<float> n = broadcast<float>((1 / size) * after);
+    const auto agrees = [&](int v) { return static_cast<double>(dot(normal_at(v, n), n)) >= least_cosine; };
+    if (!std::ranges::all_of(moved, agrees)) return false;
   }
   if (!are_neighbours) return false;
   std::vector<int> both;
@@ -207,13 +217,19 @@ Simplifier::~Simplifier() = default;
 Simplifier::Simplifier(Simplifier&&) noexcept = default;
 Simplifier& Simplifier::operator=(Simplifier&&) noexcept = default;
 
-void Simplifier::simplify(double error) {
+void Simplifier::simplify(double error, double angle) {
   State& s = *state_;
+  for (const Move& move : s.refused) s.moves.push(move);
+  s.refused.clear();
   while (!s.moves.empty() && s.moves.top().cost <= error * error) {
     const Move next = s.moves.top();
     s.moves.pop();
-    const bool is_old = s.version[index(next.from)] != next.version || s.version[index(next.to)] < 0;
-    if (!is_old && s.fits(next.from, next.to)) s.move(next.from, next.to);
+    if (s.version[index(next.from)] != next.version || s.version[index(next.to)] < 0) continue;
+    if (s.fits(next.from, next.to, std::cos(angle))) {
+      s.move(next.from, next.to);
+    } else {
+      s.refused.push_back(next);
+    }
   }
 }
 
@@ -227,9 +243,7 @@ std::vector<Facet> Simplifier::facets() const {
     Facet& facet = facets.emplace_back(Facet{.part = s.part});
     for (std::size_t k = 0; k < 3; ++k) {
       facet.corner[k] = s.place[index(t[k])];
-      // Of the normals that the mesh has there, the one that fits this triangle: edges stay sharp.
-      facet.normal[k] =
-          *std::ranges::max_element(s.normals[index(t[k])], {}, [&](const Vec3<float>& n) { return dot(n, own); });
+      facet.normal[k] = s.normal_at(t[k], own);  // so that edges stay sharp
     }
   }
   return facets;

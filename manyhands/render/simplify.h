@@ -19,8 +19,9 @@ class Simplifier {
   Simplifier(Simplifier&&) noexcept;
   Simplifier& operator=(Simplifier&&) noexcept;
 
-  /// Goes on until the next vertex would be farther than `error` [m] from its planes, in the mean of their squares.
-  void simplify(double error);
+  /// Goes on until the next vertex would be farther than `error` [m] from its planes, in the mean of their squares, or
+  /// a triangle turn away from the normals at its corners by more than `angle` [rad].
+  void simplify(double error, double angle);
   [[nodiscard]] std::vector<Facet> facets() const;
 
  private:
