@@ -15,9 +15,7 @@ using Key = std::array<float, 6>;
 
 constexpr float kFacing = 1.2f;  // how much directions count in the cut, in sizes of the mesh
 
-Vec area_of(const Facet& facet) {
-  return cross(facet.corner[1] - facet.corner[0], facet.corner[2] - facet.corner[0]);
-}
+Vec area_of(const Facet& facet) { return cross(facet.corner[1] - facet.corner[0], facet.corner[2] - facet.corner[0]); }
 
 Vec unit(const Vec& a) {
   const float length = norm(a);

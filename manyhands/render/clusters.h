@@ -19,8 +19,8 @@ struct Facet {
 
 /// Neighbouring triangles that face much the same way.
 struct Cluster {
-  int first_vertex, num_vertices;      ///< multiples of kRays
-  int first_triangle, num_triangles;   ///< likewise
+  int first_vertex, num_vertices;     ///< multiples of kRays
+  int first_triangle, num_triangles;  ///< likewise
 };
 
 /// Bounds of eight clusters: a ball around each, and a cone around the normals of its triangles.
@@ -31,9 +31,10 @@ struct ClusterBounds {
   Rays spread;  ///< sine of the angle between the axis and the normal that is farthest from it; above 1: too wide
 };
 
-/// Immutable. Where numbers are missing to a multiple of kRays, vertices are repeated, and triangles without area stand.
+/// Immutable. Where numbers are missing to a multiple of kRays, vertices are repeated, and triangles without area
+/// stand.
 struct ClusteredMesh {
-  static constexpr int kMostTriangles = 64;                  ///< of a cluster
+  static constexpr int kMostTriangles = 64;                 ///< of a cluster
   static constexpr int kMostVertices = 3 * kMostTriangles;  ///< likewise
 
   /// is_closed: whether it is known that each edge is passed as often in one direction as in the other.
@@ -41,10 +42,10 @@ struct ClusteredMesh {
 
   std::vector<Cluster> clusters;
   std::vector<ClusterBounds> bounds;
-  std::vector<float> x, y, z;                         ///< vertices of the clusters, one after the other [m]
+  std::vector<float> x, y, z;                        ///< vertices of the clusters, one after the other [m]
   std::array<std::vector<std::uint8_t>, 3> corners;  ///< of the triangles, by vertex of their cluster
-  std::vector<Facet> facets;                          ///< the triangles
-  bool is_closed;                                     ///< its triangles are seen from outside only
+  std::vector<Facet> facets;                         ///< the triangles
+  bool is_closed;                                    ///< its triangles are seen from outside only
 };
 
 /// Whether each edge is passed as often in one direction as in the other.

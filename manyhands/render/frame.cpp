@@ -60,7 +60,7 @@ void set_shade(PlacedItem& placed, const LightAxes& light) {
 
 /// By how much a mesh may be off before it can be seen in the picture [m].
 float visible_error(const PlacedItem& placed, const Camera& camera, const Look& look) {
-  constexpr float kInvisible = 0.5f;   // of the distance between samples
+  constexpr float kInvisible = 0.5f;  // of the distance between samples
   const float focal = static_cast<float>(max(camera.fx, camera.fy) * look.antialiasing);
   return kInvisible * (camera.orthographic ? 1 : max(placed.nearest, static_cast<float>(camera.near))) / focal;
 }

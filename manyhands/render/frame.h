@@ -24,8 +24,8 @@ struct Rectangle {
 /// An item where it is.
 struct PlacedItem {
   const Item* item;
-  int first_seen;  ///< in the palette of the frame
-  bool is_still;   ///< it stands in the world and cannot move
+  int first_seen;                      ///< in the palette of the frame
+  bool is_still;                       ///< it stands in the world and cannot move
   const ClusteredMesh *shown, *casts;  ///< of meshes: what is drawn in colours, and what casts shadows
   Transform<float> X_WI, X_IC;
   Rectangle view;   ///< the pixels that it may cover
@@ -66,7 +66,7 @@ struct PictureFrame {
   std::vector<Paint> paint;       ///< by number of `Seen`; marks follow
   std::vector<Item> own;          ///< items of this picture alone: marks, and shapes of other sizes
   std::vector<TexturedSurface> textured;
-  float texel;                  ///< side of a square of the suns' grids [m]
+  float texel;                 ///< side of a square of the suns' grids [m]
   std::vector<SunPoint> suns;  ///< empty where there are no shadows
 
   /// The solid items that stand still, or those that may move.

@@ -12,8 +12,8 @@ namespace {
 
 using Vec = Vec3<float>;
 
-constexpr float kLeast = 1e-4f;    // depth at which triangles are cut off that reach behind who looks [m]
-constexpr float kBeyond = 16384;   // how far from the part of the grid columns and rows are still precise
+constexpr float kLeast = 1e-4f;   // depth at which triangles are cut off that reach behind who looks [m]
+constexpr float kBeyond = 16384;  // how far from the part of the grid columns and rows are still precise
 
 /// Points p with dot(n, p) + d > 0 lie on its inner side.
 struct Plane {
@@ -146,9 +146,8 @@ void Raster::draw(const ClusteredMesh& mesh, const View& view, int number) {
       for (const Plane& side : beyond) clips = clips | (inside(side, bounds.centre) < reach(side, bounds.radius));
     }
     if (culls) seen = seen & !faces_away(bounds, view);
-    for_lanes<Rays>(seen, [&](int k) {
-      draw_cluster(mesh, mesh.clusters[group * kRays + index(k)], view, culls, lane(clips, k));
-    });
+    for_lanes<Rays>(
+        seen, [&](int k) { draw_cluster(mesh, mesh.clusters[group * kRays + index(k)], view, culls, lane(clips, k)); });
   }
 }
 

@@ -8,14 +8,15 @@
 
 namespace manyhands {
 
-/// How points p of a mesh are seen: with (a, b, c) = rows p + at, in column a / c and row b / c at the depth c, or where
-/// rays are parallel in column a and row b at the depth c. Columns go to the right and rows down, seen from outside.
+/// How points p of a mesh are seen: with (a, b, c) = rows p + at, in column a / c and row b / c at the depth c, or
+/// where rays are parallel in column a and row b at the depth c. Columns go to the right and rows down, seen from
+/// outside.
 struct View {
   Vec3<float> across{}, down{}, ahead{};  ///< rows
   Vec3<float> at{};
   bool is_parallel = false;
-  float near = 0;    ///< what is nearer is not seen [m]
-  Vec3<float> eye{};   ///< where who looks is; where rays are parallel, where they go to (unit)
+  float near = 0;           ///< what is nearer is not seen [m]
+  Vec3<float> eye{};        ///< where who looks is; where rays are parallel, where they go to (unit)
   bool sees_backs = false;  ///< also the inner sides of closed meshes
 };
 
@@ -65,8 +66,8 @@ class Raster {
   GridPart part_;
   int stride_ = 0;
   bool keeps_triangles_ = false, is_empty_ = true;
-  int number_ = 0;   // of the mesh that is drawn
-  float most_ = 0;   // nearness that is seen of it
+  int number_ = 0;  // of the mesh that is drawn
+  float most_ = 0;  // nearness that is seen of it
   std::vector<float> nearness_;
   std::vector<std::int32_t> mesh_, triangle_;
 };

@@ -157,7 +157,7 @@ void Renderer::Work::take(const Shot& shot, int band, int worker, const ForEach&
 
 template <class ForEach>
 void Renderer::Work::paint(const Drawing& drawing, int band, const ForEach& for_each, const Pictures& to,
-                     std::vector<std::uint8_t>& rough) {
+                           std::vector<std::uint8_t>& rough) {
   const int height = drawing.frame.camera.height;
   const auto for_each_band = [&](auto&& body) {
     for_each((height + band - 1) / band, [&](int item, int worker) {
@@ -171,7 +171,8 @@ void Renderer::Work::paint(const Drawing& drawing, int band, const ForEach& for_
 }
 
 template <class ForEach>
-std::shared_ptr<const Backdrop> Renderer::Work::draw_backdrop(const PictureFrame& still, int band, const ForEach& for_each) {
+std::shared_ptr<const Backdrop> Renderer::Work::draw_backdrop(const PictureFrame& still, int band,
+                                                              const ForEach& for_each) {
   const Camera& camera = still.camera;
   const auto tiles = [](int pixels) { return size((pixels + kTile - 1) / kTile); };
   const auto made = std::make_shared<Backdrop>();

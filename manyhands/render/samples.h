@@ -8,8 +8,8 @@ namespace manyhands {
 /// The meshes that a part of a picture shows, drawn with `scale` x `scale` points to a pixel.
 struct Layers {
   int scale = 1;
-  bool is_exact = false;         ///< the meshes themselves, not their coarser copies
-  Raster still, moving;          ///< by number of the frame's solid item
+  bool is_exact = false;        ///< the meshes themselves, not their coarser copies
+  Raster still, moving;         ///< by number of the frame's solid item
   std::vector<Raster> clear{};  ///< of each see-through item
 };
 
@@ -54,8 +54,8 @@ struct Samples : Found {  // by `find`
 
 /// Begins to look: nothing is found.
 void clear(const PictureFrame& frame, Samples& samples);
-/// Depths, and what is seen, of the frame's solid items that stand still, or of those that may move, before what has been
-/// found so far. `layers` holds them at the samples.
+/// Depths, and what is seen, of the frame's solid items that stand still, or of those that may move, before what has
+/// been found so far. `layers` holds them at the samples.
 void find(const PictureFrame& frame, const Layers& layers, bool still, Samples& samples);
 /// Colours, of what has been found.
 void shade(const PictureFrame& frame, const Layers& layers, Samples& samples);

@@ -15,12 +15,12 @@ using Vec = Vec3<Rays>;
 using Masks = std::array<RayMask, Samples::kPackets>;
 
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
-constexpr float kFarthest = 1e4f;     // casts a shadow [m]
-constexpr float kSquare = 1;          // largest side of a square of a sun's grid, in pixels
-constexpr float kSoftSquare = 2;      // likewise, of one of many suns
-constexpr int kLeastSquares = 256;    // a grid may have so many along a side, and more for large pictures
-constexpr float kOff = 1;             // in squares: so far off the surface a grid is asked
-constexpr float kNearest = 0.02f;     // what is nearer to the camera does not count [m]
+constexpr float kFarthest = 1e4f;   // casts a shadow [m]
+constexpr float kSquare = 1;        // largest side of a square of a sun's grid, in pixels
+constexpr float kSoftSquare = 2;    // likewise, of one of many suns
+constexpr int kLeastSquares = 256;  // a grid may have so many along a side, and more for large pictures
+constexpr float kOff = 1;           // in squares: so far off the surface a grid is asked
+constexpr float kNearest = 0.02f;   // what is nearer to the camera does not count [m]
 
 float power_of_two_below(float a) { return std::ldexp(1.0f, std::ilogb(a)); }
 
@@ -36,8 +36,8 @@ float texel_of(const PictureFrame& frame) {
   for (const PlacedItem& placed : frame.solid) {
     if (placed.item->type != ShapeType::kPlane && placed.view.meets(picture)) nearest = min(nearest, placed.nearest);
     if (!casts_by_grid(placed)) continue;
-    casts = {min(casts.left, placed.shade.left), max(casts.right, placed.shade.right),
-             min(casts.top, placed.shade.top), max(casts.bottom, placed.shade.bottom)};
+    casts = {min(casts.left, placed.shade.left), max(casts.right, placed.shade.right), min(casts.top, placed.shade.top),
+             max(casts.bottom, placed.shade.bottom)};
   }
   nearest = nearest < kInfinite ? max(nearest, kNearest) : 1;
   const float focal = static_cast<float>(max(camera.fx, camera.fy));

@@ -80,9 +80,7 @@ struct Simplifier::State {
 
   void read(std::span<const Facet> mesh);
   void keep_rims();
-  void push(int from, int to) {
-    moves.push({quadric[index(from)].at(at(to)), from, to, version[index(from)]});
-  }
+  void push(int from, int to) { moves.push({quadric[index(from)].at(at(to)), from, to, version[index(from)]}); }
   [[nodiscard]] std::vector<int> neighbours(int vertex) const;
   /// Of the normals that the mesh has at a vertex, the one that fits a triangle with the normal n best.
   [[nodiscard]] const Vec3<float>& normal_at(int vertex, const Vec3<float>& n) const {

@@ -156,7 +156,8 @@ Triangles::Triangles(const std::vector<Part>& parts) {
 }
 
 const ClusteredMesh& Triangles::within(float error) const {
-  const auto found = std::ranges::find_if(levels_.rbegin(), levels_.rend(), [&](const Level& level) { return level.error <= error; });
+  const auto found =
+      std::ranges::find_if(levels_.rbegin(), levels_.rend(), [&](const Level& level) { return level.error <= error; });
   return found == levels_.rend() ? exact() : found->mesh;
 }
 

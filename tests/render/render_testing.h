@@ -37,8 +37,8 @@ inline Picture take(Renderer& renderer, const Shot& shot) { return take(renderer
 inline Mesh ball_mesh(double r, int n) {
   Mesh mesh;
   const auto add = [&](double theta, double phi) {
-    mesh.vertices.push_back(broadcast<float>(Vec3<double>{
-        r * std::sin(theta) * std::cos(phi), r * std::sin(theta) * std::sin(phi), r * std::cos(theta)}));
+    mesh.vertices.push_back(broadcast<float>(
+        Vec3<double>{r * std::sin(theta) * std::cos(phi), r * std::sin(theta) * std::sin(phi), r * std::cos(theta)}));
   };
   const double step = std::numbers::pi / n;
   add(0, 0);
