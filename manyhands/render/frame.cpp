@@ -60,7 +60,7 @@ void set_shade(PlacedItem& placed, const LightAxes& light) {
 
 /// By how much a mesh may be off before it can be seen in the picture [m].
 float visible_error(const PlacedItem& placed, const Camera& camera, const Look& look) {
-  constexpr float kInvisible = 0.5f;  // of the distance between samples
+  constexpr float kInvisible = 0.4f;  // of the distance between samples
   const float focal = static_cast<float>(max(camera.fx, camera.fy) * look.antialiasing);
   return kInvisible * (camera.orthographic ? 1 : max(placed.nearest, static_cast<float>(camera.near))) / focal;
 }
@@ -119,7 +119,8 @@ void set_frame(PictureFrame& frame, const Scene& scene, const Camera& camera, co
     placed.X_IC = broadcast<float>(inverse(X_WI) * X_WC);
     set_view(placed, camera);
     set_shade(placed, frame.light);
-    if (item.triangles != nullptr) placed.shown = &item.triangles->within(visible_error(placed, camera, look));
+    placed.error = visible_error(placed, camera, look);
+    if (item.triangles != nullptr) placed.shown = &item.triangles->within(placed.error);
     (is_clear ? frame.clear : frame.solid).push_back(placed);
   };
   for (const Seen& seen : scene.seen()) {

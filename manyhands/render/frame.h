@@ -26,6 +26,7 @@ struct PlacedItem {
   const Item* item;
   int first_seen;                      ///< in the palette of the frame
   bool is_still;                       ///< it stands in the world and cannot move
+  float error;                         ///< by how much a mesh may be off in colours [m]
   const ClusteredMesh *shown, *casts;  ///< of meshes: what is drawn in colours, and what casts shadows
   Transform<float> X_WI, X_IC;
   Rectangle view;   ///< the pixels that it may cover

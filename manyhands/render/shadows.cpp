@@ -155,7 +155,8 @@ void set_suns(PictureFrame& frame) {
   if (frame.suns.empty()) return;
   frame.texel = texel_of(frame);
   for (PlacedItem& placed : frame.solid) {
-    if (casts_by_grid(placed)) placed.casts = &placed.item->triangles->within(frame.texel);
+    // What is shown, if it is not finer than the grid can tell: it does not shade itself where it is off.
+    if (casts_by_grid(placed)) placed.casts = &placed.item->triangles->within(max(placed.error, 0.5f * frame.texel));
   }
   const auto& [x, y, z] = frame.light;
   const int n = frame.look.shadow_rays;

@@ -18,11 +18,12 @@ using Vec = Vec3<float>;
 using Corner = std::array<int, 3>;
 
 constexpr float kSmooth = 0.766f;  // cosine of the angle below which an edge is none
-// Coarser copies are off by these shares of a mesh's size, and twice as much from one to the next. Their triangles turn
-// away from its normals by as many times kTurn [rad]: in large pictures, one sees by the light how a surface is turned.
+// Coarser copies are off by these shares of a mesh's size, and kStep times as much from one to the next. Their
+// triangles turn away from its normals by as many times kTurn [rad]: in large pictures, one sees by the light how a
+// surface is turned.
 constexpr float kFinest = 1.0f / 2048, kCoarsest = 1.0f / 32;
-constexpr float kTurn = 60;
-constexpr float kWorthwhile = 0.6f;  // a copy is kept if it has so many triangles of the last one, or fewer
+constexpr float kTurn = 40, kStep = 1.4142135f;
+constexpr float kWorthwhile = 0.7f;  // a copy is kept if it has so many triangles of the last one, or fewer
 
 /// For each vertex, the first one at the same place: files repeat vertices where normals or textures differ.
 std::vector<int> merged(const std::vector<Vec>& vertices) {
@@ -142,7 +143,7 @@ Triangles::Triangles(const std::vector<Part>& parts) {
   std::size_t last = all.size();
   const bool closed = is_closed(all);
   levels_.push_back({0, ClusteredMesh(all, closed)});
-  for (float error = kFinest * size; error <= kCoarsest * size; error *= 2) {
+  for (float error = kFinest * size; error <= kCoarsest * size; error *= kStep) {
     std::vector<Facet> coarser;
     for (Simplifier& simplifier : simplifiers) {
       simplifier.simplify(static_cast<double>(error), static_cast<double>(kTurn * error / size));
