@@ -1,4 +1,4 @@
-// Pictures of scenes: colour, depth, segmentation and normals, by rays on the CPU.
+// Pictures of scenes: colour, depth, segmentation and normals, on the CPU.
 #pragma once
 
 #include "manyhands/render/camera.h"
