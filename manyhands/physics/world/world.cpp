@@ -133,7 +133,7 @@ std::string made_motion(const WorldCore& core, double h) {
 }  // namespace
 
 void World::fail_step(WorldCore& core, const std::string& what) {
-  core.put_back(false, core.before);
+  core.return_to_start();
   core.moved();
   core.forget_step();
   throw SimulationError("the step at " + std::to_string(time()) + " s " + what +
@@ -142,7 +142,7 @@ void World::fail_step(WorldCore& core, const std::string& what) {
 }
 
 void World::step_once(WorldCore& core) {
-  core.keep_all(core.before);
+  core.keep_start();
   core.external_before.assign(core.extras.external.begin(), core.extras.external.end());
   const bool pushed = core.extras.pushed[0] != 0;
   if (pushed) core.push(core.system.tree, core.model->frames(), core.placed());
@@ -150,7 +150,7 @@ void World::step_once(WorldCore& core) {
     try {
       runge_kutta_step_or_throw(core);
     } catch (const std::runtime_error&) {
-      core.put_back(false, core.before);
+      core.return_to_start();
       core.moved();
       throw;
     }
