@@ -6,18 +6,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import Model
-from manyhands._core import kinematics as _core
-from manyhands.arguments import all_finite, finite_rows, whole_number
-from manyhands.rigid_motions import unit_quaternions
+from manyhands._core import kinematics as _kinematics
+from manyhands.arguments import finite_rows, whole_number
 
 if TYPE_CHECKING:
     from manyhands.planning.planner import Planner
 
 __all__ = ["IkResult", "inverse", "inverse_kinematics"]
 
-Array = NDArray[np.float64]
+_core: Any = _kinematics  # what it returns depends on whether there are rows
 
-_SHORTEST = 1e-6  # of directions
 _AXIS = (0.0, 0.0, 1.0)
 
 
@@ -75,43 +73,31 @@ def inverse(
     two orientations, a joint of several degrees of freedom between the world and the frame, or a planner that does not
     fit.
     """
-    goal = _goal(position, quaternion, direction, look_at)
-    preferred = None if posture is None else _configuration(model, "posture", posture)
-    if start is not None:
-        q0 = _configuration(model, "start", start)
-    elif preferred is not None:
-        q0 = preferred
-    else:
-        q0 = model.neutral_configuration() if avoid is None else avoid.configuration(avoid.start)
-    for name, number in (
-        ("position_tolerance", position_tolerance),
-        ("rotation_tolerance", rotation_tolerance),
-        ("position_weight", position_weight),
-        ("rotation_weight", rotation_weight),
-    ):
-        if not number > 0:
-            raise ValueError(f"{name} is {number}; expected more than 0")
-    found: Any = _core.search(
+    if start is None and posture is None and avoid is not None:
+        start = avoid.configuration(avoid.start)
+    q, success, position_error, rotation_error = _core.inverse(
         model,
         frame,
+        _numbers("position", position),
+        _numbers("quaternion", quaternion),
+        _numbers("direction", direction),
+        _numbers("look_at", look_at),
+        None if axis is _AXIS else _numbers("axis", axis),
+        _numbers("posture", posture),
+        position_weight,
+        rotation_weight,
         relative_to or "",
-        goal.position,
-        goal.quaternion,
-        goal.toward,
-        q0,
-        orientation=goal.orientation,
-        axis=_unit("axis", axis).tolist() if goal.orientation in ("along", "at") else _AXIS,
-        position_weight=position_weight if goal.places else 0.0,
-        rotation_weight=rotation_weight,
-        posture=np.zeros(0) if preferred is None else preferred,
-        restarts=whole_number("restarts", restarts, 0, 2**31 - 1),
-        seed=whole_number("seed", seed, 0, 2**64 - 1),
-        respect_limits=respect_limits,
-        position_tolerance=position_tolerance,
-        rotation_tolerance=rotation_tolerance,
-        avoid=None if avoid is None else avoid._core,
+        None if avoid is None else avoid._core,
+        _numbers("start", start),
+        whole_number("restarts", restarts, 0, 2**31 - 1),
+        whole_number("seed", seed, 0, 2**64 - 1),
+        respect_limits,
+        position_tolerance,
+        rotation_tolerance,
     )
-    return IkResult(*(array[0] for array in found)) if goal.is_single else IkResult(*found)
+    if q.ndim == 1:
+        return IkResult(q, np.bool_(success), np.float64(position_error), np.float64(rotation_error))
+    return IkResult(q, success, position_error, rotation_error)
 
 
 def inverse_kinematics(
@@ -156,75 +142,8 @@ def inverse_kinematics(
     )
 
 
-class _Goal(NamedTuple):
-    """Rows of a goal, and what it asks for."""
-
-    orientation: str
-    places: bool
-    is_single: bool
-    position: Array
-    quaternion: Array
-    toward: Array
-
-
-def _goal(
-    position: ArrayLike | None, quaternion: ArrayLike | None, direction: ArrayLike | None, look_at: ArrayLike | None
-) -> _Goal:
-    given: dict[str, Array] = {}
-    if position is not None:
-        given["position"] = finite_rows("position", position, 3)
-    if quaternion is not None:
-        given["quaternion"] = unit_quaternions("quaternion", quaternion)
-    if direction is not None:
-        given["direction"] = _unit("direction", direction)
-    if look_at is not None:
-        given["look_at"] = finite_rows("look_at", look_at, 3)
-    if not given:
-        raise ValueError("there is no goal; give position, quaternion, direction or look_at")
-    if len(given.keys() - {"position"}) > 1:
-        raise ValueError("quaternion, direction and look_at are different goals of orientation; give one of them")
-    for name, rows in given.items():
-        if rows.ndim > 2:
-            width = rows.shape[-1]
-            raise ValueError(f"{name} has shape {rows.shape}; expected ({width},) or (n, {width})")
-    counts = {name: len(rows) for name, rows in given.items() if rows.ndim == 2}
-    if len(set(counts.values())) > 1:
-        text = " and ".join(f"{name} {n}" for name, n in counts.items())
-        raise ValueError(f"{text} rows; expected as many rows of each, or a single one for all")
-    n = next(iter(counts.values()), 1)
-
-    def rows_of(width: int, *names: str) -> Array:
-        rows = next((given[name] for name in names if name in given), None)
-        if rows is None:  # of what is not asked for
-            return np.ones((n, width))
-        if rows.ndim == 1:
-            rows = rows[None] if n == 1 else np.tile(rows, (n, 1))
-        return np.ascontiguousarray(rows)
-
-    kinds = {"quaternion": "full", "direction": "along", "look_at": "at"}
-    return _Goal(
-        orientation=next((kind for name, kind in kinds.items() if name in given), "free"),
-        places=position is not None,
-        is_single=not counts,
-        position=rows_of(3, "position"),
-        quaternion=rows_of(4, "quaternion"),
-        toward=rows_of(3, "direction", "look_at"),
-    )
-
-
-def _unit(name: str, vectors: ArrayLike) -> Array:
-    """Vectors (..., 3) at length 1."""
-    array = finite_rows(name, vectors, 3)
-    lengths = np.linalg.norm(array, axis=-1, keepdims=True)
-    if (lengths < _SHORTEST).any():
-        raise ValueError(f"{name} is shorter than {_SHORTEST:g}, which leaves its direction open")
-    return array / lengths
-
-
-def _configuration(model: Model, name: str, values: ArrayLike) -> Array:
-    q = np.asarray(values, np.float64)
-    if q.shape != (model.nq,):
-        raise ValueError(f"{name} has shape {q.shape}; expected ({model.nq},)")
-    if not all_finite(q):
-        raise ValueError(f"{name} must be finite, but is {q}")
-    return q
+def _numbers(name: str, values: Any) -> Any:
+    """As an array of float64; the extension checks shapes, and the numbers of what is one already."""
+    if values is None or (type(values) is np.ndarray and values.dtype == np.float64):
+        return values
+    return finite_rows(name, values)
