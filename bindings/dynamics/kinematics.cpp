@@ -2,7 +2,6 @@
 #include "bindings/dynamics/kinematics.h"
 
 #include <nanobind/nanobind.h>
-#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 
 #include <algorithm>
@@ -14,6 +13,7 @@
 #include "bindings/bindings.h"
 #include "bindings/dynamics/rows.h"
 #include "bindings/model/python_model.h"
+#include "bindings/numbers.h"
 #include "bindings/planning/planner.h"
 #include "manyhands/kinematics/ik_search.h"
 
@@ -48,36 +48,41 @@ struct IkPool {
 namespace {
 
 using bindings::copied;
-using bindings::Input;
+using bindings::Numbers;
 
 /// Targets between two looks for Ctrl-C.
 constexpr std::size_t kPiece = 1024;
 
 /// A part of a goal, as it was given: one row for all targets, or one each.
-struct Part {
-  const char* name;
-  std::size_t width;
-  std::optional<Input<double>> numbers;
+class Part {
+ public:
+  /// Throws std::invalid_argument on a wrong shape, NaN and infinities; None is not given.
+  Part(const char* name, std::size_t width, nb::handle given) : name_(name), width_(width) {
+    if (given.is_none()) return;
+    numbers_.emplace(name, given);
+    const std::size_t dimensions = numbers_->ndim();
+    if (dimensions < 1 || dimensions > 2 || numbers_->shape(dimensions - 1) != width) {
+      const std::string w = std::to_string(width);
+      throw std::invalid_argument(std::string(name) + " has shape " + bindings::shape_of(*numbers_) + "; expected (" +
+                                  w + ",) or (n, " + w + ")");
+    }
+    bindings::require_finite(name, *numbers_);
+  }
 
-  [[nodiscard]] bool is_given() const { return numbers.has_value(); }
-  [[nodiscard]] bool has_rows() const { return is_given() && numbers->ndim() == 2; }
-  [[nodiscard]] const double* row(std::size_t i) const { return numbers->data() + (has_rows() ? i * width : 0); }
+  [[nodiscard]] const char* name() const { return name_; }
+  [[nodiscard]] bool is_given() const { return numbers_.has_value(); }
+  [[nodiscard]] bool has_rows() const { return is_given() && numbers_->ndim() == 2; }
+  [[nodiscard]] std::size_t rows() const { return numbers_->shape(0); }
+  [[nodiscard]] const double* row(std::size_t i) const { return numbers_->data() + (has_rows() ? i * width_ : 0); }
   [[nodiscard]] Vec3<double> vector(std::size_t i) const {
     const double* x = row(i);
     return {x[0], x[1], x[2]};
   }
 
-  const Part& checked() const {
-    if (!is_given()) return *this;
-    const std::size_t dimensions = numbers->ndim();
-    if (dimensions < 1 || dimensions > 2 || numbers->shape(dimensions - 1) != width) {
-      const std::string w = std::to_string(width);
-      throw std::invalid_argument(std::string(name) + " has shape " + bindings::shape_of(*numbers) + "; expected (" +
-                                  w + ",) or (n, " + w + ")");
-    }
-    bindings::require_finite(name, *numbers);
-    return *this;
-  }
+ private:
+  const char* name_;
+  std::size_t width_;
+  std::optional<Numbers> numbers_{};
 };
 
 constexpr double kShortest = 1e-6;
@@ -103,7 +108,6 @@ struct Goal {
   Part position, quaternion, direction, look_at;
 
   void check() const {
-    for (const Part* part : parts()) (void)part->checked();
     const int orientations = quaternion.is_given() + direction.is_given() + look_at.is_given();
     if (orientations == 0 && !position.is_given())
       throw std::invalid_argument("there is no goal; give position, quaternion, direction or look_at");
@@ -124,13 +128,13 @@ struct Goal {
     for (const Part* part : parts()) {
       if (!part->has_rows()) continue;
       if (!first) first = part;
-      const std::size_t n = first->numbers->shape(0), other = part->numbers->shape(0);
+      const std::size_t n = first->rows(), other = part->rows();
       if (n != other)
-        throw std::invalid_argument(std::string(first->name) + " " + std::to_string(n) + " and " + part->name + " " +
-                                    std::to_string(other) +
+        throw std::invalid_argument(std::string(first->name()) + " " + std::to_string(n) + " and " + part->name() +
+                                    " " + std::to_string(other) +
                                     " rows; expected as many rows of each, or a single one for all");
     }
-    return first ? first->numbers->shape(0) : 1;
+    return first ? first->rows() : 1;
   }
 
   [[nodiscard]] IkOrientation orientation() const {
@@ -150,7 +154,10 @@ struct Goal {
   }
 };
 
-std::vector<double> configuration(const char* name, const Input<double>& q, int nq) {
+/// Empty for None.
+std::vector<double> configuration(const char* name, nb::handle given, int nq) {
+  if (given.is_none()) return {};
+  const Numbers q(name, given);
   if (q.ndim() != 1 || q.shape(0) != bindings::size(nq))
     throw std::invalid_argument(std::string(name) + " has shape " + bindings::shape_of(q) + "; expected (" +
                                 std::to_string(nq) + ",)");
@@ -207,12 +214,10 @@ IkSolutions search(PythonModel& model, int key, const IkGoal& goal, std::span<co
   return all;
 }
 
-using Given = std::optional<Input<double>>;
-
-nb::tuple find_inverse(PythonModel& model, const std::string& frame, const Given& position, const Given& quaternion,
-                       const Given& direction, const Given& look_at, const Given& axis, const Given& posture,
+nb::tuple find_inverse(PythonModel& model, const std::string& frame, nb::handle position, nb::handle quaternion,
+                       nb::handle direction, nb::handle look_at, nb::handle axis, nb::handle posture,
                        double position_weight, double rotation_weight, const std::string& relative_to, Planner* avoid,
-                       const Given& start, int restarts, std::uint64_t seed, bool respect_limits,
+                       nb::handle start, int restarts, std::uint64_t seed, bool respect_limits,
                        double position_tolerance, double rotation_tolerance) {
   const Model& robot = *model.model;
   const Goal given{
@@ -223,17 +228,17 @@ nb::tuple find_inverse(PythonModel& model, const std::string& frame, const Given
   require_positive("position_tolerance", position_tolerance, true);
   require_positive("rotation_tolerance", rotation_tolerance, true);
   IkGoal goal{.orientation = given.orientation(),
-              .position_weight = position.has_value() ? position_weight : 0,
-              .rotation_weight = rotation_weight};
-  if (axis && (direction || look_at)) goal.axis = unit("axis", Part{"axis", 3, axis}.checked().vector(0));
-  if (posture) goal.posture = configuration("posture", *posture, robot.nq());
+              .position_weight = given.position.is_given() ? position_weight : 0,
+              .rotation_weight = rotation_weight,
+              .posture = configuration("posture", posture, robot.nq())};
+  if (given.direction.is_given() || given.look_at.is_given())
+    if (const Part pointing("axis", 3, axis); pointing.is_given()) goal.axis = unit("axis", pointing.vector(0));
   IkSearchSettings settings{.restarts = restarts, .seed = seed};
   settings.ik.respect_limits = respect_limits;
   settings.ik.position_tolerance = position_tolerance;
   settings.ik.rotation_tolerance = rotation_tolerance;
-  const std::vector<double> first = start     ? configuration("start", *start, robot.nq())
-                                    : posture ? goal.posture
-                                              : robot.neutral_configuration();
+  std::vector<double> first = configuration("start", start, robot.nq());
+  if (first.empty()) first = goal.posture.empty() ? robot.neutral_configuration() : goal.posture;
   std::vector<IkTarget<double>> targets(given.count());
   for (std::size_t i = 0; i < targets.size(); ++i) targets[i] = given.target(i);
   std::optional<FrameId> base;
@@ -241,7 +246,7 @@ nb::tuple find_inverse(PythonModel& model, const std::string& frame, const Given
   const IkSolutions found =
       search(model, IkPool::key(robot, robot.frame_id(frame), base), goal, targets, first, settings, avoid);
   if (given.is_single())
-    return nb::make_tuple(copied(found.q.data(), {found.q.size()}), found.success[0] != 0, found.position_error[0],
+    return nb::make_tuple(bindings::new_array(found.q), found.success[0] != 0, found.position_error[0],
                           found.rotation_error[0]);
   const std::size_t n = targets.size();
   return nb::make_tuple(copied(found.q.data(), {n, bindings::size(robot.nq())}), bindings::copied_bools(found.success),

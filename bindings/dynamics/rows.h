@@ -30,8 +30,8 @@ struct Batch {
   bool single;
 };
 
-template <class R>
-[[nodiscard]] std::string shape_of(const Input<R>& array) {
+template <class Numbers>
+[[nodiscard]] std::string shape_of(const Numbers& array) {
   std::string text = "(";
   for (std::size_t i = 0; i < array.ndim(); ++i) text += (i > 0 ? ", " : "") + std::to_string(array.shape(i));
   return text + (array.ndim() == 1 ? ",)" : ")");
@@ -101,8 +101,8 @@ template <class R>
 }
 
 /// Throws std::invalid_argument, which says where, if a number is NaN or infinite.
-template <class R>
-void require_finite(const char* name, const Input<R>& array) {
+template <class Numbers>
+void require_finite(const char* name, const Numbers& array) {
   if (all_finite(std::span(array.data(), array.size()))) return;
   for (std::size_t i = 0; i < array.size(); ++i) {
     if (std::isfinite(array.data()[i])) continue;

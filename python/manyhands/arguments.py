@@ -64,6 +64,8 @@ def rate(name: str, value: float) -> float:
 
 def whole_number(name: str, value: Any, lowest: int, highest: int | None = None) -> int:
     """`value` as an int. Raises ValueError unless it is a whole number of `lowest` to `highest`, both included."""
+    if type(value) is int and value >= lowest and (highest is None or value <= highest):
+        return value
     expected = f"{lowest} or more" if highest is None else f"{lowest} to {highest}"
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | np.integer):
         raise ValueError(f"{name} is {value!r}, expected a whole number of {expected}")

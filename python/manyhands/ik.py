@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import Model
 from manyhands._core import kinematics as _kinematics
-from manyhands.arguments import finite_rows, whole_number
+from manyhands.arguments import whole_number
 
 if TYPE_CHECKING:
     from manyhands.planning.planner import Planner
@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 __all__ = ["IkResult", "inverse", "inverse_kinematics"]
 
 _core: Any = _kinematics  # what it returns depends on whether there are rows
+
+Array = NDArray[np.float64]
 
 _AXIS = (0.0, 0.0, 1.0)
 
@@ -75,29 +77,27 @@ def inverse(
     """
     if start is None and posture is None and avoid is not None:
         start = avoid.configuration(avoid.start)
-    q, success, position_error, rotation_error = _core.inverse(
+    found: Any = _core.inverse(
         model,
         frame,
-        _numbers("position", position),
-        _numbers("quaternion", quaternion),
-        _numbers("direction", direction),
-        _numbers("look_at", look_at),
-        None if axis is _AXIS else _numbers("axis", axis),
-        _numbers("posture", posture),
+        position,
+        quaternion,
+        direction,
+        look_at,
+        axis,
+        posture,
         position_weight,
         rotation_weight,
         relative_to or "",
         None if avoid is None else avoid._core,
-        _numbers("start", start),
+        start,
         whole_number("restarts", restarts, 0, 2**31 - 1),
         whole_number("seed", seed, 0, 2**64 - 1),
         respect_limits,
         position_tolerance,
         rotation_tolerance,
     )
-    if q.ndim == 1:
-        return IkResult(q, np.bool_(success), np.float64(position_error), np.float64(rotation_error))
-    return IkResult(q, success, position_error, rotation_error)
+    return IkResult(*found) if found[0].ndim == 2 else _single(*found)
 
 
 def inverse_kinematics(
@@ -142,8 +142,5 @@ def inverse_kinematics(
     )
 
 
-def _numbers(name: str, values: Any) -> Any:
-    """As an array of float64; the extension checks shapes, and the numbers of what is one already."""
-    if values is None or (type(values) is np.ndarray and values.dtype == np.float64):
-        return values
-    return finite_rows(name, values)
+def _single(q: Array, success: Any, position_error: Any, rotation_error: Any) -> IkResult:
+    return IkResult(q, np.bool_(success), np.float64(position_error), np.float64(rotation_error))  # type: ignore[arg-type]
