@@ -83,8 +83,8 @@ class Numbers {
 
 /// A new array of doubles.
 [[nodiscard]] inline nanobind::object new_array(const std::vector<double>& numbers) {
-  static PyObject* const empty = nanobind::module_::import_("numpy").attr("empty").release().ptr();
-  nanobind::object array = nanobind::handle(empty)(numbers.size());
+  static const nanobind::handle empty = nanobind::object(nanobind::module_::import_("numpy").attr("empty")).release();
+  const nanobind::object array = empty(numbers.size());
   Py_buffer view;
   if (PyObject_GetBuffer(array.ptr(), &view, PyBUF_C_CONTIGUOUS | PyBUF_WRITABLE) != 0) throw nanobind::python_error();
   if (!numbers.empty()) std::memcpy(view.buf, numbers.data(), numbers.size() * sizeof(double));

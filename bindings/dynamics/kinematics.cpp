@@ -15,6 +15,7 @@
 #include "bindings/model/python_model.h"
 #include "bindings/numbers.h"
 #include "bindings/planning/planner.h"
+#include "manyhands/kinematics/closed_form.h"
 #include "manyhands/kinematics/ik_search.h"
 
 namespace nb = nanobind;
@@ -253,6 +254,27 @@ nb::tuple find_inverse(PythonModel& model, const std::string& frame, nb::handle 
                         copied(found.position_error.data(), {n}), copied(found.rotation_error.data(), {n}));
 }
 
+/// (k, nq) all configurations within the limits that lead to a pose.
+nb::object closed_form(PythonModel& model, const std::string& frame, nb::handle position, nb::handle quaternion,
+                       nb::handle start) {
+  const Model& robot = *model.model;
+  const Part p("position", 3, position), r("quaternion", 4, quaternion);
+  if (!p.is_given() || !r.is_given() || p.has_rows() || r.has_rows())
+    throw std::invalid_argument("position and quaternion are one pose; expected (3,) and (4,)");
+  std::vector<double> near = configuration("start", start, robot.nq());
+  if (near.empty()) near = robot.neutral_configuration();
+  const std::optional<ClosedForm> form = ClosedForm::of(robot, robot.frame_id(frame));
+  if (!form)
+    throw std::invalid_argument(
+        "the joints that move '" + frame +
+        "' are no six-axis arm with a closed form: second and third axis parallel, and a spherical wrist or a fourth "
+        "axis parallel to them; kinematics.inverse finds one configuration of any arm");
+  const auto rows = form->within_limits(robot, {rotation(r.row(0)), p.vector(0)}, near);
+  std::vector<double> all;
+  for (const std::vector<double>& q : rows) all.insert(all.end(), q.begin(), q.end());
+  return copied(all.data(), {rows.size(), near.size()});
+}
+
 }  // namespace
 
 void bind_kinematics(nb::module_& parent) {
@@ -266,6 +288,8 @@ void bind_kinematics(nb::module_& parent) {
         "respect_limits"_a, "position_tolerance"_a, "rotation_tolerance"_a,
         "Rows (n, ...) or one of each part of a goal -> q (n, nq), success (n,), position_error (n,), rotation_error "
         "(n,), or those of a single goal; see manyhands.kinematics.inverse.");
+  m.def("closed_form", &closed_form, "model"_a, "frame"_a, "position"_a, "quaternion"_a, "start"_a.none(),
+        "(k, nq); see manyhands.kinematics.inverse_all.");
 }
 
 }  // namespace manyhands

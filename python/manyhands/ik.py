@@ -12,7 +12,7 @@ from manyhands.arguments import whole_number
 if TYPE_CHECKING:
     from manyhands.planning.planner import Planner
 
-__all__ = ["IkResult", "inverse", "inverse_kinematics"]
+__all__ = ["IkResult", "inverse", "inverse_all", "inverse_kinematics"]
 
 _core: Any = _kinematics  # what it returns depends on whether there are rows
 
@@ -140,6 +140,22 @@ def inverse_kinematics(
         position_tolerance=position_tolerance,
         rotation_tolerance=rotation_tolerance,
     )
+
+
+def inverse_all(
+    model: Model, frame: str, position: ArrayLike, quaternion: ArrayLike, *, start: ArrayLike | None = None
+) -> Array:
+    """All configurations (k, nq) within the limits that bring `frame` to a pose, position (3,) [m] and quaternion (4,)
+    xyzw, in closed form: at most eight, exact to rounding, those nearest to `start` (nq,), by default the neutral
+    configuration, first; k is 0 where there is none.
+
+    Of six-axis arms whose second and third axes are parallel and whose last three axes meet in a point, or whose fourth
+    axis is parallel to these, too, and whose last two meet. Angles differ from `start` by as few whole turns as limits
+    allow. Of the many configurations of a singular pose some are given, those whose sixth (or fourth) joint is at 0.
+
+    Raises KeyError for an unknown frame; ValueError for a wrong shape or number, and for arms of other kinds.
+    """
+    return _core.closed_form(model, frame, position, quaternion, start)
 
 
 def _single(q: Array, success: Any, position_error: Any, rotation_error: Any) -> IkResult:

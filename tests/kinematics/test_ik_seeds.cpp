@@ -6,6 +6,7 @@
 #include "manyhands/envs/panda.h"
 #include "manyhands/kinematics/ik_seeds.h"
 #include "manyhands/math/philox.h"
+#include "manyhands/model/model_builder.h"
 
 namespace manyhands {
 namespace {
@@ -74,7 +75,8 @@ TEST(IkSeeds, JointsWithoutLimitsStayInTheirTurn) {
   const LinkId link = builder.add_link("plate", {.mass = 1, .inertia = {1, 1, 1, 0, 0, 0}});
   builder.add_joint({.name = "spin", .type = JointType::kContinuous, .parent = builder.world(), .child = link});
   const Model model = builder.build();
-  const IkSeeds seeds(Tree<float>(model), ParamsStorage<float>(model), IkChain(model, model.frame_id("plate")));
+  const IkChain chain(model, model.frame_id("plate"));
+  const IkSeeds seeds{Tree<float>(model), ParamsStorage<float>(model), chain};
   const IkTarget<double> here{Transform<double>::identity(), {}};
   for (int rank = 0; rank < IkSeeds::kRanks; ++rank)
     EXPECT_NEAR(seeds.coordinate(seeds.near({}, here, rank), 0, 100.0F), 100, 3.15);
