@@ -41,7 +41,8 @@ class Chessboard:
         """(columns rows, 3) in the board's frame [m], row by row from its upper left, where y is largest."""
         x = (np.arange(self.columns) - (self.columns - 1) / 2) * self.side
         y = ((self.rows - 1) / 2 - np.arange(self.rows)) * self.side
-        return np.stack([*np.meshgrid(x, y), np.zeros((self.rows, self.columns))], axis=-1).reshape(-1, 3)
+        columns, rows = np.meshgrid(x, y)
+        return np.array([columns, rows, np.zeros_like(rows)], np.float64).reshape(3, -1).T.copy()
 
     def texture(self) -> Texture:
         """For the upper side of a box of half extents (size[0] / 2, size[1] / 2, anything)."""

@@ -36,7 +36,7 @@ def views(seen: mh.Camera) -> list[mh.Camera]:
     placed = []
     for yaw, tilt, roll in np.radians(around):
         eye = 0.6 * np.array([math.sin(tilt) * math.cos(yaw), math.sin(tilt) * math.sin(yaw), math.cos(tilt)])
-        placed.append(seen.look_at(eye, [0.01, -0.01, 0], up=[math.cos(roll), math.sin(roll), 0]))
+        placed.append(seen.look_at(eye.tolist(), [0.01, -0.01, 0], up=[math.cos(roll), math.sin(roll), 0]))
     return placed
 
 
