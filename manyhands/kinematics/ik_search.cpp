@@ -32,12 +32,10 @@ IkSolutions prepare(std::size_t n, std::span<const double> start, int attempts) 
 IkSettings settings_of_attempts(const IkSearchSettings& settings) {
   constexpr double kFinestInFloat = 1e-5;  // [m, rad]
   constexpr int kPatience = 3;
-  constexpr double kBold = 0.03;  // damping by the error: of nine arms' iterations a fifteenth less than with 0.1
   IkSettings ik = settings.ik;
   ik.position_tolerance = std::max(ik.position_tolerance, kFinestInFloat);
   ik.rotation_tolerance = std::max(ik.rotation_tolerance, kFinestInFloat);
   if (ik.patience == 0 && settings.restarts > 0) ik.patience = kPatience;
-  ik.error_damping = std::min(ik.error_damping, kBold);
   return ik;
 }
 

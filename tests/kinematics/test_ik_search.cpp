@@ -113,8 +113,7 @@ bool reaches(GoalSolve<float, float>& solve, int most) {
 /// both errors but missed a tolerance: what one attempt after another finds in scalars decides.
 TEST(IkSearch, EndsWithTheFirstAttemptThatReaches) {
   constexpr int n = 3000;
-  constexpr IkSearchSettings settings{.ik = {.error_damping = 0.03, .rotation_tolerance = 1.0, .patience = 3},
-                                      .restarts = 8};
+  constexpr IkSearchSettings settings{.ik = {.rotation_tolerance = 1.0, .patience = 3}, .restarts = 8};
   Panda panda;
   const Tree<float> tree(panda.robot.model);
   const ParamsStorage<float> params(panda.robot.model);
