@@ -197,7 +197,8 @@ class Planner:
         self, motion: Trajectory, start: float = 0.0, *, keep: PathConstraint | Sequence[PathConstraint] = ()
     ) -> float:
         """The time [s] up to which a motion of the planned joints is free all along from `start` on, within limits and
-        what `keep` asks: its duration if it is to the end. To a millisecond, and rather too early."""
+        what `keep` asks: its duration if it is to the end. To a millisecond, and rather too early: what passes within
+        half a millimetre of an obstacle may count as blocked."""
         return self._core.free_until(motion._motion, start, *as_rows(keep))
 
     def with_cloud(self, points: ArrayLike, radius: float = 0.01) -> "Planner":
