@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import Model, World
 from manyhands._core import planning as _core
-from manyhands.arguments import finite_rows, whole_number
+from manyhands.arguments import finite_row, finite_rows, whole_number
 from manyhands.planning.constraints import PathConstraint, as_rows
 from manyhands.planning.scene import names, state_of
 from manyhands.planning.timing import time_optimal
@@ -273,10 +273,7 @@ class Planner:
         return np.asarray(rows), status, message
 
     def _row(self, name: str, values: ArrayLike) -> Array:
-        row = finite_rows(name, values, len(self.joints))
-        if row.ndim != 1:
-            raise ValueError(f"{name} has shape {row.shape}; expected ({len(self.joints)},)")
-        return np.ascontiguousarray(row)
+        return np.ascontiguousarray(finite_row(name, values, len(self.joints)))
 
 
 def plan(scene: World | Model, frame: str, goal: ArrayLike | None = None, **options: Any) -> Plan:
