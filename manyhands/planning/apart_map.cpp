@@ -1,6 +1,9 @@
 #include "manyhands/planning/apart_map.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include "manyhands/planning/exact_check.h"
 
 namespace manyhands {
 
@@ -52,6 +55,46 @@ bool ApartMap::is_apart(const std::array<float, 2>& low, const std::array<float,
   return open_[place(last[0], last[1])] - open_[place(first[0], last[1])] - open_[place(last[0], first[1])] +
              open_[place(first[0], first[1])] ==
          0;
+}
+
+ApartMap internal::apart_map(const PlanningScene& scene, const PartPair& pair, ExactCheck& exact) {
+  constexpr std::size_t kMostJoints = 2;
+  constexpr double kHair = 1e-5;        // that users and float may be outside of limits by [rad or m]
+  constexpr double kFinestSway = 0.01;  // [m]
+  std::vector<ApartMap::Axis> between;
+  for (std::size_t k = 0; k < scene.size(); ++k) {
+    if (pair.reach[k] == 0) continue;
+    between.push_back({k, scene.lower[k] - kHair, scene.upper[k] + kHair});
+    if (!std::isfinite(scene.lower[k]) || !std::isfinite(scene.upper[k])) return {};
+  }
+  if (between.size() > kMostJoints) return {};
+  ApartMap map(between);
+  std::vector<double> q = scene.planned(scene.q);
+  std::vector<ApartMap::Box> boxes{map.whole()};
+  while (!boxes.empty()) {
+    ApartMap::Box box = boxes.back();
+    boxes.pop_back();
+    double sway = 0, most = 0;
+    std::size_t widest = 0;
+    for (std::size_t axis = 0; axis < between.size(); ++axis) {
+      q[between[axis].coordinate] = map.middle(box, axis);
+      const double own = static_cast<double>(pair.reach[between[axis].coordinate]) * map.half_width(box, axis);
+      sway += own;
+      if (box.count[axis] == 1 || own <= most) continue;
+      most = own;
+      widest = axis;
+    }
+    exact.place(q);
+    const double needed = scene.margin + sway, d = exact.distance(pair, needed);
+    if (d >= needed) map.set_apart(box);
+    if (d >= needed || d <= scene.margin - sway || sway < kFinestSway || most == 0) continue;
+    box.count[widest] /= 2;
+    boxes.push_back(box);
+    box.first[widest] += box.count[widest];
+    boxes.push_back(box);
+  }
+  map.finish();
+  return map;
 }
 
 }  // namespace manyhands

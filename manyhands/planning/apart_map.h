@@ -7,6 +7,9 @@
 
 namespace manyhands {
 
+struct PlanningScene;
+struct PartPair;
+
 /// Cells in the space of those joints, each known to keep both parts apart or not.
 class ApartMap {
  public:
@@ -44,5 +47,15 @@ class ApartMap {
   std::vector<Axis> axes_;
   std::vector<int> open_;  // (kCells + 1, kCells + 1): cells below (i, j) that are not known to be apart
 };
+
+namespace internal {
+
+class ExactCheck;
+
+/// Of a pair with one or two joints between, that have limits; else a map that knows nothing. In a box of these joints
+/// no point moves by more than the reach of joints times its halves; what stays open is halved, as long as that is much.
+[[nodiscard]] ApartMap apart_map(const PlanningScene& scene, const PartPair& pair, ExactCheck& exact);
+
+}  // namespace internal
 
 }  // namespace manyhands

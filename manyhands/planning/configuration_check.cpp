@@ -21,17 +21,14 @@ constexpr float kUnknown = 1e9f;        // how the speed of two that both move c
 
 /// One motion at a time.
 struct ConfigurationCheck::Scratch {
-  explicit Scratch(const PlanningScene& s)
-      : scene(s), lanes(s), exact(s), fastest(s.size()), planned(s.size()) {
+  Scratch(const PlanningScene& s, std::optional<PathConstraints> k)
+      : scene(s), keep(std::move(k)), lanes(s), exact(s), fastest(s.size()), planned(s.size()) {
     for (std::vector<float>* list : {&sways.part_rate, &sways.part_bend}) list->resize(s.parts.size());
     for (std::vector<float>* list : {&sways.pair_rate, &sways.pair_bend}) list->resize(s.pairs.size());
   }
 
   void set_fastest(const MotionPiece& motion) {
-    for (std::size_t k = 0; k < fastest.size(); ++k) {
-      const float first = std::abs(motion.linear[k]), last = std::abs(motion.linear[k] + 2 * motion.square[k]);
-      fastest[k] = std::max(first, last);
-    }
+    for (std::size_t k = 0; k < fastest.size(); ++k) fastest[k] = greatest_speed(motion, k);
   }
 
   void set_sways_of_parts(const MotionPiece& motion) {
@@ -54,7 +51,7 @@ struct ConfigurationCheck::Scratch {
     for (std::size_t k = 0; k < fastest.size(); ++k) {
       if (reach[k] == 0) continue;
       rate += reach[k] * fastest[k];
-      bend += reach[k] * (fastest[k] * (0.5f * fastest[k] + turning) + std::abs(motion.square[k]));
+      bend += reach[k] * (fastest[k] * (0.5f * fastest[k] + turning) + 0.5f * greatest_bend(motion, k));
       turning += fastest[k];
     }
     return {rate, bend};
@@ -62,10 +59,8 @@ struct ConfigurationCheck::Scratch {
 
   void set_lanes(const MotionPiece& motion, const NativeLanes& t) {
     for (std::size_t k = 0; k < scene.size(); ++k) {
-      const NativeLanes square(motion.square[k]), linear(motion.linear[k]);
-      const NativeLanes chord = fma(t, square, linear);
-      lanes.coordinate(k) = fma(t, chord, NativeLanes(motion.start[k]));
-      lanes.slope(k) = fma(t, square, chord);
+      lanes.coordinate(k) = coordinate_at(motion, k, t);
+      lanes.slope(k) = fma(t, NativeLanes(2 * motion.square[k]), NativeLanes(motion.linear[k]));
     }
   }
 
@@ -133,7 +128,7 @@ struct ConfigurationCheck::Scratch {
       std::array<float, 2> low{}, high{};
       for (std::size_t axis = 0; axis < map.axes().size(); ++axis) {
         const std::size_t k = map.axes()[axis].coordinate;
-        const float q = motion.start[k] + t * (motion.linear[k] + t * motion.square[k]);
+        const float q = coordinate_at(motion, k, t);
         low[axis] = q - fastest[k] * dt;
         high[axis] = q + fastest[k] * dt;
       }
@@ -156,6 +151,7 @@ struct ConfigurationCheck::Scratch {
   }
 
   const PlanningScene& scene;
+  std::optional<PathConstraints> keep;
   LaneCheck<NativeLanes> lanes;
   internal::ExactCheck exact;
   Sways sways;
@@ -166,15 +162,19 @@ struct ConfigurationCheck::Scratch {
   std::vector<float> linear, square;
 };
 
-ConfigurationCheck::ConfigurationCheck(const PlanningScene& scene) : scratch_(std::make_unique<Scratch>(scene)) {
+ConfigurationCheck::ConfigurationCheck(const PlanningScene& scene, std::optional<PathConstraints> keep)
+    : scratch_(std::make_unique<Scratch>(scene, std::move(keep))) {
   scratch_->linear.resize(scene.size());
   scratch_->square.assign(scene.size(), 0.0f);
 }
 ConfigurationCheck::~ConfigurationCheck() = default;
 ConfigurationCheck::ConfigurationCheck(ConfigurationCheck&&) noexcept = default;
 
+PathConstraints* ConfigurationCheck::constraints() { return scratch_->keep ? &*scratch_->keep : nullptr; }
+
 bool ConfigurationCheck::is_free(const MotionPiece& motion) {
   Scratch& s = *scratch_;
+  if (s.keep && !s.keep->hold(motion)) return false;
   s.set_fastest(motion);
   // Most ways that are blocked are so by obstacles: pairs are looked at where none is.
   s.set_sways_of_parts(motion);

@@ -106,10 +106,9 @@ class SceneMaker {
     return static_cast<std::size_t>(scene_.tree.bodies[body].parent);
   }
 
-  /// Which body each body moves with: the one that carries it, if it is attached, else itself.
   void find_carriers() {
-    carrier_.resize(moves_.size());
-    for (std::size_t b = 0; b < carrier_.size(); ++b) carrier_[b] = b;
+    scene_.carriers.resize(moves_.size());
+    for (std::size_t b = 0; b < moves_.size(); ++b) scene_.carriers[b] = b;
     for (const Attachment& attachment : settings_.attached) {
       const std::size_t held = model_.link(attachment.link).body.index(), on = model_.link(attachment.on).body.index();
       const std::string names =
@@ -120,8 +119,8 @@ class SceneMaker {
       while (parent(root) != 0) root = parent(root);
       if (moves_[held] || is_above(root, on))
         throw std::invalid_argument("cannot attach " + names + ": the planned joints move it already");
-      for (std::size_t b = root; b < carrier_.size(); ++b) {
-        if (is_above(root, b)) carrier_[b] = on;
+      for (std::size_t b = root; b < moves_.size(); ++b) {
+        if (is_above(root, b)) scene_.carriers[b] = on;
       }
     }
   }
@@ -135,7 +134,7 @@ class SceneMaker {
     std::map<Key, std::size_t> part_of;
     for (std::size_t i = 0; i < scene_.colliders.geoms.size(); ++i) {
       const Collider<double>& geom = scene_.colliders.geoms[i];
-      const std::size_t body = carrier_[geom.body];
+      const std::size_t body = scene_.carriers[geom.body];
       const Transform<double> X_WG = pose_of(ws_, geom.body) * geom.X_BG;
       SceneGeom placed = {.shape = {geom.type, model_.geoms()[geom.geom].shape.size, geom.hull.get(), geom.mesh.get(),
                                     geom.height_field.get()},
@@ -184,30 +183,13 @@ class SceneMaker {
     }
   }
 
-  /// How far its points are from the axis of each joint that moves it, at most: the lengths of the links between,
-  /// stretched out.
   void set_reach(MovingPart& part) const {
-    part.reach.assign(scene_.size(), 0.0f);
     float far = 0, aside = 0;  // of its points from the body's origin, and from its axis
     for (const PartBall& ball : part.balls) {
       far = max(far, norm(ball.centre) + ball.radius);
       aside = max(aside, std::hypot(ball.centre.x, ball.centre.y) + ball.radius);
     }
-    for (std::size_t b = part.body; b != 0; b = parent(b)) {
-      const TreeBody<double>& body = scene_.tree.bodies[b];
-      const bool slides = body.type == JointType::kPrismatic;
-      if (is_planned_[b]) part.reach[index_of(b)] = slides ? 1.0f : aside;
-      const float slide = slides ? static_cast<float>(longest_slide(b)) : 0.0f;
-      const Vec3<float> p = broadcast<float>(body.X_PF.p);
-      aside = std::hypot(p.x, p.y) + slide + far;
-      far = norm(p) + slide + far;
-    }
-  }
-
-  [[nodiscard]] double longest_slide(std::size_t body) const {
-    if (!is_planned_[body]) return std::abs(scene_.q[static_cast<std::size_t>(scene_.tree.bodies[body].iq)]);
-    const std::size_t k = index_of(body);
-    return std::max(std::abs(scene_.lower[k]), std::abs(scene_.upper[k]));
+    part.reach = scene_.reach(part.body, far, aside);
   }
 
   [[nodiscard]] std::size_t index_of(std::size_t planned_body) const {
@@ -266,7 +248,7 @@ class SceneMaker {
     std::vector<PartPair> kept;
     for (PartPair& pair : scene_.pairs) {
       if (std::ranges::all_of(pair.reach, [](float reach) { return reach == 0; })) continue;
-      pair.apart = apart_map(exact, pair);
+      pair.apart = internal::apart_map(scene_, pair, exact);
       if (pair.apart.is_apart_everywhere())
         scene_.pairs_apart.push_back(std::move(pair));
       else if (!always_overlaps(exact, pair))
@@ -288,48 +270,6 @@ class SceneMaker {
     return true;
   }
 
-  /// Where few joints between keep both farther apart than the margin. In a box of these joints no point moves by more
-  /// than the reach of joints times its halves; what stays open is halved, as long as that is much.
-  [[nodiscard]] ApartMap apart_map(internal::ExactCheck& exact, const PartPair& pair) const {
-    constexpr std::size_t kMostJoints = 2;
-    constexpr double kHair = 1e-5;        // that users and float may be outside of limits by [rad or m]
-    constexpr double kFinestSway = 0.01;  // [m]
-    std::vector<ApartMap::Axis> between;
-    for (std::size_t k = 0; k < scene_.size(); ++k) {
-      if (pair.reach[k] == 0) continue;
-      between.push_back({k, scene_.lower[k] - kHair, scene_.upper[k] + kHair});
-      if (!std::isfinite(scene_.lower[k]) || !std::isfinite(scene_.upper[k])) return {};
-    }
-    if (between.size() > kMostJoints) return {};
-    ApartMap map(between);
-    std::vector<double> q = scene_.planned(scene_.q);
-    std::vector<ApartMap::Box> boxes{map.whole()};
-    while (!boxes.empty()) {
-      ApartMap::Box box = boxes.back();
-      boxes.pop_back();
-      double sway = 0, most = 0;
-      std::size_t widest = 0;
-      for (std::size_t axis = 0; axis < between.size(); ++axis) {
-        q[between[axis].coordinate] = map.middle(box, axis);
-        const double own = static_cast<double>(pair.reach[between[axis].coordinate]) * map.half_width(box, axis);
-        sway += own;
-        if (box.count[axis] == 1 || own <= most) continue;
-        most = own;
-        widest = axis;
-      }
-      exact.place(q);
-      const double needed = scene_.margin + sway, d = exact.distance(pair, needed);
-      if (d >= needed) map.set_apart(box);
-      if (d >= needed || d <= scene_.margin - sway || sway < kFinestSway || most == 0) continue;
-      box.count[widest] /= 2;
-      boxes.push_back(box);
-      box.first[widest] += box.count[widest];
-      boxes.push_back(box);
-    }
-    map.finish();
-    return map;
-  }
-
   void find_ignored() {
     for (MovingPart& part : scene_.parts) {
       for (std::size_t i = 0; i < scene_.obstacles.size(); ++i) {
@@ -346,7 +286,6 @@ class SceneMaker {
   ParamsStorage<double> params_;
   Workspace<double> ws_;
   std::vector<bool> is_planned_, moves_;  // (bodies)
-  std::vector<std::size_t> carrier_;      // (bodies)
   std::vector<std::size_t> body_of_;      // (n) that a planned joint moves
 };
 
@@ -376,6 +315,23 @@ std::vector<JointId> joints_that_move(const Model& model, FrameId frame) {
   std::vector<JointId> joints;
   for (const std::size_t dof : IkChain(model, frame).dofs) joints.emplace_back(model.dof_joint()[dof]);
   return joints;
+}
+
+std::vector<float> PlanningScene::reach(std::size_t of_body, float far, float aside) const {
+  std::vector<float> found(size(), 0.0f);
+  for (std::size_t b = of_body; b != 0; b = static_cast<std::size_t>(tree.bodies[b].parent)) {
+    const TreeBody<double>& body = tree.bodies[b];
+    const auto iq = static_cast<std::size_t>(body.iq);
+    const auto k = static_cast<std::size_t>(std::ranges::find(coordinates, iq) - coordinates.begin());
+    const bool slides = body.type == JointType::kPrismatic, is_planned = body.nv > 0 && k < size();
+    if (is_planned) found[k] = slides ? 1.0f : aside;
+    const double longest = is_planned ? std::max(std::abs(lower[k]), std::abs(upper[k])) : slides ? std::abs(q[iq]) : 0;
+    const float slide = slides ? static_cast<float>(longest) : 0.0f;
+    const Vec3<float> p = broadcast<float>(body.X_PF.p);
+    aside = std::hypot(p.x, p.y) + slide + far;
+    far = norm(p) + slide + far;
+  }
+  return found;
 }
 
 std::vector<double> PlanningScene::configuration(std::span<const double> planned) const {

@@ -107,6 +107,9 @@ struct PlanningScene {
   [[nodiscard]] std::vector<double> configuration(std::span<const double> planned) const;
   /// The planned coordinates (n) of q (nq).
   [[nodiscard]] std::vector<double> planned(std::span<const double> whole) const;
+  /// (n) how far points of a body are from the axis of each joint that moves it, at most: the lengths of the links
+  /// between, stretched out [m]; 1 for those that slide. `far` from its origin, `aside` from its axis [m].
+  [[nodiscard]] std::vector<float> reach(std::size_t body, float far, float aside) const;
   [[nodiscard]] std::string link_name(LinkId link) const { return link_names[link.index()]; }
 
   Tree<double> tree;
@@ -120,6 +123,7 @@ struct PlanningScene {
   std::vector<double> lower, upper;      ///< (n) limits [rad or m]
   std::vector<double> velocity;          ///< (n) limits [rad/s or m/s]
   std::vector<std::size_t> bodies;       ///< that planned joints move, parents first
+  std::vector<std::size_t> carriers;     ///< (bodies) what each moves with: what it is attached to, or itself
   std::vector<MovingPart> parts;
   std::vector<PartPair> pairs;
   std::vector<PartPair>

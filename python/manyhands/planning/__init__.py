@@ -6,6 +6,7 @@ quaternions are xyzw, spatial vectors have the angular part first. Wrong shapes,
 that are not above 0 raise ValueError, which names the array.
 """
 
+from manyhands.planning.constraints import AxisConstraint, PathConstraint, PositionConstraint, upright
 from manyhands.planning.grasps import Grasps, ParallelGripper, epsilon_quality, grasps, grasps_in
 from manyhands.planning.planner import Encounter, Plan, Planner, PlanStatus, plan
 from manyhands.planning.timing import time_optimal
@@ -23,15 +24,18 @@ from manyhands.planning.trajectories import (
 )
 
 __all__ = [
+    "AxisConstraint",
     "CartesianPath",
     "CartesianSample",
     "CartesianTrajectory",
     "Encounter",
     "Grasps",
     "ParallelGripper",
+    "PathConstraint",
     "Plan",
     "PlanStatus",
     "Planner",
+    "PositionConstraint",
     "Sample",
     "Trajectory",
     "cartesian",
@@ -44,4 +48,5 @@ __all__ = [
     "spline",
     "time_optimal",
     "trapezoid",
+    "upright",
 ]
