@@ -25,7 +25,7 @@ class ApartMap {
     std::array<std::size_t, 2> first{}, count{1, 1};
   };
 
-  ApartMap() = default;                        ///< knows nothing
+  ApartMap() = default;                       ///< knows nothing
   explicit ApartMap(std::vector<Axis> axes);  ///< of one or two; nothing is known to be apart
 
   [[nodiscard]] const std::vector<Axis>& axes() const { return axes_; }
@@ -53,7 +53,8 @@ namespace internal {
 class ExactCheck;
 
 /// Of a pair with one or two joints between, that have limits; else a map that knows nothing. In a box of these joints
-/// no point moves by more than the reach of joints times its halves; what stays open is halved, as long as that is much.
+/// no point moves by more than the reach of joints times its halves; what stays open is halved, as long as that is
+/// much.
 [[nodiscard]] ApartMap apart_map(const PlanningScene& scene, const PartPair& pair, ExactCheck& exact);
 
 }  // namespace internal

@@ -46,7 +46,8 @@ struct ConfigurationCheck::Scratch {
   /// A point p that joints in a row move has dp/dq_i dq_j = a_i x dp/dq_j, j after i, no longer than the reach of j:
   ///   |dp/dt|     <= sum_j reach_j |q_j'|
   ///   |d2p/dt2|   <= sum_j reach_j (|q_j'| (|q_j'| + 2 sum_i<j |q_i'|) + |q_j''|),   of which half counts with dt^2
-  [[nodiscard]] std::pair<float, float> rate_and_bend(const MotionPiece& motion, const std::vector<float>& reach) const {
+  [[nodiscard]] std::pair<float, float> rate_and_bend(const MotionPiece& motion,
+                                                      const std::vector<float>& reach) const {
     float rate = 0, bend = 0, turning = 0;
     for (std::size_t k = 0; k < fastest.size(); ++k) {
       if (reach[k] == 0) continue;

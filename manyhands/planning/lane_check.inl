@@ -110,8 +110,8 @@ T LaneCheck<T>::speed(std::size_t i, std::size_t relative_to) const {
   return fma(norm(w), T(part.nodes[0].bound.radius), norm(at_centre(part.body) - at_centre(relative_to)));
 }
 
-/// Things are near in some lanes; `fine` are sways below which smaller balls tell more. Whether they do in any lane that
-/// is not undecided already.
+/// Things are near in some lanes; `fine` are sways below which smaller balls tell more. Whether they do in any lane
+/// that is not undecided already.
 template <Number T>
 bool LaneCheck<T>::leaves_open(const mask_t<T>& near, float fine) {
   const mask_t<T> of_interest = near & asked_;

@@ -34,7 +34,7 @@ struct SceneSettings {
   std::vector<PointCloud> clouds{};
   std::vector<double> mocap{};  ///< poses of the mocap bodies, as State has them; empty: where the model has them
   double margin = 0;            ///< least distance that is kept [m]
-  double overshoot = 0.0125;    ///< by which balls stick out of links; smaller ones are more balls [m]
+  double overshoot = 0.02;      ///< by which balls stick out of links; smaller ones are more balls [m]
 };
 
 /// The joints that move a frame, as `SceneSettings::joints`. Throws ModelError as IkChain does.

@@ -169,8 +169,7 @@ TEST(ConfigurationCheck, FreeWaysAreFreeWhereverOneLooks) {
     for (int look = 0; look <= 300; ++look) {
       const float t = static_cast<float>(look) / 300;
       std::vector<double> q;
-      for (std::size_t k = 0; k < n; ++k)
-        q.push_back(static_cast<double>(start[k] + t * (linear[k] + t * square[k])));
+      for (std::size_t k = 0; k < n; ++k) q.push_back(static_cast<double>(start[k] + t * (linear[k] + t * square[k])));
       least = std::min(least, panda.check.nearest(q).distance);
     }
     if (is_free)
