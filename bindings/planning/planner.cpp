@@ -6,6 +6,7 @@
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
+#include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
 #include "bindings/arrays.h"
@@ -14,6 +15,7 @@
 #include "bindings/planning/planning.h"
 #include "manyhands/math/quaternion.h"
 #include "manyhands/planning/plan.h"
+#include "manyhands/planning/trajectory_check.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -111,6 +113,14 @@ nb::tuple goals(Planner& self, const std::string& frame, const Array<double, 1>&
   return nb::make_tuple(rows_of(found.rows, self.scene.size()), name_of(found.status), found.message);
 }
 
+double motion_free_until(Planner& self, const Trajectory& motion, double from, const bindings::AxisConstraints& axes,
+                         const bindings::PositionConstraints& positions) {
+  std::optional<PathConstraints> keep = bindings::constraints_of(self, axes, positions);
+  if (!keep) return free_until(self.scene, self.check, motion, from);
+  ConfigurationCheck constrained(self.scene, std::move(keep));
+  return free_until(self.scene, constrained, motion, from);
+}
+
 nb::object numbers(const std::vector<double>& row) { return copied(row.data(), {row.size()}); }
 
 NamePairs names_of_pairs(const PlanningScene& scene) {
@@ -185,6 +195,13 @@ void bindings::bind_planner(nb::module_& planning) {
             return nb::make_tuple(found.distance, found.a, found.b);
           },
           "rows"_a, "step"_a)
+      .def("free_until", &motion_free_until, "motion"_a, "start"_a, "axes"_a, "positions"_a)
+      .def(
+          "with_cloud",
+          [](const Planner& self, const Array<double, 2>& points, double radius) {
+            return std::make_unique<Planner>(self.model, self.scene.with_cloud(cloud_of(points, radius)));
+          },
+          "points"_a, "radius"_a)
       .def("goals", &goals, "frame"_a, "position"_a, "quaternion"_a, "start"_a, "count"_a, "seed"_a, "time_limit"_a)
       .def("plan", &plan, "start"_a, "goals"_a, "time_limit"_a, "shorten"_a, "blend"_a, "range"_a, "seed"_a, "axes"_a,
            "positions"_a);

@@ -45,7 +45,7 @@ class SceneMaker {
       internal::cover(part, settings_.margin, settings_.overshoot);
       set_reach(part);
     }
-    add_clouds();
+    for (const PointCloud& cloud : settings_.clouds) scene_.add(cloud);
     scene_.tree_of_obstacles.build();
     find_ignored();
     find_pairs();
@@ -173,16 +173,6 @@ class SceneMaker {
     scene_.tree_of_obstacles.add_triangle(owner, {X_WG * corner[0], X_WG * corner[1], X_WG * corner[2]});
   }
 
-  void add_clouds() {
-    int owner = static_cast<int>(scene_.obstacles.size());
-    for (const PointCloud& cloud : settings_.clouds) {
-      if (!(cloud.radius > 0 && std::isfinite(cloud.radius)))
-        throw std::invalid_argument("the cloud's radius is " + as_text(cloud.radius) + " m; expected more than 0");
-      for (const Vec& p : cloud.points) scene_.tree_of_obstacles.add_point(owner, p, cloud.radius);
-      ++owner;
-    }
-  }
-
   void set_reach(MovingPart& part) const {
     float far = 0, aside = 0;  // of its points from the body's origin, and from its axis
     for (const PartBall& ball : part.balls) {
@@ -304,9 +294,6 @@ PlanningScene::PlanningScene(const Model& model, std::span<const double> q_now, 
     throw std::invalid_argument("margin is " + as_text(margin) + " m; expected 0 or more");
   if (!(settings.overshoot > 0 && std::isfinite(settings.overshoot)))
     throw std::invalid_argument("overshoot is " + as_text(settings.overshoot) + " m; expected more than 0");
-  for (const PointCloud& cloud : settings.clouds) {
-    if (!cloud.points.empty()) require_finite("cloud", std::span(&cloud.points[0].x, 3 * cloud.points.size()), 3);
-  }
   for (const Link& link : model.links()) link_names.push_back(link.name);
   SceneMaker(model, settings, *this).make();
 }
@@ -315,6 +302,21 @@ std::vector<JointId> joints_that_move(const Model& model, FrameId frame) {
   std::vector<JointId> joints;
   for (const std::size_t dof : IkChain(model, frame).dofs) joints.emplace_back(model.dof_joint()[dof]);
   return joints;
+}
+
+void PlanningScene::add(const PointCloud& cloud) {
+  if (!(cloud.radius > 0 && std::isfinite(cloud.radius)))
+    throw std::invalid_argument("the cloud's radius is " + as_text(cloud.radius) + " m; expected more than 0");
+  if (!cloud.points.empty()) require_finite("cloud", std::span(&cloud.points[0].x, 3 * cloud.points.size()), 3);
+  const int owner = static_cast<int>(obstacles.size()) + clouds++;
+  for (const Vec& p : cloud.points) tree_of_obstacles.add_point(owner, p, cloud.radius);
+}
+
+PlanningScene PlanningScene::with_cloud(const PointCloud& cloud) const {
+  PlanningScene more = *this;
+  more.add(cloud);
+  more.tree_of_obstacles.build();
+  return more;
 }
 
 std::vector<float> PlanningScene::reach(std::size_t of_body, float far, float aside) const {

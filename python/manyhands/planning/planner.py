@@ -1,5 +1,6 @@
 """Ways among obstacles: what is free, and plans from a configuration to a goal."""
 
+import copy
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Literal, NamedTuple, TypeAlias
 
@@ -192,6 +193,25 @@ class Planner:
             raise ValueError(f"waypoints have shape {rows.shape}; expected (m, {len(self.joints)}), m above 0")
         return Encounter(*self._core.least_distance(_flat(rows), step))
 
+    def free_until(
+        self, motion: Trajectory, start: float = 0.0, *, keep: PathConstraint | Sequence[PathConstraint] = ()
+    ) -> float:
+        """The time [s] up to which a motion of the planned joints is free all along from `start` on, within limits and
+        what `keep` asks: its duration if it is to the end. To a millisecond, and rather too early."""
+        return self._core.free_until(motion._motion, start, *as_rows(keep))
+
+    def with_cloud(self, points: ArrayLike, radius: float = 0.01) -> "Planner":
+        """A planner of the same scene with points (m, 3) [m] in it that nothing comes nearer to than radius [m], as
+        `cloud`: found in a millisecond, as all else is known."""
+        more = copy.copy(self)
+        more._core = self._core.with_cloud(_points(points), radius)
+        return more
+
+    @property
+    def velocity(self) -> Array:
+        """(n,) the model's limits of velocity [rad/s or m/s]."""
+        return np.asarray(self._core.velocity)
+
     def balls(self, planned: ArrayLike) -> Array:
         """(m, 4) the balls that stand for what moves: centre and radius [m]."""
         return np.asarray(self._core.balls(self._row("planned", planned)))
@@ -230,7 +250,7 @@ class Planner:
         found: Any = (status, message, goals, None, 0, 0, 0.0, 0.0)
         if len(goals) > 0:
             found = self._core.plan(begin, goals, time_limit, shorten, blend, range, number, *constraints)
-        return Plan(self.joints, np.asarray(self._core.velocity), found)
+        return Plan(self.joints, self.velocity, found)
 
     def _goals(
         self, goal: Any, position: Any, quaternion: Any, start: Array, seed: int, time_limit: float
