@@ -249,7 +249,7 @@ void LaneCheck<T>::look_at_balls(std::size_t i, const BallNode& x, const BallNod
       const T reach = sway_ + T(a[k].radius + b[l].radius - margin_);
       const mask_t<T> near(apart < reach * reach);
       if (any(near) && leaves_open(near, kWorthExact))
-        doubt({.pair = static_cast<int>(i), .lanes = near & asked_, .sway = sway_});
+        doubt({.pair = static_cast<int>(i), .lanes = mask_t<T>(near & asked_), .sway = sway_});
     }
   }
 }

@@ -5,6 +5,7 @@
 #include "manyhands/math/instantiate.h"
 #include "manyhands/math/philox.h"
 #include "manyhands/math/quaternion.h"
+#include "manyhands/physics/collision/queries/queries.h"
 #include "manyhands/physics/world/world.h"
 #include "manyhands/planning/lane_check.h"
 #include "manyhands/planning/plan.h"
@@ -82,6 +83,13 @@ struct Panda {
   std::vector<double> random_row(RandomStream& random) const {
     std::vector<double> q;
     for (std::size_t k = 0; k < scene.size(); ++k) q.push_back(random.uniform(scene.lower[k], scene.upper[k]));
+    return q;
+  }
+
+  /// q of a world whose first coordinates are those of the arm.
+  static std::vector<double> model_q(const std::vector<double>& row, const World& world) {
+    std::vector<double> q(world.q().begin(), world.q().end());
+    std::ranges::copy(row, q.begin());
     return q;
   }
 
@@ -198,8 +206,8 @@ TEST(ApartMap, SaysApartOnlyWhereThePairIs) {
         q[axis] = static_cast<float>(row[pair.apart.axes()[axis].coordinate]);
       if (!pair.apart.is_apart(q, q)) continue;
       ++apart;
-      std::ranges::copy(row, world.q().begin());
-      EXPECT_GT(world.distance(link(pair.a), link(pair.b))->phi, 0);
+      world.set_q(panda.model_q(row, world));
+      EXPECT_GT(world.distance(link(pair.a), link(pair.b))->surfaces.phi, 0);
     }
   }
   EXPECT_GE(mapped, 2);
