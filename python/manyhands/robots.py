@@ -149,8 +149,8 @@ class Arm:
     ) -> None:
         """Steps the world until the hand has gone to a pose, by motors as `World.move` sets them, which hold it there.
 
-        pose: (position (3) [m], quaternion xyzw (4)) in the world, as `World.body_pose` gives them; or a position alone,
-        and the hand stays as it is turned. Joints move together, smoothly, and straight from configuration to
+        pose: (position (3) [m], quaternion xyzw (4)) in the world, as `World.body_pose` gives them; or a position
+        alone, and the hand stays as it is turned. Joints move together, smoothly, and straight from configuration to
         configuration: what lies between is not looked at (`planning.Planner` does).
         seconds: how long it takes; by default as long as joints need at half the speeds that their model allows.
         on_step: called after each step, as `viewer.sync`.
@@ -163,11 +163,9 @@ class Arm:
         start = np.asarray(self.world.q)
         found = inverse(model, self.hand, position=at, quaternion=turned, start=start)
         if not found.success:
-            raise ValueError(
-                f"{self.hand} does not reach {np.round(finite_rows('pose', at), 3).tolist()}: the nearest that was found "
-                f"is {1000 * float(found.position_error):.0f} mm and {np.degrees(float(found.rotation_error)):.0f} "
-                "degrees off"
-            )
+            off = f"{1e3 * float(found.position_error):.0f} mm and {np.degrees(float(found.rotation_error)):.0f} degrees"
+            place = np.round(finite_rows("pose", at), 3).tolist()
+            raise ValueError(f"{self.hand} does not reach {place}: the nearest that was found is {off} off")
         joints = [model.joint(name) for name in self.joints]
         places = [joint.iq for joint in joints]
         way = found.q[places] - start[places]

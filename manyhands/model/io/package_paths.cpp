@@ -151,8 +151,8 @@ fs::path PackagePaths::find_package(const std::string& package) const {
   for (fs::path above = folder_; above.has_relative_path(); above = above.parent_path()) {
     const auto found = package_at(above, package, false);
     // Somebody else's folder of that name is no package.
-    const bool is_one = found && (has_file(*found, "package.xml") || lies_in(folder_, *found) ||
-                                  lies_in(*found, own_roots_.front()));
+    const bool is_one =
+        found && (has_file(*found, "package.xml") || lies_in(folder_, *found) || lies_in(*found, own_roots_.front()));
     if (is_one) return *found;
   }
   throw std::runtime_error("no package " + in_quotes(package) +

@@ -99,8 +99,8 @@ class PolicyFile:
 
 
 def has_loop(path: Path) -> bool:
-    """Whether an ONNX file may go on for ever; nothing but the end of the program would stop it. False of a file that is
-    no ONNX."""
+    """Whether an ONNX file may go on for ever; nothing but the end of the program would stop it. False of a file that
+    is no ONNX."""
     import onnx
 
     try:

@@ -7,10 +7,11 @@ from urllib.parse import quote
 
 from websockets.http11 import Response
 
-_ICON = """<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 64 64'><rect width='64' height='64' rx='14' fill='#266ea0'/>
+_ICON = """<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 64 64'>
+<rect width='64' height='64' rx='14' fill='#266ea0'/>
 <g fill='none' stroke='#fff' stroke-width='6' stroke-linecap='round' stroke-linejoin='round'>
-<path d='M16 52V36L34 18'/><path d='M30 8l14 6-6 14M44 14l6-4M38 28l10 6'/></g><path d='M8 54h18' stroke='#fff'
-stroke-width='6' stroke-linecap='round'/><circle cx='16' cy='36' r='5' fill='#f08a33'/></svg>"""
+<path d='M16 52V36L34 18M8 54h18'/><path d='M30 8l14 6-6 14M44 14l6-4M38 28l10 6'/></g>
+<circle cx='16' cy='36' r='5' fill='#f08a33'/></svg>"""
 _LINK = re.compile(rb'<link\s+rel="icon".*?/>', re.DOTALL)
 _TITLE = re.compile(rb"<title>.*?</title>", re.DOTALL)
 

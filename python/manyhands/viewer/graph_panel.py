@@ -57,9 +57,7 @@ class GraphPanel:
             known["Joint positions"] = Quantity("°, m", names, lambda: joints.in_degrees * source.q[joints.iq])
         if world is not None:
             if names:
-                known["Joint velocities"] = Quantity(
-                    "°/s, m/s", names, lambda: joints.in_degrees * world.v[joints.iv]
-                )
+                known["Joint velocities"] = Quantity("°/s, m/s", names, lambda: joints.in_degrees * world.v[joints.iv])
                 known["Joint forces"] = Quantity("N m, N", names, lambda: joint_forces(world))
             known["Contact force"] = Quantity(
                 "N", ["largest on a link"], lambda: max(contact_forces(world).values(), default=0.0)

@@ -1,4 +1,4 @@
-"""Buttons that drive a hand or joints: each is held, has a key, and lies on the page as its key does on the keyboard."""
+"""Buttons that drive a hand or joints: each is held, has a key, and lies on the page as its key on the keyboard."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -42,7 +42,7 @@ _JOINT_KEYS = (("I", "K"), ("J", "L"), ("U", "O"), ("1", "2"), ("3", "4"), ("5",
 _STYLE = """<style>
 div:has(> div > .mh-pad) { display: grid; grid-template-columns: repeat(COLUMNS, minmax(0, 1fr)); gap: 0.4em;
   padding: 0.6em !important }
-div:has(> div > .mh-pad) > *, div:has(> div > .mh-pad) div:has(> button) { padding: 0 !important }
+div:has(> div > .mh-pad) > * { margin: 0 !important; padding: 0 !important }
 div:has(> div > .mh-pad) > :last-child, div:has(> div > .mh-pad) > :has(input) { grid-column: 1 / -1 }
 div:has(> .mh-pad) { display: none }
 div:has(> div > .mh-pad) button { width: 100%; --button-padding-x: 0.3em !important; --button-bg: #eef2f5 !important;
@@ -66,8 +66,8 @@ def joint_moves(joints: int) -> list[list[Move]]:
 
 
 def add_pad(gui: viser.GuiApi, rows: list[list[Move]], press: Callable[[int, float], None]) -> None:
-    """Buttons and keys, at the beginning of a folder with a label; `press` hears of each over and over while it is held:
-    axis and sign."""
+    """Buttons and keys, at the beginning of a folder with a label; `press` hears of each over and over while it is
+    held: axis and sign."""
     gui.add_html(_STYLE.replace("COLUMNS", str(len(rows[0]))))
     for move in (move for row in rows for move in row):
         button = gui.add_button(f"{move.label} ({move.key})", icon=move.icon, hint="Hold it, or its key")

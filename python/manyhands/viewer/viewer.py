@@ -66,8 +66,8 @@ class Viewer:
         host: the address to listen on. Any that is not this machine's own needs a token in the page's address: the one
         given, or one drawn at random. port: the first to try. fps: frames a second, at most. open_browser: whether this
         machine's browser opens the page; by default where there is a screen, except in notebooks, which show the page
-        themselves. announce: whether the page's address is printed. Raises TypeError on things of another kind, ValueError on a rate or port that makes
-        no sense.
+        themselves. announce: whether the page's address is printed. Raises TypeError on things of another kind,
+        ValueError on a rate or port that makes no sense.
         """
         if not 1 <= fps <= 120:
             raise ValueError(f"fps is {fps}; expected 1 to 120")
@@ -100,7 +100,9 @@ class Viewer:
         if announce:
             moved = f" (port {port} is taken)" if port not in (0, self.server.get_port()) else ""
             print(f"manyhands: {self.source.title} is on {self.url}{moved}", flush=True)
-        if has_screen() and not is_notebook() if open_browser is None else open_browser:  # some of them let whoever opens them wait
+        if open_browser is None:
+            open_browser = has_screen() and not is_notebook()
+        if open_browser:  # some of them let whoever opens them wait
             threading.Thread(target=webbrowser.open, args=(self.url,), daemon=True).start()
 
     # ---- the page ------------------------------------------------------------------------------------------------

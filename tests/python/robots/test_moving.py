@@ -84,7 +84,7 @@ def test_the_hand_is_found_or_named() -> None:
 
 
 def test_a_second_robot_from_robot_descriptions(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The three lines of docs/robots.md. Its modules hold a path to a clone, whose meshes are named by their package."""
+    """The three lines of docs/robots.md. Its modules hold a path to a clone, whose meshes are named by package."""
     clone = tmp_path / "cache" / "arms"
     (clone / "arm_description" / "meshes").mkdir(parents=True)
     (clone / "arm_description" / "package.xml").write_text("<package><name>arm_description</name></package>")

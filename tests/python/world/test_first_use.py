@@ -141,7 +141,7 @@ def test_many_replicas_are_read_in_time_that_grows_with_their_number() -> None:
 def test_pairs_without_number_are_refused() -> None:
     """Each would have a surface of its own."""
     kinds = [f'<geom size="0.1" priority="{k}" solref="0.{k + 1} 1"/>' for k in range(2)]
-    bodies = "".join(f'<replicate count="1100" offset="1 0 0"><body><freejoint/>{kind}</body></replicate>' for kind in kinds)
+    bodies = "".join(f'<replicate count="1100"><body><freejoint/>{kind}</body></replicate>' for kind in kinds)
     with pytest.raises(mh.MjcfError, match="more than 1,000,000 pairs with a surface of their own"):
         mh.load_mjcf_string(f"<mujoco><worldbody>{bodies}</worldbody></mujoco>")
 

@@ -213,9 +213,8 @@ GeomGroups group_geoms(const MjcfScene& scene) {
     const auto& f = geom.friction;
     std::vector<std::size_t>& candidates =
         found[{f[0], f[1], f[2], static_cast<double>(geom.condim), static_cast<double>(geom.priority)}];
-    const auto group = std::ranges::find_if(candidates, [&](std::size_t number) {
-      return is_alike(scene.geoms[groups.by_surface[number].front()], geom);
-    });
+    const auto group = std::ranges::find_if(
+        candidates, [&](std::size_t number) { return is_alike(scene.geoms[groups.by_surface[number].front()], geom); });
     if (group != candidates.end()) {
       groups.by_surface[*group].push_back(i);
     } else {
@@ -267,8 +266,9 @@ void add_pairs(MjcfScene& scene) {
     if (scene.pairs.contains({*a.id, *b.id}) || !may_touch(scene, a, b)) return;
     pairs.emplace(std::pair{*a.id, *b.id}, usual ? std::nullopt : std::optional(surface_between(a, b)));
     if (pairs.size() > kMostPairs) {
-      scene.root.fail("geoms of several frictions, condims or solrefs make more than 1,000,000 pairs with a surface of "
-                      "their own; give them the same, or contype and conaffinity so that fewer may touch");
+      scene.root.fail(
+          "geoms of several frictions, condims or solrefs make more than 1,000,000 pairs with a surface of "
+          "their own; give them the same, or contype and conaffinity so that fewer may touch");
     }
   });
   for (const auto& [geoms, surface] : pairs) {

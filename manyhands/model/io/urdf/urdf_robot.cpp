@@ -217,16 +217,17 @@ SurfaceMaterial read_contact(const UrdfElement& link) {
   if (!contact) return surface;
   contact.expect({}, {"lateral_friction", "spinning_friction", "rolling_friction", "restitution", "stiffness",
                       "damping", link.is_bullet() ? "inertia_scaling" : "damping"});
-  const auto read = [&](const char* tag, double most = std::numeric_limits<double>::infinity()) -> std::optional<double> {
+  const auto read = [&](const char* tag,
+                        double most = std::numeric_limits<double>::infinity()) -> std::optional<double> {
     const UrdfElement element = contact.child(tag);
     if (!element) return std::nullopt;
     element.expect({"value"});
     const double value = element.number("value");
     if (value >= 0 && value <= most) return value;
     const double taken = value < 0 ? 0.0 : most;
-    element.note_serious(LoadAction::kRepaired,
-                         "<" + std::string(tag) + "> " + format_number(value) +
-                             (value < 0 ? " is negative; " : " would make energy; ") + format_number(taken) + " taken");
+    element.note_serious(LoadAction::kRepaired, "<" + std::string(tag) + "> " + format_number(value) +
+                                                    (value < 0 ? " is negative; " : " would make energy; ") +
+                                                    format_number(taken) + " taken");
     return taken;
   };
   surface.lateral_friction = read("lateral_friction").value_or(surface.lateral_friction);
