@@ -5,13 +5,17 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
 #include "bindings/arrays.h"
 #include "bindings/model/python_model.h"
+#include "bindings/planning/path_constraints.h"
 #include "bindings/planning/planning.h"
 #include "manyhands/math/quaternion.h"
 #include "manyhands/planning/plan.h"
+#include "manyhands/planning/trajectory_check.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -53,6 +57,10 @@ const char* name_of(PlanStatus status) {
       return "goal outside limits";
     case PlanStatus::kGoalCollides:
       return "goal collides";
+    case PlanStatus::kStartBreaksConstraint:
+      return "start breaks constraint";
+    case PlanStatus::kGoalBreaksConstraint:
+      return "goal breaks constraint";
     case PlanStatus::kNoGoal:
       return "goal unreachable";
     case PlanStatus::kTimeLimit:
@@ -72,15 +80,19 @@ void look_for_signals() {
 }
 
 nb::tuple plan(Planner& self, const Array<double, 1>& start, const Array<double, 2>& goals, double time_limit,
-               bool shorten, double blend, double range, std::uint64_t seed) {
+               bool shorten, double blend, double range, std::uint64_t seed, const bindings::AxisConstraints& axes,
+               const bindings::PositionConstraints& positions) {
   PlanSettings settings{.time_limit = time_limit, .shorten = shorten, .blend = blend};
   settings.rrt = {range, seed};
   settings.shortening.seed = seed;
   settings.look_up = look_for_signals;
+  std::optional<PathConstraints> keep = bindings::constraints_of(self, axes, positions);
   Plan found;
   {
     const nb::gil_scoped_release release;
-    found = find_plan(self.scene, self.check, as_span(start), as_span(goals), settings);
+    std::optional<ConfigurationCheck> constrained;
+    if (keep) constrained.emplace(self.scene, std::move(keep));
+    found = find_plan(self.scene, constrained ? *constrained : self.check, as_span(start), as_span(goals), settings);
   }
   return nb::make_tuple(name_of(found.status), found.message, rows_of(found.waypoints, self.scene.size()), found.curve,
                         found.nodes, found.iterations, found.search_time, found.shorten_time);
@@ -99,6 +111,14 @@ nb::tuple goals(Planner& self, const std::string& frame, const Array<double, 1>&
                                 count, seed, Deadline(time_limit, look_for_signals));
   }
   return nb::make_tuple(rows_of(found.rows, self.scene.size()), name_of(found.status), found.message);
+}
+
+double motion_free_until(Planner& self, const Trajectory& motion, double from, const bindings::AxisConstraints& axes,
+                         const bindings::PositionConstraints& positions) {
+  std::optional<PathConstraints> keep = bindings::constraints_of(self, axes, positions);
+  if (!keep) return free_until(self.scene, self.check, motion, from);
+  ConfigurationCheck constrained(self.scene, std::move(keep));
+  return free_until(self.scene, constrained, motion, from);
 }
 
 nb::object numbers(const std::vector<double>& row) { return copied(row.data(), {row.size()}); }
@@ -175,8 +195,16 @@ void bindings::bind_planner(nb::module_& planning) {
             return nb::make_tuple(found.distance, found.a, found.b);
           },
           "rows"_a, "step"_a)
+      .def("free_until", &motion_free_until, "motion"_a, "start"_a, "axes"_a, "positions"_a)
+      .def(
+          "with_cloud",
+          [](const Planner& self, const Array<double, 2>& points, double radius) {
+            return std::make_unique<Planner>(self.model, self.scene.with_cloud(cloud_of(points, radius)));
+          },
+          "points"_a, "radius"_a)
       .def("goals", &goals, "frame"_a, "position"_a, "quaternion"_a, "start"_a, "count"_a, "seed"_a, "time_limit"_a)
-      .def("plan", &plan, "start"_a, "goals"_a, "time_limit"_a, "shorten"_a, "blend"_a, "range"_a, "seed"_a);
+      .def("plan", &plan, "start"_a, "goals"_a, "time_limit"_a, "shorten"_a, "blend"_a, "range"_a, "seed"_a, "axes"_a,
+           "positions"_a);
 }
 
 }  // namespace manyhands

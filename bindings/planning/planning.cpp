@@ -3,6 +3,7 @@
 
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/vector.h>
 
 #include <optional>
 
@@ -99,7 +100,9 @@ void bind_trajectories(nb::module_& m) {
                    [](const Trajectory& motion) {
                      return copied(motion.coefficients().data(), {motion.pieces(), motion.order(), motion.width()});
                    })
+      .def("part", &Trajectory::part, "start"_a, "end"_a)
       .def("sample", &sample, "t"_a);
+  m.def("joined", [](const std::vector<Trajectory>& motions) { return joined(motions); }, "motions"_a);
   nb::class_<CartesianTrajectory>(m, "CartesianTrajectory")
       .def(
           "__init__",

@@ -20,8 +20,9 @@ constexpr float kWorthExact = 0.01f;    // below which exact distances are asked
 
 /// One motion at a time.
 struct ConfigurationCheck::Scratch {
-  explicit Scratch(const PlanningScene& s)
+  Scratch(const PlanningScene& s, std::optional<PathConstraints> k)
       : scene(s),
+        keep(std::move(k)),
         lanes(s),
         exact(s),
         sways{std::vector<float>(s.parts.size()), std::vector<float>(s.pairs.size())},
@@ -43,17 +44,11 @@ struct ConfigurationCheck::Scratch {
   }
 
   void set_fastest(const MotionPiece& motion) {
-    for (std::size_t k = 0; k < fastest.size(); ++k) {
-      const float first = std::abs(motion.linear[k]), last = std::abs(motion.linear[k] + 2 * motion.square[k]);
-      fastest[k] = std::max(first, last);
-    }
+    for (std::size_t k = 0; k < fastest.size(); ++k) fastest[k] = greatest_speed(motion, k);
   }
 
   void set_lanes(const MotionPiece& motion, const NativeLanes& t) {
-    for (std::size_t k = 0; k < scene.size(); ++k) {
-      const NativeLanes slope = fma(t, NativeLanes(motion.square[k]), NativeLanes(motion.linear[k]));
-      lanes.coordinate(k) = fma(t, slope, NativeLanes(motion.start[k]));
-    }
+    for (std::size_t k = 0; k < scene.size(); ++k) lanes.coordinate(k) = coordinate_at(motion, k, t);
   }
 
   enum class Finding { kClear, kNear, kCollides };
@@ -104,6 +99,7 @@ struct ConfigurationCheck::Scratch {
   }
 
   const PlanningScene& scene;
+  std::optional<PathConstraints> keep;
   LaneCheck<NativeLanes> lanes;
   internal::ExactCheck exact;
   Sways sways;
@@ -113,15 +109,19 @@ struct ConfigurationCheck::Scratch {
   std::vector<float> linear, square;
 };
 
-ConfigurationCheck::ConfigurationCheck(const PlanningScene& scene) : scratch_(std::make_unique<Scratch>(scene)) {
+ConfigurationCheck::ConfigurationCheck(const PlanningScene& scene, std::optional<PathConstraints> keep)
+    : scratch_(std::make_unique<Scratch>(scene, std::move(keep))) {
   scratch_->linear.resize(scene.size());
   scratch_->square.assign(scene.size(), 0.0f);
 }
 ConfigurationCheck::~ConfigurationCheck() = default;
 ConfigurationCheck::ConfigurationCheck(ConfigurationCheck&&) noexcept = default;
 
+PathConstraints* ConfigurationCheck::constraints() { return scratch_->keep ? &*scratch_->keep : nullptr; }
+
 bool ConfigurationCheck::is_free(const MotionPiece& motion) {
   Scratch& s = *scratch_;
+  if (s.keep && !s.keep->hold(motion)) return false;
   s.set_fastest(motion);
   float half = 0.5f / kWidth;
   s.open.clear();

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "manyhands/planning/planning_scene.h"
+#include "manyhands/planning/path_constraints.h"
 
 namespace manyhands {
 
@@ -17,15 +17,11 @@ struct Encounter {
   double distance{};     ///< [m]; of clouds an upper bound
 };
 
-/// Planned coordinates as q(t) = start + linear t + square t^2 for t in [0, 1]; spans of n.
-struct MotionPiece {
-  std::span<const float> start, linear, square;
-};
-
 /// Balls in lanes decide nearly always, exact distances the rest. Scratch of one thread.
 class ConfigurationCheck {
  public:
-  explicit ConfigurationCheck(const PlanningScene& scene);
+  /// Of a scene. With constraints, ways that do not keep them are not free either; single configurations are.
+  explicit ConfigurationCheck(const PlanningScene& scene, std::optional<PathConstraints> keep = {});
   ~ConfigurationCheck();
   ConfigurationCheck(ConfigurationCheck&&) noexcept;
 
@@ -36,6 +32,8 @@ class ConfigurationCheck {
   [[nodiscard]] bool is_free(const MotionPiece& motion);
   /// The same along the straight line from a to b (n).
   [[nodiscard]] bool is_free(std::span<const float> a, std::span<const float> b);
+
+  [[nodiscard]] PathConstraints* constraints();  ///< null without
 
   /// Which of the configurations, rows of n, are free: exactly.
   [[nodiscard]] std::vector<std::uint8_t> are_free(std::span<const double> rows);

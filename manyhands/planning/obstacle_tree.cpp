@@ -81,11 +81,14 @@ void ObstacleTree::build() {
   std::iota(order.begin(), order.end(), 0);
   nodes_.clear();
   if (!order.empty()) divide(order, 0);
-  std::vector<ObstaclePiece> sorted;
-  sorted.reserve(pieces_.size());
-  for (const int i : order) sorted.push_back(pieces_[static_cast<std::size_t>(i)]);
-  pieces_ = std::move(sorted);
-  extents_ = {};
+  std::vector<ObstaclePiece> pieces;
+  std::vector<Extent> extents;
+  for (const int i : order) {
+    pieces.push_back(pieces_[static_cast<std::size_t>(i)]);
+    extents.push_back(extents_[static_cast<std::size_t>(i)]);
+  }
+  pieces_ = std::move(pieces);
+  extents_ = std::move(extents);
 }
 
 /// Halves of `order`, the part of the whole that begins at `first`, by the middles of boxes along the longest side.

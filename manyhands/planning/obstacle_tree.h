@@ -36,7 +36,7 @@ class ObstacleTree {
   void add(int owner, const Shape& shape, const ConvexPolyhedron* hull, const Transform<double>& X_WG);
   void add_triangle(int owner, const std::array<Vec3<double>, 3>& corners);
   void add_point(int owner, const Vec3<double>& p, double radius);
-  /// After the last piece.
+  /// After the last piece; again, if more came.
   void build();
 
   [[nodiscard]] std::span<const ObstaclePiece> pieces() const { return pieces_; }
@@ -80,7 +80,7 @@ class ObstacleTree {
   void divide(std::span<int> order, int first);
 
   std::vector<ObstaclePiece> pieces_, endless_;
-  std::vector<Extent> extents_;  // of pieces, until the tree is built
+  std::vector<Extent> extents_;  // of pieces
   std::vector<Face> faces_;
   std::vector<Node> nodes_;
 };

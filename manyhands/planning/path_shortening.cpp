@@ -34,10 +34,15 @@ class Shortening {
     const float a = random.uniform(0.0f, lengths_.back()), b = random.uniform(0.0f, lengths_.back());
     const auto [i, from] = point_at(std::min(a, b));
     const auto [j, to] = point_at(std::max(a, b));
-    if (i == j || !check_.is_free(from, to)) return false;
+    if (i == j) return false;
+    const std::optional<std::vector<float>> between = way_between(check_, from, to);
+    if (!between) return false;
+    std::vector<float> way = from;
+    way.insert(way.end(), between->begin(), between->end());
+    way.insert(way.end(), to.begin(), to.end());
+    if (!between->empty() && path_length(way, n_) > static_cast<double>(std::abs(b - a))) return false;
     erase(i + 1, j + 1);
-    insert(i + 1, to);
-    insert(i + 1, from);
+    insert(i + 1, way);
     return true;
   }
 

@@ -34,6 +34,12 @@ std::string collision_in_words(const PlanningScene& scene, ConfigurationCheck& c
   return scene.margin == 0 ? apart : apart + ", less than the margin of " + as_text(scene.margin) + " m";
 }
 
+/// The constraint that q breaks, in words; empty if it keeps all.
+std::string broken_constraint(ConfigurationCheck& check, Rows q) {
+  PathConstraints* constraints = check.constraints();
+  return constraints == nullptr ? std::string() : constraints->broken_at(q);
+}
+
 /// Moves joints without limits by whole turns to where they are nearest to the start.
 void unwind(const PlanningScene& scene, Rows start, std::span<double> goal) {
   constexpr double kTurn = 2 * std::numbers::pi;
@@ -107,8 +113,23 @@ class Planning {
   bool is_start_good() {
     if (const std::string limits = outside_limits(scene_, start_); !limits.empty())
       return refuse(PlanStatus::kStartOutsideLimits, "the start is outside of limits: " + limits);
+    if (const std::string broken = broken_constraint(check_, start_); !broken.empty())
+      return refuse(PlanStatus::kStartBreaksConstraint, "the start breaks a constraint: " + broken);
     if (check_.are_free(start_)[0] != 0) return true;
     return refuse(PlanStatus::kStartCollides, "the start collides: " + collision_in_words(scene_, check_, start_));
+  }
+
+  /// Says what is wrong with the goal, if no other one had something wrong.
+  bool is_goal_good(Rows goal) {
+    const auto refuse_first = [&](PlanStatus status, const std::string& message) {
+      return plan_.message.empty() ? refuse(status, message) : false;
+    };
+    if (const std::string limits = outside_limits(scene_, goal); !limits.empty())
+      return refuse_first(PlanStatus::kGoalOutsideLimits, "the goal is outside of limits: " + limits);
+    if (const std::string broken = broken_constraint(check_, goal); !broken.empty())
+      return refuse_first(PlanStatus::kGoalBreaksConstraint, "the goal breaks a constraint: " + broken);
+    if (check_.are_free(goal)[0] != 0) return true;
+    return refuse_first(PlanStatus::kGoalCollides, "the goal collides: " + collision_in_words(scene_, check_, goal));
   }
 
   /// Keeps the goals that are good; says what is wrong with the first if none is.
@@ -118,15 +139,7 @@ class Planning {
       std::vector<double> goal(goals.begin() + static_cast<std::ptrdiff_t>(i),
                                goals.begin() + static_cast<std::ptrdiff_t>(i + n));
       unwind(scene_, start_, goal);
-      const std::string limits = outside_limits(scene_, goal);
-      if (limits.empty() && check_.are_free(goal)[0] != 0) {
-        goals_.insert(goals_.end(), goal.begin(), goal.end());
-      } else if (plan_.message.empty()) {
-        if (limits.empty())
-          refuse(PlanStatus::kGoalCollides, "the goal collides: " + collision_in_words(scene_, check_, goal));
-        else
-          refuse(PlanStatus::kGoalOutsideLimits, "the goal is outside of limits: " + limits);
-      }
+      if (is_goal_good(goal)) goals_.insert(goals_.end(), goal.begin(), goal.end());
     }
     if (goals_.empty()) return false;
     goals_ = nearest_first(goals_, start_);

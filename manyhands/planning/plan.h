@@ -11,6 +11,8 @@ enum class PlanStatus {
   kStartCollides,
   kGoalOutsideLimits,  ///< of all goals, the first says why
   kGoalCollides,
+  kStartBreaksConstraint,
+  kGoalBreaksConstraint,
   kNoGoal,     ///< no configuration reaches the pose, not even one that collides
   kTimeLimit,  ///< that is not to say that there is no plan
 };
@@ -34,8 +36,9 @@ struct Plan {
   double search_time = 0, shorten_time = 0;  ///< [s], both, and with them the blending
 };
 
-/// From `start` (n) to the first of `goals` (rows of n) that is reached; goals outside of limits or in collision are
-/// left out. Throws std::invalid_argument on other lengths, numbers that are not finite, and settings without sense.
+/// From `start` (n) to the first of `goals` (rows of n) that is reached; goals outside of limits, in collision or off
+/// the check's constraints are left out. Throws std::invalid_argument on other lengths, numbers that are not finite,
+/// and settings without sense.
 [[nodiscard]] Plan find_plan(const PlanningScene& scene, ConfigurationCheck& check, std::span<const double> start,
                              std::span<const double> goals, const PlanSettings& settings = {});
 

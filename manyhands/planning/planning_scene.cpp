@@ -45,7 +45,7 @@ class SceneMaker {
       internal::cover(part, settings_.margin, settings_.overshoot);
       set_reach(part);
     }
-    add_clouds();
+    for (const PointCloud& cloud : settings_.clouds) scene_.add(cloud);
     scene_.tree_of_obstacles.build();
     find_ignored();
     find_pairs();
@@ -106,10 +106,9 @@ class SceneMaker {
     return static_cast<std::size_t>(scene_.tree.bodies[body].parent);
   }
 
-  /// Which body each body moves with: the one that carries it, if it is attached, else itself.
   void find_carriers() {
-    carrier_.resize(moves_.size());
-    for (std::size_t b = 0; b < carrier_.size(); ++b) carrier_[b] = b;
+    scene_.carriers.resize(moves_.size());
+    for (std::size_t b = 0; b < moves_.size(); ++b) scene_.carriers[b] = b;
     for (const Attachment& attachment : settings_.attached) {
       const std::size_t held = model_.link(attachment.link).body.index(), on = model_.link(attachment.on).body.index();
       const std::string names =
@@ -120,8 +119,8 @@ class SceneMaker {
       while (parent(root) != 0) root = parent(root);
       if (moves_[held] || is_above(root, on))
         throw std::invalid_argument("cannot attach " + names + ": the planned joints move it already");
-      for (std::size_t b = root; b < carrier_.size(); ++b) {
-        if (is_above(root, b)) carrier_[b] = on;
+      for (std::size_t b = root; b < moves_.size(); ++b) {
+        if (is_above(root, b)) scene_.carriers[b] = on;
       }
     }
   }
@@ -135,7 +134,7 @@ class SceneMaker {
     std::map<Key, std::size_t> part_of;
     for (std::size_t i = 0; i < scene_.colliders.geoms.size(); ++i) {
       const Collider<double>& geom = scene_.colliders.geoms[i];
-      const std::size_t body = carrier_[geom.body];
+      const std::size_t body = scene_.carriers[geom.body];
       const Transform<double> X_WG = pose_of(ws_, geom.body) * geom.X_BG;
       SceneGeom placed = {.shape = {geom.type, model_.geoms()[geom.geom].shape.size, geom.hull.get(), geom.mesh.get(),
                                     geom.height_field.get()},
@@ -174,40 +173,13 @@ class SceneMaker {
     scene_.tree_of_obstacles.add_triangle(owner, {X_WG * corner[0], X_WG * corner[1], X_WG * corner[2]});
   }
 
-  void add_clouds() {
-    int owner = static_cast<int>(scene_.obstacles.size());
-    for (const PointCloud& cloud : settings_.clouds) {
-      if (!(cloud.radius > 0 && std::isfinite(cloud.radius)))
-        throw std::invalid_argument("the cloud's radius is " + as_text(cloud.radius) + " m; expected more than 0");
-      for (const Vec& p : cloud.points) scene_.tree_of_obstacles.add_point(owner, p, cloud.radius);
-      ++owner;
-    }
-  }
-
-  /// How far its points are from the axis of each joint that moves it, at most: the lengths of the links between,
-  /// stretched out.
   void set_reach(MovingPart& part) const {
-    part.reach.assign(scene_.size(), 0.0f);
     float far = 0, aside = 0;  // of its points from the body's origin, and from its axis
     for (const PartBall& ball : part.balls) {
       far = max(far, norm(ball.centre) + ball.radius);
       aside = max(aside, std::hypot(ball.centre.x, ball.centre.y) + ball.radius);
     }
-    for (std::size_t b = part.body; b != 0; b = parent(b)) {
-      const TreeBody<double>& body = scene_.tree.bodies[b];
-      const bool slides = body.type == JointType::kPrismatic;
-      if (is_planned_[b]) part.reach[index_of(b)] = slides ? 1.0f : aside;
-      const float slide = slides ? static_cast<float>(longest_slide(b)) : 0.0f;
-      const Vec3<float> p = broadcast<float>(body.X_PF.p);
-      aside = std::hypot(p.x, p.y) + slide + far;
-      far = norm(p) + slide + far;
-    }
-  }
-
-  [[nodiscard]] double longest_slide(std::size_t body) const {
-    if (!is_planned_[body]) return std::abs(scene_.q[static_cast<std::size_t>(scene_.tree.bodies[body].iq)]);
-    const std::size_t k = index_of(body);
-    return std::max(std::abs(scene_.lower[k]), std::abs(scene_.upper[k]));
+    part.reach = scene_.reach(part.body, far, aside);
   }
 
   [[nodiscard]] std::size_t index_of(std::size_t planned_body) const {
@@ -336,7 +308,6 @@ class SceneMaker {
   ParamsStorage<double> params_;
   Workspace<double> ws_;
   std::vector<bool> is_planned_, moves_;  // (bodies)
-  std::vector<std::size_t> carrier_;      // (bodies)
   std::vector<std::size_t> body_of_;      // (n) that a planned joint moves
 };
 
@@ -355,9 +326,6 @@ PlanningScene::PlanningScene(const Model& model, std::span<const double> q_now, 
     throw std::invalid_argument("margin is " + as_text(margin) + " m; expected 0 or more");
   if (!(settings.overshoot > 0 && std::isfinite(settings.overshoot)))
     throw std::invalid_argument("overshoot is " + as_text(settings.overshoot) + " m; expected more than 0");
-  for (const PointCloud& cloud : settings.clouds) {
-    if (!cloud.points.empty()) require_finite("cloud", std::span(&cloud.points[0].x, 3 * cloud.points.size()), 3);
-  }
   for (const Link& link : model.links()) link_names.push_back(link.name);
   SceneMaker(model, settings, *this).make();
 }
@@ -366,6 +334,38 @@ std::vector<JointId> joints_that_move(const Model& model, FrameId frame) {
   std::vector<JointId> joints;
   for (const std::size_t dof : IkChain(model, frame).dofs) joints.emplace_back(model.dof_joint()[dof]);
   return joints;
+}
+
+void PlanningScene::add(const PointCloud& cloud) {
+  if (!(cloud.radius > 0 && std::isfinite(cloud.radius)))
+    throw std::invalid_argument("the cloud's radius is " + as_text(cloud.radius) + " m; expected more than 0");
+  if (!cloud.points.empty()) require_finite("cloud", std::span(&cloud.points[0].x, 3 * cloud.points.size()), 3);
+  const int owner = static_cast<int>(obstacles.size()) + clouds++;
+  for (const Vec& p : cloud.points) tree_of_obstacles.add_point(owner, p, cloud.radius);
+}
+
+PlanningScene PlanningScene::with_cloud(const PointCloud& cloud) const {
+  PlanningScene more = *this;
+  more.add(cloud);
+  more.tree_of_obstacles.build();
+  return more;
+}
+
+std::vector<float> PlanningScene::reach(std::size_t of_body, float far, float aside) const {
+  std::vector<float> found(size(), 0.0f);
+  for (std::size_t b = of_body; b != 0; b = static_cast<std::size_t>(tree.bodies[b].parent)) {
+    const TreeBody<double>& body = tree.bodies[b];
+    const auto iq = static_cast<std::size_t>(body.iq);
+    const auto k = static_cast<std::size_t>(std::ranges::find(coordinates, iq) - coordinates.begin());
+    const bool slides = body.type == JointType::kPrismatic, is_planned = body.nv > 0 && k < size();
+    if (is_planned) found[k] = slides ? 1.0f : aside;
+    const double longest = is_planned ? std::max(std::abs(lower[k]), std::abs(upper[k])) : slides ? std::abs(q[iq]) : 0;
+    const float slide = slides ? static_cast<float>(longest) : 0.0f;
+    const Vec3<float> p = broadcast<float>(body.X_PF.p);
+    aside = std::hypot(p.x, p.y) + slide + far;
+    far = norm(p) + slide + far;
+  }
+  return found;
 }
 
 std::vector<double> PlanningScene::configuration(std::span<const double> planned) const {

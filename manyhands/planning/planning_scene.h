@@ -97,6 +97,14 @@ struct PlanningScene {
   [[nodiscard]] std::vector<double> configuration(std::span<const double> planned) const;
   /// The planned coordinates (n) of q (nq).
   [[nodiscard]] std::vector<double> planned(std::span<const double> whole) const;
+  /// This scene with more points in the way: what is known of links and of other obstacles is not computed again.
+  /// Throws std::invalid_argument on a radius of 0 or less, and on points that are not finite.
+  [[nodiscard]] PlanningScene with_cloud(const PointCloud& cloud) const;
+  /// Adds points; `tree_of_obstacles` is to be built after the last.
+  void add(const PointCloud& cloud);
+  /// (n) how far points of a body are from the axis of each joint that moves it, at most: the lengths of the links
+  /// between, stretched out [m]; 1 for those that slide. `far` from its origin, `aside` from its axis [m].
+  [[nodiscard]] std::vector<float> reach(std::size_t body, float far, float aside) const;
   [[nodiscard]] std::string link_name(LinkId link) const { return link_names[link.index()]; }
 
   Tree<double> tree;
@@ -110,11 +118,13 @@ struct PlanningScene {
   std::vector<double> lower, upper;      ///< (n) limits [rad or m]
   std::vector<double> velocity;          ///< (n) limits [rad/s or m/s]
   std::vector<std::size_t> bodies;       ///< that planned joints move, parents first
+  std::vector<std::size_t> carriers;     ///< (bodies) what each moves with: what it is attached to, or itself
   std::vector<MovingPart> parts;
   std::vector<PartPair> pairs;
   std::vector<PartPair>
       pairs_apart;                  ///< whose joints cannot bring them as near as the margin: what is free need not ask
   std::vector<Obstacle> obstacles;  ///< owners of the pieces in `tree_of_obstacles`; after them come the clouds
+  int clouds = 0;                   ///< how many
   ObstacleTree tree_of_obstacles;
   double margin;
 };

@@ -138,8 +138,7 @@ class RrtConnect {
     const auto [near, distance] = tree.nearest(sample_);
     if (distance > tree.domain(near)) return false;
     tree.copy(near, from_);
-    step_towards(sample_, distance);
-    const bool is_free = check_.is_free(from_, to_);
+    const bool is_free = step_towards(sample_) != Step::kStuck && check_.is_free(from_, to_);
     float& domain = tree.domain(near);
     domain = is_free ? domain * (1 + kGrowth) : std::max(domain * (1 - kGrowth), kLeastDomain * range_);
     if (!is_free) return false;
@@ -154,9 +153,9 @@ class RrtConnect {
     trees_[side].copy(node, sample_);
     trees_[other].copy(near, from_);
     for (;;) {
-      const bool arrives = step_towards(sample_, distance_to(sample_));
-      if (!check_.is_free(from_, to_)) return false;
-      if (arrives) {
+      const Step step = step_towards(sample_);
+      if (step == Step::kStuck || !check_.is_free(from_, to_)) return false;
+      if (step == Step::kArrives) {
         meeting_[side] = node;
         meeting_[other] = near;
         return true;
@@ -166,21 +165,9 @@ class RrtConnect {
     }
   }
 
-  [[nodiscard]] float distance_to(std::span<const float> target) const {
-    float sum = 0;
-    for (std::size_t k = 0; k < n_; ++k) sum += square(target[k] - from_[k]);
-    return std::sqrt(sum);
-  }
-
-  /// Sets `to_` to the target, or to where a step from `from_` leads if that is farther than the range. Whether it
-  /// arrives.
-  bool step_towards(std::span<const float> target, float distance) {
-    if (distance <= range_) {
-      std::ranges::copy(target, to_.begin());
-      return true;
-    }
-    for (std::size_t k = 0; k < n_; ++k) to_[k] = from_[k] + (range_ / distance) * (target[k] - from_[k]);
-    return false;
+  /// Sets `to_` to where a step from `from_` towards the target leads.
+  Step step_towards(std::span<const float> target) {
+    return manyhands::step_towards(check_, from_, target, range_, to_);
   }
 
   [[nodiscard]] std::vector<float> path() const {

@@ -6,7 +6,7 @@
 #include <functional>
 #include <utility>
 
-#include "manyhands/planning/configuration_check.h"
+#include "manyhands/planning/steering.h"
 
 namespace manyhands {
 

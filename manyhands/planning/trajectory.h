@@ -27,6 +27,12 @@ class Trajectory {
   /// The piece in whose time t lies: the later one at a break, the first or the last outside of [0, duration].
   [[nodiscard]] std::size_t piece_at(double t) const;
 
+  /// (order, width) of one piece, as powers of the time since `since` [s] after its beginning.
+  [[nodiscard]] std::vector<double> piece_from(std::size_t k, double since) const;
+  /// What it does from one time to another, as a trajectory that begins at 0; it stands still where this one does.
+  /// Throws std::invalid_argument unless `to` is later than `from`.
+  [[nodiscard]] Trajectory part(double from, double to) const;
+
   /// q, v and a (width) of one piece, `since` [s] after its beginning.
   void sample_piece(std::size_t k, double since, double* q, double* v, double* a) const;
   /// Position, velocity and acceleration, (n, width) each, at n times in any order.
@@ -36,5 +42,9 @@ class Trajectory {
   std::size_t width_;
   std::vector<double> breaks_, coefficients_;
 };
+
+/// One after the other, in time. Where one ends the next begins, or positions jump. Throws std::invalid_argument if
+/// there are none, or of different widths.
+[[nodiscard]] Trajectory joined(std::span<const Trajectory> motions);
 
 }  // namespace manyhands

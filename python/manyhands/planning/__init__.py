@@ -6,6 +6,7 @@ quaternions are xyzw, spatial vectors have the angular part first. Wrong shapes,
 that are not above 0 raise ValueError, which names the array.
 """
 
+from manyhands.planning.constraints import AxisConstraint, PathConstraint, PositionConstraint, upright
 from manyhands.planning.grasps import Grasps, ParallelGripper, epsilon_quality, grasps, grasps_in
 from manyhands.planning.planner import Encounter, Plan, Planner, PlanStatus, plan
 from manyhands.planning.timing import time_optimal
@@ -17,21 +18,25 @@ from manyhands.planning.trajectories import (
     Trajectory,
     cartesian,
     cubic,
+    joined,
     quintic,
     spline,
     trapezoid,
 )
 
 __all__ = [
+    "AxisConstraint",
     "CartesianPath",
     "CartesianSample",
     "CartesianTrajectory",
     "Encounter",
     "Grasps",
     "ParallelGripper",
+    "PathConstraint",
     "Plan",
     "PlanStatus",
     "Planner",
+    "PositionConstraint",
     "Sample",
     "Trajectory",
     "cartesian",
@@ -39,9 +44,11 @@ __all__ = [
     "epsilon_quality",
     "grasps",
     "grasps_in",
+    "joined",
     "plan",
     "quintic",
     "spline",
     "time_optimal",
     "trapezoid",
+    "upright",
 ]

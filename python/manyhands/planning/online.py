@@ -7,7 +7,8 @@ the extra `online`.
 L. Berscheid, T. Kröger, Jerk-limited real-time trajectory generation with arbitrary target states, RSS 2021.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ from manyhands.planning.trajectories import Sample, Trajectory, limit_row
 with needs("online", "manyhands.planning.online"):
     import ruckig
 
-__all__ = ["Follower", "jerk_limited"]
+__all__ = ["Follower", "jerk_limited", "links", "stop"]
 
 Array = NDArray[np.float64]
 _A_HAIR_LESS = 1 - 1e-7
@@ -44,19 +45,44 @@ def jerk_limited(
     velocity, acceleration, jerk: limits (n,), or one for all, above 0. A start beyond a limit is braked first. Raises
     ValueError on arrays that do not fit, and, with Ruckig's words, on goals that limits forbid.
     """
-    q = finite_rows("start", start)
-    if q.ndim != 1 or len(q) == 0:
-        raise ValueError(f"start has shape {q.shape}; expected (n,)")
-    given = ruckig.InputParameter(len(q))
-    _set_limits(given, velocity, acceleration, jerk)
-    given.current_position = q.tolist()
-    given.current_velocity = _state("start_velocity", start_velocity, len(q))
-    given.current_acceleration = _state("start_acceleration", start_acceleration, len(q))
+    given = _request(start, start_velocity, start_acceleration, velocity, acceleration, jerk)
     _set_goal(given, goal, goal_velocity, goal_acceleration)
-    found = ruckig.Trajectory(len(q))
-    solver = ruckig.Ruckig(len(q))
-    _solve(given, lambda: solver.calculate(given, found))
-    return _as_polynomials(found)
+    return _as_polynomials(_calculate(given))
+
+
+def stop(
+    start: ArrayLike,
+    start_velocity: ArrayLike,
+    start_acceleration: ArrayLike,
+    *,
+    velocity: ArrayLike,
+    acceleration: ArrayLike,
+    jerk: ArrayLike,
+) -> Trajectory:
+    """The fastest motion to rest from a state (n,), wherever that is; limits as of `jerk_limited`. Each joint comes to
+    rest as soon as it can."""
+    given = _request(start, start_velocity, start_acceleration, velocity, acceleration, jerk)
+    given.control_interface = ruckig.ControlInterface.Velocity
+    given.synchronization = ruckig.Synchronization.No
+    given.target_velocity = given.target_acceleration = [0.0] * given.degrees_of_freedom
+    return _as_polynomials(_calculate(given))
+
+
+def links(
+    start: Sample, goals: Iterable[Sample], *, velocity: ArrayLike, acceleration: ArrayLike, jerk: ArrayLike
+) -> list[tuple[float, int, Callable[[], Trajectory]]]:
+    """`jerk_limited` from one state to many: of those that limits allow how long it takes [s], which goal's it is, and
+    what makes the motion."""
+    given = _request(*start, velocity, acceleration, jerk)
+    found = []
+    for k, goal in enumerate(goals):
+        _set_goal(given, *goal)
+        try:
+            motion = _calculate(given)
+        except ValueError:
+            continue
+        found.append((motion.duration, k, partial(_as_polynomials, motion)))
+    return found
 
 
 class Follower:
@@ -102,6 +128,32 @@ def _solve(given: Any, calculate: Callable[[], object]) -> None:
             given.max_velocity = limits
 
 
+def _request(
+    start: ArrayLike,
+    start_velocity: ArrayLike | None,
+    start_acceleration: ArrayLike | None,
+    velocity: ArrayLike,
+    acceleration: ArrayLike,
+    jerk: ArrayLike,
+) -> Any:
+    q = finite_rows("start", start)
+    if q.ndim != 1 or len(q) == 0:
+        raise ValueError(f"start has shape {q.shape}; expected (n,)")
+    given = ruckig.InputParameter(len(q))
+    _set_limits(given, velocity, acceleration, jerk)
+    given.current_position = q.tolist()
+    given.current_velocity = _state("start_velocity", start_velocity, len(q))
+    given.current_acceleration = _state("start_acceleration", start_acceleration, len(q))
+    return given
+
+
+def _calculate(given: Any) -> Any:
+    found = ruckig.Trajectory(given.degrees_of_freedom)
+    solver = ruckig.Ruckig(given.degrees_of_freedom)
+    _solve(given, lambda: solver.calculate(given, found))
+    return found
+
+
 def _state(name: str, values: ArrayLike | None, n: int) -> list[float]:
     row = np.zeros(n) if values is None else finite_rows(name, values, n)
     if row.ndim != 1:
@@ -129,7 +181,7 @@ def _as_polynomials(found: Any) -> Trajectory:
     changes = [[0.0, found.duration]]
     for profile in found.profiles[0]:
         changes += [np.cumsum(profile.brake.t), profile.brake.duration + np.cumsum([0.0, *profile.t])]
-    times = np.unique(np.concatenate(changes))
+    times = np.sort(np.concatenate(changes))  # np.unique imports much when it is first called
     times = times[(times <= found.duration) & (np.diff(times, prepend=-1.0) > _SHORTEST)]
     if len(times) < 2:
         raise ValueError("start and goal are the same state; there is nothing to do")

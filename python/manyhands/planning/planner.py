@@ -1,6 +1,7 @@
 """Ways among obstacles: what is free, and plans from a configuration to a goal."""
 
-from collections.abc import Iterable, Mapping
+import copy
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
@@ -9,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from manyhands._core import Model, World
 from manyhands._core import planning as _core
 from manyhands.arguments import finite_rows, whole_number
+from manyhands.planning.constraints import PathConstraint, as_rows
 from manyhands.planning.scene import names, state_of
 from manyhands.planning.timing import time_optimal
 from manyhands.planning.trajectories import Trajectory, limit_row
@@ -21,6 +23,8 @@ PlanStatus: TypeAlias = Literal[
     "start collides",
     "goal outside limits",
     "goal collides",
+    "start breaks constraint",
+    "goal breaks constraint",
     "goal unreachable",
     "time limit",
 ]
@@ -189,6 +193,25 @@ class Planner:
             raise ValueError(f"waypoints have shape {rows.shape}; expected (m, {len(self.joints)}), m above 0")
         return Encounter(*self._core.least_distance(_flat(rows), step))
 
+    def free_until(
+        self, motion: Trajectory, start: float = 0.0, *, keep: PathConstraint | Sequence[PathConstraint] = ()
+    ) -> float:
+        """The time [s] up to which a motion of the planned joints is free all along from `start` on, within limits and
+        what `keep` asks: its duration if it is to the end. To a millisecond, and rather too early."""
+        return self._core.free_until(motion._motion, start, *as_rows(keep))
+
+    def with_cloud(self, points: ArrayLike, radius: float = 0.01) -> "Planner":
+        """A planner of the same scene with points (m, 3) [m] in it that nothing comes nearer to than radius [m], as
+        `cloud`: found in a millisecond, as all else is known."""
+        more = copy.copy(self)
+        more._core = self._core.with_cloud(_points(points), radius)
+        return more
+
+    @property
+    def velocity(self) -> Array:
+        """(n,) the model's limits of velocity [rad/s or m/s]."""
+        return np.asarray(self._core.velocity)
+
     def balls(self, planned: ArrayLike) -> Array:
         """(m, 4) the balls that stand for what moves: centre and radius [m]."""
         return np.asarray(self._core.balls(self._row("planned", planned)))
@@ -200,6 +223,7 @@ class Planner:
         position: ArrayLike | None = None,
         quaternion: ArrayLike | None = None,
         start: ArrayLike | None = None,
+        keep: PathConstraint | Sequence[PathConstraint] = (),
         time_limit: float = 1.0,
         seed: int = 0,
         shorten: bool = True,
@@ -209,8 +233,9 @@ class Planner:
         """A way from `start` (n,), by default where the scene is, to a goal.
 
         goal: planned joints (n,), or several goals (m, n) of which one is to be reached. Or position (3,) and
-        quaternion (4,) xyzw of the planner's frame. time_limit [s]: kept. seed: the same seed gives the same plan,
-        unless time runs out. shorten: cut corners. blend: how far from a corner the curve may leave it [rad or m].
+        quaternion (4,) xyzw of the planner's frame. keep: constraints that hold all along the way, as `upright("cup")`,
+        start and goal included. time_limit [s]: kept. seed: the same seed gives the same plan, unless time runs out.
+        shorten: cut corners. blend: how far from a corner the curve may leave it [rad or m].
         range: the longest edge of the search.
 
         What cannot be solved is said by the plan's `status` and `message`. Ctrl-C ends the search. Raises ValueError on
@@ -220,11 +245,12 @@ class Planner:
         number = whole_number("seed", seed, 0, _LARGEST_SEED)
         if not time_limit >= 0:
             raise ValueError(f"time_limit is {time_limit} s; expected 0 or more")
+        constraints = as_rows(keep)
         goals, status, message = self._goals(goal, position, quaternion, begin, number, time_limit)
         found: Any = (status, message, goals, None, 0, 0, 0.0, 0.0)
         if len(goals) > 0:
-            found = self._core.plan(begin, goals, time_limit, shorten, blend, range, number)
-        return Plan(self.joints, np.asarray(self._core.velocity), found)
+            found = self._core.plan(begin, goals, time_limit, shorten, blend, range, number, *constraints)
+        return Plan(self.joints, self.velocity, found)
 
     def _goals(
         self, goal: Any, position: Any, quaternion: Any, start: Array, seed: int, time_limit: float
@@ -254,7 +280,7 @@ class Planner:
 
 def plan(scene: World | Model, frame: str, goal: ArrayLike | None = None, **options: Any) -> Plan:
     """`Planner.plan` of a planner that is used once: options are those of both."""
-    of_plan = ("position", "quaternion", "start", "time_limit", "seed", "shorten", "blend", "range")
+    of_plan = ("position", "quaternion", "start", "keep", "time_limit", "seed", "shorten", "blend", "range")
     chosen = {name: options.pop(name) for name in of_plan if name in options}
     return Planner(scene, frame, **options).plan(goal, **chosen)
 

@@ -1,5 +1,6 @@
 """Trajectories of joints and of frames."""
 
+from collections.abc import Sequence
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
@@ -68,11 +69,22 @@ class Trajectory:
         times = finite_rows("t", t)
         return Sample(*_shaped(times, self._motion.sample(times.reshape(-1))))
 
+    def part(self, start: float, end: float) -> "Trajectory":
+        """What it does from `start` to `end` [s], as a trajectory that begins at 0. It stands still where this one
+        does. Raises ValueError unless the end is later."""
+        return Trajectory._of(self._motion.part(start, end))
+
     def __reduce__(self) -> tuple[type["Trajectory"], tuple[Array, Array]]:
         return Trajectory, (self.breaks, self.coefficients)
 
     def __repr__(self) -> str:
         return f"Trajectory(width={self.width}, duration={self.duration:g}, pieces={len(self.breaks) - 1})"
+
+
+def joined(motions: Sequence[Trajectory]) -> Trajectory:
+    """Trajectories (n) one after the other, in time. Positions jump unless each begins where the one before ends.
+    Raises ValueError if there are none, and on different n."""
+    return Trajectory._of(_core.joined([motion._motion for motion in motions]))
 
 
 class CartesianSample(NamedTuple):

@@ -5,6 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
+from manyhands import planning
+
 EXAMPLES = Path(__file__).parents[3] / "examples"
 
 
@@ -40,3 +42,10 @@ def test_an_arm_puts_into_a_bin_what_a_camera_sees() -> None:
     for name in ("brick", "can"):
         assert (np.abs(world.body_pose(name)[0] - [0, 0.52, 0.103]) < [0.2, 0.15, 0.103]).all()
     assert example["plan_pick"](example["see"](world)) == []
+
+
+def test_a_cup_is_carried_upright() -> None:
+    example = runpy.run_path(str(EXAMPLES / "upright_cup.py"))
+    planner = planning.Planner(example["scene"](), example["HAND"], attached={"cup": "panda_hand"})
+    plan = planner.plan(example["RIGHT"], keep=planning.upright("cup", within=example["WITHIN"]), time_limit=10.0)
+    assert example["most_tilt"](planner, plan.trajectory(acceleration=5.0)) < example["WITHIN"]

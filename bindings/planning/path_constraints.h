@@ -1,0 +1,26 @@
+// Path constraints as Python gives them.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "bindings/arrays.h"
+#include "bindings/planning/planner.h"
+
+namespace manyhands::bindings {
+
+/// frame, axis (3), direction (3), within
+using AxisConstraints = std::vector<std::tuple<std::string, Array<double, 1>, Array<double, 1>, double>>;
+/// frame, position (3) and quaternion (4) that bounds are measured from, lower (3), upper (3)
+using PositionConstraints =
+    std::vector<std::tuple<std::string, Array<double, 1>, Array<double, 1>, Array<double, 1>, Array<double, 1>>>;
+
+/// None if there are none.
+[[nodiscard]] std::optional<PathConstraints> constraints_of(const Planner& planner, const AxisConstraints& axes,
+                                                            const PositionConstraints& positions);
+
+}  // namespace manyhands::bindings

@@ -1,0 +1,83 @@
+"""Constraints that a plan keeps all along its way: how an axis of a frame points, and where a frame is."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from manyhands.arguments import finite_rows
+from manyhands.rigid_motions import unit_quaternions
+
+_UP = (0.0, 0.0, 1.0)
+
+
+@dataclass(frozen=True)
+class AxisConstraint:
+    """An axis of a frame stays within an angle of a direction: a cup upright, a camera that looks down."""
+
+    frame: str
+    """a link or frame that planned joints move, or one that is attached to such"""
+    axis: ArrayLike = _UP
+    """(3,) in the frame"""
+    within: float = 0.1
+    """the angle [rad], 0.01 or more"""
+    direction: ArrayLike = _UP
+    """(3,) in the world"""
+
+
+def upright(frame: str, axis: ArrayLike = _UP, within: float = 0.1) -> AxisConstraint:
+    """The axis (3,) of the frame points upwards, within an angle [rad]."""
+    return AxisConstraint(frame, axis, within)
+
+
+@dataclass(frozen=True)
+class PositionConstraint:
+    """A frame's origin stays within bounds along the axes of a reference pose."""
+
+    frame: str
+    """a link or frame that planned joints move, or one that is attached to such"""
+    lower: ArrayLike = (-np.inf, -np.inf, -np.inf)
+    """(3,) along the reference's axes, from its origin [m]; infinite numbers do not bound"""
+    upper: ArrayLike = (np.inf, np.inf, np.inf)
+    """(3,) a millimetre above lower, or more [m]"""
+    position: ArrayLike = (0.0, 0.0, 0.0)
+    """(3,) of the reference in the world [m]"""
+    quaternion: ArrayLike = (0.0, 0.0, 0.0, 1.0)
+    """(4,) xyzw of the reference"""
+
+
+PathConstraint: TypeAlias = AxisConstraint | PositionConstraint
+
+
+def as_rows(keep: PathConstraint | Sequence[PathConstraint]) -> tuple[list[Any], list[Any]]:
+    """Of axes and of positions, as the extension takes them. Raises ValueError on bad shapes and NaN."""
+    axes: list[Any] = []
+    positions: list[Any] = []
+    for one in [keep] if isinstance(keep, AxisConstraint | PositionConstraint) else keep:
+        if isinstance(one, AxisConstraint):
+            axes.append((one.frame, _vector("axis", one.axis), _vector("direction", one.direction), float(one.within)))
+        elif isinstance(one, PositionConstraint):
+            bounds = [_bounds(name, getattr(one, name)) for name in ("lower", "upper")]
+            turn = unit_quaternions("quaternion", one.quaternion)
+            if turn.ndim != 1:
+                raise ValueError(f"quaternion has shape {turn.shape}; expected (4,)")
+            positions.append((one.frame, _vector("position", one.position), turn, *bounds))
+        else:
+            raise TypeError(f"keep holds a {type(one).__name__}; expected AxisConstraint or PositionConstraint")
+    return axes, positions
+
+
+def _vector(name: str, values: ArrayLike) -> Any:
+    row = finite_rows(name, values, 3)
+    if row.ndim != 1:
+        raise ValueError(f"{name} has shape {row.shape}; expected (3,)")
+    return row
+
+
+def _bounds(name: str, values: ArrayLike) -> Any:
+    row = np.asarray(values, np.float64)
+    if row.shape != (3,) or np.isnan(row).any():
+        raise ValueError(f"{name} is {values}; expected three numbers, or infinity where there is no bound")
+    return row
