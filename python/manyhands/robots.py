@@ -163,7 +163,8 @@ class Arm:
         start = np.asarray(self.world.q)
         found = inverse(model, self.hand, position=at, quaternion=turned, start=start)
         if not found.success:
-            off = f"{1e3 * float(found.position_error):.0f} mm and {np.degrees(float(found.rotation_error)):.0f} degrees"
+            turned_off = np.degrees(float(found.rotation_error))
+            off = f"{1e3 * float(found.position_error):.0f} mm and {turned_off:.0f} degrees"
             place = np.round(finite_rows("pose", at), 3).tolist()
             raise ValueError(f"{self.hand} does not reach {place}: the nearest that was found is {off} off")
         joints = [model.joint(name) for name in self.joints]
