@@ -32,8 +32,8 @@ examples:
 Ctrl-C ends the video after the episode that is being filmed.
 """
 _AFTER_SUCCESS = 8  # steps for which a reached goal is looked at
-# Nearer than environments look by default: a cube is some 40 pixels wide. The floor is as light as that of the page.
-_CAMERA = {"render_target_position": [-0.06, 0.0, 0.16], "render_distance": 0.95, "render_yaw": 55, "render_pitch": -24}
+# Nearer than environments look by default: a cube is some 35 pixels wide. The floor is as light as that of the page.
+_CAMERA = {"render_target_position": [-0.06, 0.0, 0.18], "render_distance": 1.0, "render_yaw": 55, "render_pitch": -24}
 _FLOOR = {"render_floor": (0.66, 0.69, 0.72)}
 
 
