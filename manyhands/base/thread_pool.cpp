@@ -1,7 +1,5 @@
 #include "manyhands/base/thread_pool.h"
 
-#include <unistd.h>
-
 #include <charconv>
 #include <cstdlib>
 #include <cstring>
@@ -10,6 +8,7 @@
 #include <utility>
 
 #include "manyhands/base/float_environment.h"
+#include "manyhands/base/system.h"
 
 namespace manyhands {
 
@@ -27,7 +26,7 @@ int spins_for(int num_threads) {
 
 }  // namespace
 
-ThreadPool::ThreadPool(int num_threads) : process_(getpid()), spins_(spins_for(num_threads)) {
+ThreadPool::ThreadPool(int num_threads) : process_(system::process_id()), spins_(spins_for(num_threads)) {
   if (num_threads < 1 || num_threads > kMaxThreads) {
     throw std::invalid_argument("num_threads is " + std::to_string(num_threads) + "; expected 1 to 1024");
   }
@@ -37,7 +36,7 @@ ThreadPool::ThreadPool(int num_threads) : process_(getpid()), spins_(spins_for(n
 }
 
 ThreadPool::~ThreadPool() {
-  if (process_ != getpid()) work_alone();
+  if (process_ != system::process_id()) work_alone();
   stop_ = true;
   ++round_;
   round_.notify_all();
@@ -48,11 +47,11 @@ void ThreadPool::work_alone() {
   for (std::jthread& thread : threads_) thread.detach();
   threads_.clear();
   gate_ = 0;
-  process_ = getpid();
+  process_ = system::process_id();
 }
 
 void ThreadPool::run(int n, Call call, void* context) {
-  if (process_ != getpid()) work_alone();
+  if (process_ != system::process_id()) work_alone();
   n_ = n;
   call_ = call;
   context_ = context;

@@ -8,7 +8,8 @@ mkdir -p "$1"
 prefix=$(cd "$1" && pwd)
 export PATH="$root/.venv/bin:$PATH" CC="$root/tools/cross/cc" CXX="$root/tools/cross/c++"
 export AR="$root/tools/cross/ar" RANLIB="$root/tools/cross/ranlib"
-export CFLAGS='-O2 -fPIC -fvisibility=hidden -ffunction-sections -fdata-sections' CXXFLAGS=$CFLAGS
+export CFLAGS='-O2 -fPIC -fvisibility=hidden -ffunction-sections -fdata-sections'
+export CXXFLAGS=$CFLAGS
 jobs=${JOBS:-$(nproc)}
 suite=bookworm
 
@@ -33,6 +34,7 @@ build() { # build SOURCE TARGETS OPTIONS...
   shift 2
   cmake -G Ninja -S "$source" -B "build/$source" -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX="$prefix" \
     -DCMAKE_TOOLCHAIN_FILE="$root/tools/cross/zig.cmake" -DCMAKE_PREFIX_PATH="$prefix" \
+    -DCMAKE_MAKE_PROGRAM="$root/.venv/bin/ninja" \
     -DCMAKE_POSITION_INDEPENDENT_CODE=ON -DCMAKE_POLICY_VERSION_MINIMUM=3.10 -DBUILD_SHARED_LIBS=OFF "$@"
   cmake --build "build/$source" -j "$jobs" --target $targets
 }

@@ -10,6 +10,8 @@ export PATH="$root/.venv/bin:$PATH" PIP_DISABLE_PIP_VERSION_CHECK=1 CMAKE_GENERA
 export CMAKE_BUILD_PARALLEL_LEVEL=${JOBS:-$(nproc)}
 if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache CCACHE_COMPILERTYPE=clang; fi
 
+mkdir -p "$work"
+
 say() { printf '\033[1m==> %s\033[0m\n' "$*"; }
 
 interpreter() { # interpreter 3.10
@@ -23,7 +25,7 @@ interpreter() { # interpreter 3.10
 # What CMake is told: definitions for an instruction set, each behind PREFIX.
 definitions() { # definitions ISA PREFIX
   printf -- "$2%s\n" CMAKE_TOOLCHAIN_FILE="$root/tools/cross/zig.cmake" CMAKE_PREFIX_PATH="$libraries" \
-    MANYHANDS_ISA="$1" MANYHANDS_WERROR=OFF
+    CMAKE_MAKE_PROGRAM="$root/.venv/bin/ninja" MANYHANDS_ISA="$1" MANYHANDS_WERROR=OFF
 }
 
 # The package with the kernels of one instruction set.
@@ -42,8 +44,8 @@ add_kernels() { # add_kernels ISA VENV PACKAGE
   fi
   rm -rf "$build/package"
   mapfile -t given < <(definitions "$1" -D)
-  cmake -S . -B "$build" "${given[@]}" -DCMAKE_MAKE_PROGRAM="$root/.venv/bin/ninja" -DCMAKE_BUILD_TYPE=Release -DMANYHANDS_PYTHON=ON -DMANYHANDS_UNITY=ON \
-    -DSKBUILD=ON -DPython_EXECUTABLE="$python" "${stable[@]}" >"$work/$1.log"
+  cmake -S . -B "$build" "${given[@]}" -DCMAKE_BUILD_TYPE=Release \
+    -DMANYHANDS_PYTHON=ON -DMANYHANDS_UNITY=ON -DSKBUILD=ON -DPython_EXECUTABLE="$python" "${stable[@]}" >"$work/$1.log"
   cmake --build "$build" --target _core >>"$work/$1.log"
   install -D -t "$3/manyhands/$1" "$build"/package/manyhands/_core.*
 }

@@ -1,8 +1,19 @@
 #include "manyhands/physics/dynamics/yielding.h"
 
-#include <cmath>
+#include "manyhands/math/functions.h"
 
 namespace manyhands {
+
+namespace {
+
+/// base^(1 - power), as impedance_at() raises to powers: the same bits with every C library.
+double falling_power(double base, double power) {
+  if (power == 1) return 1;
+  if (power == 2) return 1 / base;
+  return exp((1 - power) * log(base));
+}
+
+}  // namespace
 
 template <Real R>
 TreeCompliance<R> tree_compliance(const Compliance& compliance) {
@@ -17,8 +28,8 @@ TreeCompliance<R> tree_compliance(const Compliance& compliance) {
           .inverse_width = static_cast<R>(grows ? 1 / c.width : 0),
           .midpoint = static_cast<R>(c.midpoint),
           .power = static_cast<R>(c.power),
-          .rises = static_cast<R>(std::pow(c.midpoint, 1 - c.power)),
-          .falls = static_cast<R>(std::pow(1 - c.midpoint, 1 - c.power))};
+          .rises = static_cast<R>(falling_power(c.midpoint, c.power)),
+          .falls = static_cast<R>(falling_power(1 - c.midpoint, c.power))};
 }
 
 template TreeCompliance<double> tree_compliance(const Compliance&);

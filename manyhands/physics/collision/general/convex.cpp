@@ -62,7 +62,7 @@ void cap_feature(double r, double half, const Vec& d, SupportingFeature& f) {
   constexpr double s = 0.70710678118654752440;
   constexpr std::array<std::array<double, 2>, 8> kCircle{
       {{1, 0}, {s, s}, {0, 1}, {-s, s}, {-1, 0}, {-s, -s}, {0, -1}, {s, -s}}};
-  const double z = std::copysign(half, d.z), across = std::hypot(d.x, d.y);
+  const double z = std::copysign(half, d.z), across = norm(Vec{d.x, d.y, 0});
   f.normal = {0, 0, std::copysign(1.0, d.z)};
   const bool tilted = across > 1e-9;
   const double ux = tilted ? d.x / across : 0, uy = tilted ? d.y / across : 0;
@@ -75,7 +75,7 @@ void cap_feature(double r, double half, const Vec& d, SupportingFeature& f) {
 }
 
 void cylinder_feature(double r, double half, const Vec& d, SupportingFeature& f) {
-  const double across = std::hypot(d.x, d.y);
+  const double across = norm(Vec{d.x, d.y, 0});
   if (std::abs(d.z) > across) return cap_feature(r, half, d, f);
   const double x = r * d.x / across, y = r * d.y / across;
   if (std::abs(d.z) > kLying) {
@@ -176,7 +176,7 @@ double ConvexShape::bound() const {
     case Core::kBox:
       return norm(size);
     case Core::kCylinder:
-      return std::hypot(size.x, size.y);
+      return norm(Vec{size.x, size.y, 0});
     case Core::kHull:
       break;
   }

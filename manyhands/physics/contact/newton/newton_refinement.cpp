@@ -1,5 +1,6 @@
 #include "manyhands/physics/contact/newton/newton_refinement.h"
 
+#include "manyhands/math/functions.h"
 #include "manyhands/physics/contact/newton/newton_system.h"
 
 namespace manyhands {
@@ -174,10 +175,10 @@ bool NewtonRefinement::refine(const SolverSettings& settings, const NewtonContex
   if (!has_begun_) systems_->begin(settings, context);
   has_begun_ = true;
   const auto [violation, is_precise] = systems_->look(settings, context);
-  const double gain = std::log(last_violation_ / violation);
+  const double gain = log(last_violation_ / violation);
   last_violation_ = violation;
   if (violation == 0) return true;
-  const double missing = std::log(violation);
+  const double missing = log(violation);
   if (missing <= 0) return !is_precise || gain < cs::kFastGain;
   const double left = cs::kNewtonPatience * settings.max_iterations / SolverTraits<double>::kIterationsPerLook;
   if (gain > cs::kMinGain && gain * left > missing) return false;
