@@ -106,6 +106,25 @@ def test_moving_a_slider_moves_the_robot(arm: Viewer, page: Any) -> None:
     until(lambda: not arm.player.playing)
 
 
+def test_a_goal_is_shown_and_gone_to(arm: Viewer, page: Any) -> None:
+    opened(page, arm)
+    assert arm.panel.robot is not None and arm.panel.robot.plan is not None
+    plan = arm.panel.robot.plan
+    page.get_by_role("tab", name="Robot").click()
+    page.get_by_label("Drag a goal").click()
+    until(lambda: plan.goal is not None)
+    position, quaternion = plan.goal or (np.zeros(3), np.zeros(4))
+    wanted = position + np.array([0, 0.1, 0.05])
+    plan.show_goal(True, (wanted, quaternion))
+    page.get_by_role("button", name="Plan and go").click()
+    page.get_by_text("found in").wait_for()
+    world = arm.source.world
+    assert world is not None
+    until(lambda: np.linalg.norm(world.body_pose("panda_grasptarget")[0] - wanted) < 5e-3)
+    plan.show_goal(False)
+    arm.pause()
+
+
 def test_pause_step_and_reset(arm: Viewer, page: Any) -> None:
     opened(page, arm)
     arm.pause()
