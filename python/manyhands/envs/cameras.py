@@ -1,7 +1,6 @@
 """What environments show: the pictures of `render`, and those of cameras in the observation."""
 
 import math
-import re
 from collections.abc import Mapping, Sequence
 from typing import Any, cast
 
@@ -14,6 +13,7 @@ from manyhands._core.render import Camera, Look
 from manyhands.arguments import whole_number
 from manyhands.envs.parts import hand_of
 from manyhands.envs.spaces import CameraOptions, EnvOptions
+from manyhands.refusals import signatures_of
 
 RENDER_MODES = ("rgb_array", "depth_array")
 FINE: dict[str, Any] = {"antialiasing": 2, "shadow_rays": 6, "sun_size": 0.05}
@@ -210,7 +210,8 @@ def _variation(name: str, options: CameraOptions) -> PictureVariation:
     try:
         return PictureVariation(**options.get("vary", {}))
     except TypeError as reason:
-        known = re.findall(r"(\w+): ", (PictureVariation.__init__.__doc__ or "").partition("->")[0])
+        (signature,) = signatures_of(PictureVariation.__init__)
+        known = [parameter for parameter in signature.parameters if parameter != "self"]
         raise ValueError(
             f"cameras: {name!r} varies {options.get('vary')!r}; what can vary is {', '.join(known)}"
         ) from reason
