@@ -211,10 +211,15 @@ class SceneMaker {
         if (x.body == y.body || !may_touch(x.geoms[0], x.link, y.geoms[0], y.link)) continue;
         if ((is_held(x) || is_held(y)) && touches(x, y)) continue;
         PartPair pair{a, b, std::vector<float>(scene_.size())};
+        bool a_moves = false, b_moves = false;
         for (std::size_t k = 0; k < scene_.size(); ++k) {
           const bool moves_a = is_above(body_of_[k], x.body), moves_b = is_above(body_of_[k], y.body);
           pair.reach[k] = moves_a == moves_b ? 0.0f : moves_a ? x.reach[k] : y.reach[k];
+          a_moves = a_moves || (moves_a && !moves_b);
+          b_moves = b_moves || (moves_b && !moves_a);
         }
+        pair.moves_both = a_moves && b_moves;
+        if (a_moves && !b_moves) std::swap(pair.a, pair.b);
         scene_.pairs.push_back(std::move(pair));
       }
     }
@@ -233,7 +238,8 @@ class SceneMaker {
     std::vector<PartPair> kept;
     for (PartPair& pair : scene_.pairs) {
       if (std::ranges::all_of(pair.reach, [](float reach) { return reach == 0; })) continue;
-      if (stays_apart(exact, pair))
+      pair.apart = internal::apart_map(scene_, pair, exact);
+      if (pair.apart.is_apart_everywhere())
         scene_.pairs_apart.push_back(std::move(pair));
       else if (!always_overlaps(exact, pair))
         kept.push_back(std::move(pair));
@@ -250,44 +256,6 @@ class SceneMaker {
       if (exact.distance(pair, 0) >= 0) return false;
       for (std::size_t k = 0; k < q.size(); ++k)
         q[k] = random.uniform(std::max(scene_.lower[k], -kHalfTurn), std::min(scene_.upper[k], kHalfTurn));
-    }
-    return true;
-  }
-
-  /// Whether so few joints are between the two that looks at some configurations prove them apart in all: in a box of
-  /// these, no point moves by more than the reach of joints times its halves.
-  [[nodiscard]] bool stays_apart(internal::ExactCheck& exact, const PartPair& pair) const {
-    constexpr std::size_t kMostJoints = 2;
-    constexpr int kMostLooks = 1000;
-    const std::vector<float>& reach = pair.reach;
-    std::vector<std::size_t> between;
-    for (std::size_t k = 0; k < reach.size(); ++k) {
-      if (reach[k] == 0) continue;
-      between.push_back(k);
-      if (!std::isfinite(scene_.lower[k]) || !std::isfinite(scene_.upper[k])) return false;
-    }
-    if (between.size() > kMostJoints) return false;
-    std::vector<double> q = scene_.planned(scene_.q);
-    std::vector<std::pair<std::vector<double>, std::vector<double>>> boxes{{scene_.lower, scene_.upper}};
-    for (int look = 0; !boxes.empty(); ++look) {
-      auto [low, high] = std::move(boxes.back());
-      boxes.pop_back();
-      double sway = 0;
-      std::size_t widest = between[0];
-      const auto sway_of = [&](std::size_t k) { return static_cast<double>(reach[k]) * (high[k] - low[k]) / 2; };
-      for (const std::size_t k : between) {
-        q[k] = (low[k] + high[k]) / 2;
-        sway += sway_of(k);
-        if (sway_of(k) > sway_of(widest)) widest = k;
-      }
-      exact.place(q);
-      const double needed = scene_.margin + sway, d = exact.distance(pair, needed);
-      if (d >= needed) continue;
-      if (d <= scene_.margin || look >= kMostLooks) return false;
-      auto below = high, above = low;
-      below[widest] = above[widest] = q[widest];
-      boxes.emplace_back(low, below);
-      boxes.emplace_back(above, high);
     }
     return true;
   }

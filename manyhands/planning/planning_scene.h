@@ -10,6 +10,7 @@
 #include "manyhands/physics/collision/colliders.h"
 #include "manyhands/physics/collision/queries/distance.h"
 #include "manyhands/physics/dynamics/workspace.h"
+#include "manyhands/planning/apart_map.h"
 #include "manyhands/planning/ball_cover.h"
 #include "manyhands/planning/obstacle_tree.h"
 
@@ -33,7 +34,7 @@ struct SceneSettings {
   std::vector<PointCloud> clouds{};
   std::vector<double> mocap{};  ///< poses of the mocap bodies, as State has them; empty: where the model has them
   double margin = 0;            ///< least distance that is kept [m]
-  double overshoot = 0.0125;    ///< by which balls stick out of links; smaller ones are more balls [m]
+  double overshoot = 0.02;      ///< by which balls stick out of links; smaller ones are more balls [m]
 };
 
 /// The joints that move a frame, as `SceneSettings::joints`. Throws ModelError as IkChain does.
@@ -52,6 +53,12 @@ struct BallNode {
   std::size_t second = 0;       ///< its second child, in MovingPart::nodes; the first follows it. 0 for a leaf
 };
 
+/// A capsule that holds a part's balls, in the axes of the body: links are long, and their root balls always meet.
+struct PartCapsule {
+  Vec3<float> a{}, b{};  ///< ends of its axis [m]
+  float radius{};
+};
+
 /// A shape as the exact check has it: on a body, or on the world.
 struct SceneGeom {
   ShapeView shape{};
@@ -66,6 +73,7 @@ struct MovingPart {
   LinkId link{};
   std::vector<SceneGeom> geoms{};
   std::vector<BallNode> nodes{};  ///< a tree of balls, the root first
+  PartCapsule capsule{};
   std::vector<PartBall> balls{};
   std::vector<float>
       reach{};  ///< (n) [m/rad or 1]: how far a point of it moves, at most, per change of each coordinate
@@ -74,8 +82,10 @@ struct MovingPart {
 
 /// Two parts that may not touch.
 struct PartPair {
-  std::size_t a{}, b{};
+  std::size_t a{}, b{};        ///< where planned joints between move one of them alone, that is b
   std::vector<float> reach{};  ///< (n) as of parts, of each relative to the other
+  bool moves_both = false;     ///< whether some joints between move a alone, and others b
+  ApartMap apart{};            ///< if these are one or two
 };
 
 /// A collider that stands still.

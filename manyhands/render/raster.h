@@ -25,6 +25,7 @@ struct GridPart {
   int left = 0, top = 0, width = 0, height = 0;
 };
 
+/// The grid, of which one part is drawn at a time.
 class Raster {
  public:
   static constexpr float kNothing = -std::numeric_limits<float>::max();

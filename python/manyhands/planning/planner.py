@@ -132,7 +132,7 @@ class Planner:
         cloud: ArrayLike | None = None,
         cloud_radius: float = 0.01,
         margin: float = 0.0,
-        overshoot: float = 0.0125,
+        overshoot: float = 0.02,
     ) -> None:
         model, now, mocap = state_of(scene, q)
         chosen = names(joints)
