@@ -121,7 +121,7 @@ def _fits(value: Any, expected: ast.expr) -> bool:
         case "ArrayLike":
             return _is_numbers(value)
         case "NDArray":
-            return _is_numbers(value) and np.ndim(value) > 0
+            return isinstance(value, np.ndarray) and _is_numbers(value) and value.ndim > 0
         case "Sequence":
             is_list = isinstance(value, Sequence | np.ndarray) and not isinstance(value, str | bytes)
             return is_list and (of is None or all(_fits(item, of) for item in value))

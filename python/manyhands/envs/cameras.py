@@ -6,7 +6,7 @@ from typing import Any, cast
 
 import numpy as np
 from gymnasium import spaces
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core.envs import EnvBatch, EnvBodies, EnvPictures, Eye, PictureVariation
 from manyhands._core.render import Camera, Look
@@ -62,6 +62,7 @@ class EnvCameras:
             options.get("render_roll", 0),
         )
         orbit_camera(*self._size, *self._orbit)
+        self._floor = _colour("render_floor", options.get("render_floor"))
         self._observed = {
             name: _observed(name, given, options) for name, given in (options.get("cameras") or {}).items()
         }
@@ -119,7 +120,14 @@ class EnvCameras:
             return None
         camera = orbit_camera(width or self._size[0], height or self._size[1], *self._orbit)
         is_depth = self._mode == "depth_array"
-        picture = self._load().take(camera, worlds=list(worlds), look=Look(**FINE), colour=not is_depth, depth=is_depth)
+        picture = self._load().take(
+            camera,
+            worlds=list(worlds),
+            look=Look(**FINE),
+            colour=not is_depth,
+            depth=is_depth,
+            floor=self._floor,
+        )
         return picture.depth if is_depth else picture.colour
 
     def keep_final(self, worlds: list[int]) -> None:
@@ -174,6 +182,16 @@ def _observed(name: str, given: CameraOptions | Camera, env: EnvOptions) -> tupl
     points = options["eye"], options["target"], options.get("up", (0, 0, 1))
     eye, target, up = (np.asarray(point, np.float64).tolist() for point in points)
     return camera.look_at(eye, target, up, options.get("frame", "")), options
+
+
+def _colour(name: str, given: ArrayLike | None) -> list[float] | None:
+    """Red, green and blue. Raises ValueError unless each is from 0 to 1."""
+    if given is None:
+        return None
+    colour = np.asarray(given, np.float64)
+    if not ((colour >= 0) & (colour <= 1)).all():
+        raise ValueError(f"{name} is {given}, expected red, green and blue, each from 0 to 1")
+    return colour.tolist()
 
 
 def _require_frames(batch: EnvBatch, frames: Mapping[str, str]) -> None:

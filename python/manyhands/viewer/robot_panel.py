@@ -10,7 +10,7 @@ import viser
 from manyhands.measures import chain, hand_of
 from manyhands.viewer.controls import SharedSlider
 from manyhands.viewer.host import Host
-from manyhands.viewer.joints import JointDrive
+from manyhands.viewer.joints import JointDrive, Knob
 from manyhands.viewer.plan_panel import PlanPanel
 from manyhands.viewer.player import Frame
 from manyhands.viewer.teleop_panel import TeleopPanel
@@ -86,11 +86,22 @@ class RobotPanel:
 
     def _make_sliders(self) -> None:
         gui, self.sliders = self._viewer.server.gui, {}
-        knobs = [knob for knob in self._drive.knobs if not knob.follows]
+        knobs, joints = [k for k in self._drive.knobs if not k.follows], self._viewer.source.model.joints
+        slides = {joint.name for joint in joints if joint.type == "prismatic"}
+        self._units = {knob.name: 1e3 if knob.name in slides else float(np.degrees(1.0)) for knob in knobs}
         for knob, label in zip(knobs, labels([knob.name for knob in knobs]), strict=True):
-            value = float(np.clip(self._drive.value(knob), knob.lower, knob.upper))
-            slider = gui.add_slider(label, round(knob.lower, 4), round(knob.upper, 4), 0.001, round(value, 3))
-            self.sliders[knob.name] = SharedSlider(slider, lambda value, name=knob.name: self._move(name, value))
+            unit = self._units[knob.name]
+            slider = gui.add_slider(
+                f"{label} [{'mm' if knob.name in slides else '°'}]", round(unit * knob.lower, 1),
+                round(unit * knob.upper, 1), 0.1, self._shown(knob, self._drive.value(knob)),
+            )  # fmt: skip
+            self.sliders[knob.name] = SharedSlider(
+                slider, lambda value, name=knob.name, unit=unit: self._move(name, value / unit)
+            )
+
+    def _shown(self, knob: Knob, value: float) -> float:
+        """What a slider says of a joint's place [degrees or mm]."""
+        return round(self._units[knob.name] * float(np.clip(value, knob.lower, knob.upper)), 1)
 
     def take_over(self) -> None:
         """Hands move the joints from now on, not a plan, and in an environment not a policy."""
@@ -115,7 +126,7 @@ class RobotPanel:
         for knob in self._drive.knobs:
             slider = self.sliders.get(knob.name)
             if slider is not None:
-                slider.show(round(float(np.clip(self._drive.target(knob.name), knob.lower, knob.upper)), 3))
+                slider.show(self._shown(knob, self._drive.target(knob.name)))
         opening = self._drive.opening
         if self._grip is not None and opening is not None:
             self._grip.show(round(float(np.clip(opening, 0, 1)), 2), tolerance=0.005)

@@ -88,20 +88,20 @@ def test_moving_a_slider_moves_the_robot(arm: Viewer, page: Any) -> None:
     assert world is not None
     before, _ = world.body_pose("panda_grasptarget")
     page.get_by_role("tab", name="Robot").click()
-    box = number_box(page, "joint1")
-    box.fill("0.8")
+    box = number_box(page, "joint1 [°]")
+    box.fill("45")
     box.press("Enter")
-    until(lambda: abs(world.q[0] - 0.8) < 1e-6)
+    until(lambda: abs(world.q[0] - np.pi / 4) < 1e-6)
     after, _ = world.body_pose("panda_grasptarget")
-    assert np.allclose(after[:2], np.hypot(*before[:2]) * np.array([np.cos(0.8), np.sin(0.8)]), atol=1e-6)
+    assert np.allclose(after[:2], np.hypot(*before[:2]) * np.sqrt([0.5, 0.5]), atol=1e-6)
     assert world.time == 0  # it stands still: the joint was put there
 
     page.get_by_role("button", name="Play", exact=True).click()
     until(lambda: world.time > 0)
-    box = number_box(page, "joint1")
-    box.fill("0.2")
+    box = number_box(page, "joint1 [°]")
+    box.fill("12")
     box.press("Enter")
-    until(lambda: abs(world.q[0] - 0.2) < 5e-3)  # driven there, by its motor
+    until(lambda: abs(world.q[0] - np.pi / 15) < 5e-3)  # driven there, by its motor
     page.get_by_role("button", name="Pause", exact=True).click()
     until(lambda: not arm.player.playing)
 
