@@ -96,8 +96,8 @@ void join_trees(const Tree<R>& tree, const Params<P>& params, std::vector<std::s
     const std::size_t first = root[first_body(tree, k)];
     for (std::size_t b = 1; b < tree.bodies.size(); ++b) {
       const TreeBody<R>& body = tree.bodies[b];
-      const bool moves_it = std::ranges::any_of(
-          tree.lengths[k].dofs, [&](int dof) { return dof >= body.iv && dof < body.iv + body.nv; });
+      const bool moves_it =
+          std::ranges::any_of(tree.lengths[k].dofs, [&](int dof) { return dof >= body.iv && dof < body.iv + body.nv; });
       if (moves_it && root[b] != first) std::ranges::replace(root, std::size_t(root[b]), first);
     }
   }
@@ -127,8 +127,8 @@ MANYHANDS_INLINE void add_spring_work(const Tree<real_t<T>>& tree, const Params<
 
 /// Counts what the springs of tendons hold as lost, times sign, at the lengths of `ws`.
 template <Number T, Number P>
-MANYHANDS_INLINE void add_released(const Tree<real_t<T>>& tree, const Params<P>& params, T sign,
-                                   const Workspace<T>& ws, EnergyBalance<T>& balance) {
+MANYHANDS_INLINE void add_released(const Tree<real_t<T>>& tree, const Params<P>& params, T sign, const Workspace<T>& ws,
+                                   EnergyBalance<T>& balance) {
   const T half = constant<T>(0.5);
   visit_tendon_springs(params, ws, [&](std::size_t k, T stiffness, T stretch) {
     T& fallen = balance.fallen[balance.root[first_body(tree, k)]];

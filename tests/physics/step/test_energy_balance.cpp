@@ -133,14 +133,15 @@ TEST(EnergyBalance, GravityDoesNoMoreThanItsFall) {
 /// The pendulum, drawn by a spring that rests at a length of 2 m.
 ModelPointer drawn(const std::string& stiffness) {
   const std::string rod = "<geom type='capsule' size='.02' fromto='0 0 0 .3 0 0' contype='0'/>";
-  return scene(
-      "<site name='anchor' pos='.1 .2 .4'/><body><joint name='shoulder' axis='0 1 0'/>" + rod +
-          "<body pos='.3 0 0'><joint name='elbow' axis='0 1 0'/>" + rod + "<site name='tip' pos='.3 0 0'/></body></body>",
-      "<tendon><spatial stiffness='" + stiffness +
-          "' springlength='2'><site site='anchor'/><site site='tip'/></spatial></tendon>");
+  return scene("<site name='anchor' pos='.1 .2 .4'/><body><joint name='shoulder' axis='0 1 0'/>" + rod +
+                   "<body pos='.3 0 0'><joint name='elbow' axis='0 1 0'/>" + rod +
+                   "<site name='tip' pos='.3 0 0'/></body></body>",
+               "<tendon><spatial stiffness='" + stiffness +
+                   "' springlength='2'><site site='anchor'/><site site='tip'/></spatial></tendon>");
 }
 
-/// One that flings the rods around its anchor in a step meets them where it had not pushed: what it holds then is named.
+/// One that flings the rods around its anchor in a step meets them where it had not pushed: what it holds then is
+/// named.
 TEST(EnergyBalance, ASpringThatAStepPassesIsNamed) {
   World world(drawn("1e10"), 0.002);
   const std::uint64_t hash = world.state_hash();
