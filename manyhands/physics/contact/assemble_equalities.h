@@ -12,9 +12,10 @@ namespace internal {
 template <Number T>
 MANYHANDS_INLINE void ask_to_close(const Vec3<T>& e, const Vec3<T>& gamma, real_t<T> h, EqualityRows<T>& block) {
   const T most = constant<T>(contact_settings::kMaxClosing), inverse_h(real_t<T>(1) / h);
+  const T far = constant<T>(contact_settings::kFarSteps) * most;
   const auto closing = [&](T error) {
     const T speed = error * inverse_h;
-    block.far = block.far | (abs(speed) > most);
+    block.far = block.far | (abs(speed) > far);
     return clamp(speed, -most, most);
   };
   block.closing = fma(T(real_t<T>(0.5) * h), gamma, Vec3<T>{closing(e.x), closing(e.y), closing(e.z)});
