@@ -77,8 +77,8 @@ TEST(ObstacleTree, ApproachesToTrianglesAreTheirDistancesAndSlopes) {
 }
 
 /// A Panda between a floor, a box, a cylinder and a cloud.
-struct Panda {
-  Panda() : model(make()), scene(model, model.initial_configuration(), settings(model)) {}
+struct CrowdedPanda {
+  CrowdedPanda() : model(make()), scene(model, model.initial_configuration(), settings(model)) {}
 
   static Model make() {
     World world = World::from_file(asset_path("panda/panda.urdf"));
@@ -111,7 +111,7 @@ struct Panda {
 };
 
 TEST(ClearanceCost, GradientsAreFiniteDifferences) {
-  const Panda panda;
+  const CrowdedPanda panda;
   constexpr double h = 1e-6;
   RandomStream random(5, 0, 0);
   ClearanceCost<double> cost(panda.scene, 0.05);
@@ -138,7 +138,7 @@ TEST(ClearanceCost, GradientsAreFiniteDifferences) {
 
 TEST(ClearanceCost, WhatCostsNothingKeepsTheClearanceAndWhatCollidesCosts) {
   constexpr double clearance = 0.02;
-  const Panda panda;
+  const CrowdedPanda panda;
   RandomStream random(6, 0, 0);
   ClearanceCost<double> cost(panda.scene, clearance);
   internal::ExactCheck exact(panda.scene);
@@ -261,7 +261,7 @@ TEST(LaneMinimizer, EveryLaneFindsTheMinimumThatItFindsAlone) {
 }
 
 TEST(PathDescent, GradientsAreFiniteDifferences) {
-  const Panda panda;
+  const CrowdedPanda panda;
   const PathSpline spline(8, 2, {});
   RandomStream random(9, 0, 0);
   const std::vector<double> start = panda.random_row(random);
@@ -283,7 +283,7 @@ TEST(PathDescent, GradientsAreFiniteDifferences) {
 }
 
 TEST(PathDescent, EveryLaneFindsWhatItFindsAloneAndItCostsLess) {
-  const Panda panda;
+  const CrowdedPanda panda;
   const PathSpline spline(8, 2, {});
   RandomStream random(10, 0, 0);
   const std::vector<double> start = panda.random_row(random);
