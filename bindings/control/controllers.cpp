@@ -64,13 +64,8 @@ std::vector<R> gains_of(const char* name, const Input<R>& gains, std::size_t nv)
 /// Rows of four numbers, none of which is so short that it leaves its direction open.
 template <Real R>
 std::span<const R> quaternion_rows(const Input<R>& quaternion, const Batch& batch) {
-  constexpr R kShortest = R(1e-6);
   const std::span<const R> numbers = finite_rows("quaternion", quaternion, batch, 4);
-  for (std::size_t i = 0; i < numbers.size(); i += 4) {
-    const R* r = numbers.data() + i;
-    if (r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3] >= kShortest * kShortest) continue;
-    throw std::invalid_argument("a quaternion is shorter than 1e-6, which leaves its direction open");
-  }
+  for (std::size_t i = 0; i < numbers.size(); i += 4) bindings::require_rotation(numbers.data() + i);
   return numbers;
 }
 

@@ -86,22 +86,15 @@ class Part {
   std::optional<Numbers> numbers_{};
 };
 
-constexpr double kShortest = 1e-6;
-
-[[noreturn]] void refuse_short(const std::string& what) {
-  throw std::invalid_argument(what + " is shorter than 1e-06, which leaves its direction open");
-}
-
 Vec3<double> unit(const char* name, const Vec3<double>& v) {
   const double length = norm(v);
-  if (!(length >= kShortest)) refuse_short(name);
+  if (!(length >= bindings::kShortest)) bindings::refuse_short(name);
   return (1 / length) * v;
 }
 
 Mat3<double> rotation(const double* x) {
-  const Quat<double> r{x[0], x[1], x[2], x[3]};
-  if (!(r.x * r.x + r.y * r.y + r.z * r.z + r.w * r.w >= kShortest * kShortest)) refuse_short("a quaternion");
-  return to_matrix(normalized(r));
+  bindings::require_rotation(x);
+  return to_matrix(normalized(Quat<double>{x[0], x[1], x[2], x[3]}));
 }
 
 /// A goal as Python names its parts.

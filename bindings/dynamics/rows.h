@@ -113,6 +113,18 @@ void require_finite(const char* name, const Numbers& array) {
   }
 }
 
+/// Below this length a vector or quaternion has no direction.
+inline constexpr double kShortest = 1e-6;
+[[noreturn]] inline void refuse_short(const std::string& what) {
+  throw std::invalid_argument(what + " is shorter than 1e-06, which leaves its direction open");
+}
+/// Throws std::invalid_argument if the quaternion (4) leaves its direction open.
+template <class R>
+void require_rotation(const R* r) {
+  if (!(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3] >= R(kShortest) * R(kShortest)))
+    refuse_short("a quaternion");
+}
+
 /// As `rows`, of finite numbers.
 template <class R>
 [[nodiscard]] std::span<const R> finite_rows(const char* name, const Input<R>& array, const Batch& batch,

@@ -13,15 +13,8 @@ LaneCheck<T>::LaneCheck(const PlanningScene& scene)
       v_(static_cast<std::size_t>(scene.tree_in_float.nv), constant<T>(0)),
       origin_(scene.parts.size()),
       centre_(scene.parts.size()) {
-  for (const double x : scene.q) q_.push_back(constant<T>(x));
-  for (const std::size_t k : scene.coordinates) {
-    const auto moves = [&](const TreeBody<float>& body) { return body.nv == 1 && body.iq == static_cast<int>(k); };
-    dofs_.push_back(static_cast<std::size_t>(std::ranges::find_if(scene.tree_in_float.bodies, moves)->iv));
-  }
-  std::vector<T> mocap;
-  for (const double x : scene.mocap) mocap.push_back(constant<T>(x));
-  place_mocap(scene.tree_in_float, mocap.data(), ws_);
-  forward_kinematics(scene.tree_in_float, q_.data(), ws_);
+  for (std::size_t k = 0; k < scene.size(); ++k) dofs_.push_back(scene.dof(k));
+  q_ = place_scene(scene, scene.tree_in_float, ws_);
   consider_all();
 }
 

@@ -24,10 +24,6 @@ using Vec = Vec3<double>;
 constexpr double kHalfTurn = std::numbers::pi;  // how far joints without limits go to either side [rad]
 constexpr double kTouchesHeld = 1e-3;           // what is held touches what is nearer than this [m]
 
-Transform<double> pose_of(const Workspace<double>& ws, std::size_t body) {
-  return {ws.R_WB[body], ws.p_OB[body] + ws.p_WO[body]};
-}
-
 /// Puts the scene together.
 class SceneMaker {
  public:
@@ -135,7 +131,7 @@ class SceneMaker {
     for (std::size_t i = 0; i < scene_.colliders.geoms.size(); ++i) {
       const Collider<double>& geom = scene_.colliders.geoms[i];
       const std::size_t body = scene_.carriers[geom.body];
-      const Transform<double> X_WG = pose_of(ws_, geom.body) * geom.X_BG;
+      const Transform<double> X_WG = body_pose(geom.body, ws_) * geom.X_BG;
       SceneGeom placed = {.shape = {geom.type, model_.geoms()[geom.geom].shape.size, geom.hull.get(), geom.mesh.get(),
                                     geom.height_field.get()},
                           .X_BG = X_WG,
@@ -146,7 +142,7 @@ class SceneMaker {
         add_pieces(static_cast<int>(scene_.obstacles.size()) - 1, placed, X_WG);
         continue;
       }
-      placed.X_BG = inverse(pose_of(ws_, body)) * X_WG;
+      placed.X_BG = inverse(body_pose(body, ws_)) * X_WG;
       const Key key{geom.link, body, geom.filter.group, geom.filter.mask};
       const auto [found, is_new] = part_of.try_emplace(key, scene_.parts.size());
       if (is_new) scene_.parts.push_back({.body = body, .link = LinkId(static_cast<int>(geom.link))});
@@ -196,7 +192,7 @@ class SceneMaker {
   /// The distance of a part from a shape, at the configuration of the scene.
   [[nodiscard]] double distance(const MovingPart& part, const SceneGeom& other, const Transform<double>& X_WO) const {
     double least = std::numeric_limits<double>::infinity();
-    const Transform<double> X_WB = pose_of(ws_, part.body);
+    const Transform<double> X_WB = body_pose(part.body, ws_);
     for (const SceneGeom& geom : part.geoms)
       least = std::min(least, signed_distance(geom.shape, X_WB * geom.X_BG, other.shape, X_WO).phi);
     return least;
@@ -226,7 +222,7 @@ class SceneMaker {
   }
 
   [[nodiscard]] bool touches(const MovingPart& x, const MovingPart& y) const {
-    const Transform<double> X_WB = pose_of(ws_, y.body);
+    const Transform<double> X_WB = body_pose(y.body, ws_);
     return std::ranges::any_of(
         y.geoms, [&](const SceneGeom& geom) { return distance(x, geom, X_WB * geom.X_BG) < kTouchesHeld; });
   }
@@ -287,7 +283,8 @@ PlanningScene::PlanningScene(const Model& model, std::span<const double> q_now, 
       colliders(model, PairSearch::kSwept),
       q(q_now.begin(), q_now.end()),
       mocap(settings.mocap.empty() ? model.initial_mocap() : settings.mocap),
-      margin(settings.margin) {
+      margin(settings.margin),
+      overshoot(settings.overshoot) {
   require_rows("q", q_now, 1, static_cast<std::size_t>(model.nq()));
   require_rows("mocap", mocap, 1, model.mocap_bodies().size() * kPoseNumbers);
   if (!(margin >= 0 && std::isfinite(margin)))
@@ -355,7 +352,7 @@ std::vector<double> placed_balls(const PlanningScene& scene, std::span<const dou
   std::vector<double> found;
   for (const MovingPart& part : scene.parts) {
     for (const PartBall& ball : part.balls) {
-      const Vec p = pose_of(ws, part.body) * broadcast<double>(ball.centre);
+      const Vec p = body_pose(part.body, ws) * broadcast<double>(ball.centre);
       found.insert(found.end(), {p.x, p.y, p.z, static_cast<double>(ball.radius)});
     }
   }

@@ -1,6 +1,7 @@
 // What a planner reads of a scene: what moves with the planned joints, and what stands in its way.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <string>
@@ -9,7 +10,7 @@
 
 #include "manyhands/physics/collision/colliders.h"
 #include "manyhands/physics/collision/queries/distance.h"
-#include "manyhands/physics/dynamics/workspace.h"
+#include "manyhands/physics/dynamics/kinematics.h"
 #include "manyhands/planning/apart_map.h"
 #include "manyhands/planning/ball_cover.h"
 #include "manyhands/planning/obstacle_tree.h"
@@ -115,6 +116,11 @@ struct PlanningScene {
   /// (n) how far points of a body are from the axis of each joint that moves it, at most: the lengths of the links
   /// between, stretched out [m]; 1 for those that slide. `far` from its origin, `aside` from its axis [m].
   [[nodiscard]] std::vector<float> reach(std::size_t body, float far, float aside) const;
+  /// The dof of planned coordinate k.
+  [[nodiscard]] std::size_t dof(std::size_t k) const {
+    return static_cast<std::size_t>(std::ranges::find(tree.dof_q, static_cast<int>(coordinates[k])) -
+                                    tree.dof_q.begin());
+  }
   [[nodiscard]] std::string link_name(LinkId link) const { return link_names[link.index()]; }
 
   Tree<double> tree;
@@ -136,8 +142,22 @@ struct PlanningScene {
   std::vector<Obstacle> obstacles;  ///< owners of the pieces in `tree_of_obstacles`; after them come the clouds
   int clouds = 0;                   ///< how many
   ObstacleTree tree_of_obstacles;
-  double margin;
+  double margin, overshoot;  ///< as SceneSettings
 };
+
+/// Places all bodies where the scene has them, and returns its q (nq). `tree`: the scene's, in T's real numbers.
+template <Number T>
+[[nodiscard]] std::vector<T> place_scene(const PlanningScene& scene, const Tree<real_t<T>>& tree, Workspace<T>& ws) {
+  const auto in_T = [](const std::vector<double>& numbers) {
+    std::vector<T> found;
+    for (const double x : numbers) found.push_back(constant<T>(x));
+    return found;
+  };
+  std::vector<T> q = in_T(scene.q);
+  place_mocap(tree, in_T(scene.mocap).data(), ws);
+  forward_kinematics(tree, q.data(), ws);
+  return q;
+}
 
 /// The balls that stand for what moves, at planned coordinates (n): x y z and radius each, in the world [m].
 [[nodiscard]] std::vector<double> placed_balls(const PlanningScene& scene, std::span<const double> planned);

@@ -225,22 +225,22 @@ void draw(const Drawing& drawing, int first, int end, Layers& layers, const Pict
   const Backdrop* const backdrop = drawing.backdrop;
   const bool has_colour = !to.colour.empty();
   const bool has_geometry = !to.depth.empty() || !to.segmentation.empty() || !to.normals.empty();
-  const auto paint = [&](Samples& samples, const Tile& tile) {
-    shade(frame, layers, samples);
-    write_colours(frame.camera, samples, tile.x, tile.y, to);
-    if (drawing.into != nullptr) drawing.into->tiles[tile.number].lit = samples.lit;
+  // What a tile's pixels show; `kept` is what the backdrop has of it.
+  const auto look_at = [&](const Tile& tile, Found Backdrop::Tile::* kept) {
+    Samples samples = grid(frame.camera, tile.x, tile.y);
+    if (backdrop == nullptr) {
+      find_still(frame, layers, samples);
+    } else {
+      static_cast<Found&>(samples) = backdrop->tiles[tile.number].*kept;
+    }
+    if (drawing.into != nullptr) drawing.into->tiles[tile.number].*kept = samples;
+    find(frame, layers, false, samples);
+    return samples;
   };
   if (has_geometry || drawing.into != nullptr) {
     draw_layers(frame, first, end, 1, true, backdrop == nullptr, layers);
     for_each_tile(frame.camera, first, end, [&](const Tile& tile) {
-      Samples samples = grid(frame.camera, tile.x, tile.y);
-      if (backdrop == nullptr) {
-        find_still(frame, layers, samples);
-      } else {
-        static_cast<Found&>(samples) = backdrop->tiles[tile.number].exact;
-      }
-      if (drawing.into != nullptr) drawing.into->tiles[tile.number].exact = samples;
-      find(frame, layers, false, samples);
+      const Samples samples = look_at(tile, &Backdrop::Tile::exact);
       if (has_geometry) write_geometry(frame.camera, drawing.seen, samples, tile.x, tile.y, to);
     });
   }
@@ -250,15 +250,10 @@ void draw(const Drawing& drawing, int first, int end, Layers& layers, const Pict
     if (backdrop != nullptr && !drawing.touched[tile.number]) {
       return copy_colours(frame.camera, tile, backdrop->rough, to.colour);
     }
-    Samples samples = grid(frame.camera, tile.x, tile.y);
-    if (backdrop == nullptr) {
-      find_still(frame, layers, samples);
-    } else {
-      static_cast<Found&>(samples) = backdrop->tiles[tile.number].shown;
-    }
-    if (drawing.into != nullptr) drawing.into->tiles[tile.number].shown = samples;
-    find(frame, layers, false, samples);
-    paint(samples, tile);
+    Samples samples = look_at(tile, &Backdrop::Tile::shown);
+    shade(frame, layers, samples);
+    write_colours(frame.camera, samples, tile.x, tile.y, to);
+    if (drawing.into != nullptr) drawing.into->tiles[tile.number].lit = samples.lit;
   });
 }
 

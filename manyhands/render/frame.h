@@ -21,6 +21,10 @@ struct Rectangle {
   return {r.left - by, r.right + by, r.top - by, r.bottom + by};
 }
 
+[[nodiscard]] inline Rectangle united(const Rectangle& a, const Rectangle& b) {
+  return {min(a.left, b.left), max(a.right, b.right), min(a.top, b.top), max(a.bottom, b.bottom)};
+}
+
 /// An item where it is.
 struct PlacedItem {
   const Item* item;

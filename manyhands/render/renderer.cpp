@@ -122,9 +122,7 @@ void Renderer::Work::place_bodies(const Shot& shot, Worker& worker) const {
   place_mocap(tree, shot.mocap.empty() ? mocap.data() : shot.mocap.data(), worker.bodies);
   forward_kinematics(tree, shot.q.data(), worker.bodies);
   worker.X_WB[0] = Transform<double>::identity();
-  for (std::size_t b = 1; b < worker.X_WB.size(); ++b) {
-    worker.X_WB[b] = {worker.bodies.R_WB[b], worker.bodies.p_OB[b] + worker.bodies.p_WO[b]};
-  }
+  for (std::size_t b = 1; b < worker.X_WB.size(); ++b) worker.X_WB[b] = body_pose(b, worker.bodies);
 }
 
 template <class ForEach>

@@ -223,8 +223,7 @@ LitPart nothing_lit() {
 }
 
 void widen(LitPart& lit, const LitPart& other) {
-  const Rectangle &a = lit.across, &b = other.across;
-  lit.across = {min(a.left, b.left), max(a.right, b.right), min(a.top, b.top), max(a.bottom, b.bottom)};
+  lit.across = united(lit.across, other.across);
   lit.lowest = min(lit.lowest, other.lowest);
 }
 

@@ -15,6 +15,7 @@ using Vec = Vec3<Rays>;
 using Masks = std::array<RayMask, Samples::kPackets>;
 
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
+constexpr Rectangle kNowhere{kInfinite, -kInfinite, kInfinite, -kInfinite};
 constexpr float kFarthest = 1e4f;   // casts a shadow [m]
 constexpr float kSquare = 1;        // largest side of a square of a sun's grid, in pixels
 constexpr float kSoftSquare = 2;    // likewise, of one of many suns
@@ -31,13 +32,11 @@ bool casts_by_grid(const PlacedItem& placed) { return placed.item->triangles != 
 float texel_of(const PictureFrame& frame) {
   const Camera& camera = frame.camera;
   const Rectangle picture{0, static_cast<float>(camera.width), 0, static_cast<float>(camera.height)};
-  Rectangle casts{kInfinite, -kInfinite, kInfinite, -kInfinite};
+  Rectangle casts = kNowhere;
   float nearest = kInfinite;
   for (const PlacedItem& placed : frame.solid) {
     if (placed.item->type != ShapeType::kPlane && placed.view.meets(picture)) nearest = min(nearest, placed.nearest);
-    if (!casts_by_grid(placed)) continue;
-    casts = {min(casts.left, placed.shade.left), max(casts.right, placed.shade.right), min(casts.top, placed.shade.top),
-             max(casts.bottom, placed.shade.bottom)};
+    if (casts_by_grid(placed)) casts = united(casts, placed.shade);
   }
   nearest = nearest < kInfinite ? max(nearest, kNearest) : 1;
   const float focal = static_cast<float>(max(camera.fx, camera.fy));
@@ -68,7 +67,7 @@ void widen_by(Rectangle& covered, const Item& item, const View& view) {
     const Vec3<float> p{k & 1 ? item.high.x : item.low.x, k & 2 ? item.high.y : item.low.y,
                         k & 4 ? item.high.z : item.low.z};
     const float x = dot(view.across, p) + view.at.x, y = dot(view.down, p) + view.at.y;
-    covered = {min(covered.left, x), max(covered.right, x), min(covered.top, y), max(covered.bottom, y)};
+    covered = united(covered, {x, x, y, y});
   }
 }
 
@@ -174,7 +173,7 @@ void set_suns(PictureFrame& frame) {
 
 void draw_sun(PictureFrame& frame, int i) {
   SunPoint& sun = frame.suns[size(i)];
-  Rectangle covered{kInfinite, -kInfinite, kInfinite, -kInfinite};
+  Rectangle covered = kNowhere;
   for (const PlacedItem& placed : frame.solid) {
     if (casts_by_grid(placed)) widen_by(covered, *placed.item, view_of(frame, placed, sun));
   }

@@ -3,27 +3,18 @@
 #include <chrono>
 #include <iostream>
 
-#include "manyhands/envs/panda.h"
 #include "manyhands/kinematics/ik_search.h"
 #include "manyhands/kinematics/ik_seeds.h"
 #include "manyhands/math/philox.h"
+#include "tests/kinematics/placed_panda.h"
 
 namespace manyhands {
 namespace {
 
 constexpr std::size_t kJoints = 9;  // of the arm and its fingers
 
-struct Panda {
-  LonePanda robot;
-  Tree<double> tree{robot.model};
-  ParamsStorage<double> params{robot.model};
-  Workspace<double> ws{tree};
+struct Panda : testing::PlacedPanda<double> {
   std::vector<double> neutral = robot.arm.neutral;
-
-  Transform<double> hand(const double* q) {
-    forward_kinematics(tree, q, ws);
-    return frame_pose(robot.arm.chain.body, robot.arm.chain.X_BF, ws);
-  }
 
   /// Hand poses of random configurations within the limits.
   std::vector<Transform<double>> reachable(int n) {

@@ -3,28 +3,24 @@
 
 #include <algorithm>
 
-#include "manyhands/envs/panda.h"
 #include "manyhands/kinematics/ik_seeds.h"
 #include "manyhands/math/philox.h"
 #include "manyhands/model/model_builder.h"
+#include "tests/kinematics/placed_panda.h"
 
 namespace manyhands {
 namespace {
 
 using internal::IkSeeds;
 
-struct Seeded {
-  LonePanda robot;
-  Tree<float> tree{robot.model};
-  ParamsStorage<float> params{robot.model};
-  Workspace<float> ws{tree};
+struct Seeded : testing::PlacedPanda<float> {
   IkSeeds seeds{tree, params, robot.arm.chain};
 
+  /// Of the arm's joints.
   Transform<float> hand(std::span<const float> q) {
     std::vector<float> all(robot.arm.neutral.begin(), robot.arm.neutral.end());
     std::ranges::copy(q, all.begin());
-    forward_kinematics(tree, all.data(), ws);
-    return frame_pose(robot.arm.chain.body, broadcast<float>(robot.arm.chain.X_BF), ws);
+    return PlacedPanda::hand(all.data());
   }
 
   IkTarget<double> target(std::uint32_t number) {

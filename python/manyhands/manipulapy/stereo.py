@@ -82,5 +82,5 @@ class Stereo:
 def _lens(config: dict[str, Any], size: tuple[int, int]) -> Lens:
     X = np.eye(4)
     X[:3, :3], X[:3, 3] = euler_to_rotation_matrix(config["rotation"]), config["translation"]
-    K = np.asarray(config["intrinsic_matrix"], np.float64) + np.array([[0, 0, 0.5], [0, 0, 0.5], [0, 0, 0]])
-    return Lens((int(size[0]), int(size[1])), K, X, np.asarray(config["distortion_coeffs"], np.float64).ravel())
+    matrix, distortion = (np.asarray(config[key], np.float64) for key in ("intrinsic_matrix", "distortion_coeffs"))
+    return Lens.of_opencv((int(size[0]), int(size[1])), matrix, X, distortion.ravel())

@@ -142,10 +142,10 @@ class JointDrive:
 
     def _coupled(self, targets: dict[str, float]) -> dict[str, float]:
         """With those of the joints that mimic them, or that they mimic, and so on."""
-        wanted, known = dict(targets), dict(targets)
+        wanted, known, couplings = dict(targets), dict(targets), _couplings(self._world.model)
         while known:
             name, value = known.popitem()
-            for leader, follower, ratio, offset in _couplings(self._world.model):
+            for leader, follower, ratio, offset in couplings:
                 if name == leader and follower in self._knobs and follower not in wanted:
                     wanted[follower] = known[follower] = ratio * value + offset
                 elif name == follower and leader in self._knobs and leader not in wanted:

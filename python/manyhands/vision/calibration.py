@@ -96,8 +96,7 @@ def calibrate(board: Chessboard, pictures: Sequence[ArrayLike]) -> Calibration:
     places = board.corners.astype(np.float32)[:, None]
     error, K, distortion, turns, shifts = cv2.calibrateCamera([places] * len(seen), seen, (width, height), None, None)
     poses = np.array([_pose(cv2.Rodrigues(turn)[0], shift) for turn, shift in zip(turns, shifts, strict=True)])
-    K = K + np.array([[0, 0, 0.5], [0, 0, 0.5], [0, 0, 0]])
-    return Calibration(Lens((width, height), K, poses[0], distortion.ravel()), poses, float(error))
+    return Calibration(Lens.of_opencv((width, height), K, poses[0], distortion.ravel()), poses, float(error))
 
 
 def _pose(R: Array, p: Array) -> Array:

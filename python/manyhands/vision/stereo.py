@@ -13,7 +13,7 @@ from manyhands.rigid_motions import matrix
 
 Array = NDArray[np.float64]
 
-_CENTRE = 0.5  # of the first pixel, which is 0 in OpenCV
+_CENTRE = np.array([[0, 0, 0.5], [0, 0, 0.5], [0, 0, 0]])  # of the first pixel, which is 0 in OpenCV
 
 
 def opencv() -> Any:
@@ -49,10 +49,15 @@ class Lens:
         K = np.array([[camera.fx, 0, camera.cx], [0, camera.fy, camera.cy], [0, 0, 1.0]])
         return cls((camera.width, camera.height), K, matrix(camera.position, camera.quaternion))
 
+    @classmethod
+    def of_opencv(cls, size: tuple[int, int], matrix: Array, X: Array, distortion: Array) -> "Lens":
+        """The same with `opencv_matrix` in place of K."""
+        return cls(size, matrix + _CENTRE, X, distortion)
+
     @property
     def opencv_matrix(self) -> Array:
         """K where the first pixel's centre is 0."""
-        return self.K - np.array([[0, 0, _CENTRE], [0, 0, _CENTRE], [0, 0, 0]])
+        return self.K - _CENTRE
 
 
 class StereoRig:
