@@ -2,11 +2,11 @@
 // the parent held.
 #pragma once
 
-#include <unistd.h>
-
 #include <atomic>
 #include <memory>
 #include <mutex>
+
+#include "manyhands/base/system.h"
 
 namespace manyhands {
 
@@ -20,7 +20,7 @@ class ProcessMutex {
  private:
   std::mutex& own() {
     int known = process_;
-    if (const int here = getpid(); known != here && process_.compare_exchange_strong(known, here)) {
+    if (const int here = system::process_id(); known != here && process_.compare_exchange_strong(known, here)) {
       (void)mutex_.release();  // may be locked, so that it must not be destroyed
       mutex_ = std::make_unique<std::mutex>();
     }
@@ -28,7 +28,7 @@ class ProcessMutex {
   }
 
   std::unique_ptr<std::mutex> mutex_ = std::make_unique<std::mutex>();
-  std::atomic<int> process_ = getpid();
+  std::atomic<int> process_ = system::process_id();
 };
 
 }  // namespace manyhands

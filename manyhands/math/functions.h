@@ -27,13 +27,14 @@ MANYHANDS_INLINE T polynomial(T x, const std::array<real_t<T>, N>& coefficients)
   return y;
 }
 
-/// pi / 2 as a sum of three numbers, and the polynomials of sin and cos on [-pi / 4, pi / 4].
+/// pi / 2 as a sum of three numbers, pi / 4 as one of two, and the polynomials of sin and cos on [-pi / 4, pi / 4].
 template <Real R>
 struct TrigTable;
 
 template <>
 struct TrigTable<float> {
   static constexpr std::array<float, 3> half_pi{0x1.921fb6p+0f, -0x1.777a5cp-25f, -0x1.ee59dap-50f};
+  static constexpr std::array<float, 2> quarter_pi{0x1.921fb6p-1f, -0x1.777a5cp-26f};
   static constexpr std::array<float, 3> sin{-1.9515295891e-4f, 8.3321608736e-3f, -1.6666654611e-1f};
   static constexpr std::array<float, 3> cos{2.443315711809948e-5f, -1.388731625493765e-3f, 4.166664568298827e-2f};
 };
@@ -41,6 +42,7 @@ struct TrigTable<float> {
 template <>
 struct TrigTable<double> {
   static constexpr std::array<double, 3> half_pi{0x1.921fb54442d18p+0, 0x1.1a62633145c07p-54, -0x1.f1976b7ed8fbcp-110};
+  static constexpr std::array<double, 2> quarter_pi{0x1.921fb54442d18p-1, 0x1.1a8p-55};  // 64 bits between them
   static constexpr std::array<double, 6> sin{1.58962301576546568060e-10, -2.50507477628578072866e-8,
                                              2.75573136213857245213e-6,  -1.98412698295895385996e-4,
                                              8.33333333332211858878e-3,  -1.66666666666666307295e-1};
@@ -116,9 +118,8 @@ MANYHANDS_INLINE T atan2(T y, T x) {
   eighths = select(steep, two - eighths, eighths);
   eighths = select(behind, four - eighths, eighths);
   const T signed_r = select(steep ^ behind, -r, r);
-  constexpr long double kQuarterPi = std::numbers::pi_v<long double> / 4;
-  constexpr R kHigh = static_cast<R>(kQuarterPi), kLow = static_cast<R>(kQuarterPi - kHigh);
-  return copysign(fma(eighths, T(kHigh), fma(eighths, T(kLow), signed_r)), y);
+  constexpr std::array quarter_pi = internal::TrigTable<R>::quarter_pi;
+  return copysign(fma(eighths, T(quarter_pi[0]), fma(eighths, T(quarter_pi[1]), signed_r)), y);
 }
 
 /// e^x over all of x: denormal and then 0 to the left, infinity to the right, NaN for NaN.
