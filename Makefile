@@ -78,7 +78,7 @@ clean:  ## Remove what was built; .venv too
 # ---- Set-up, each step once ------------------------------------------------------------------------------------
 # Packages are fetched while the compiler runs.
 MAKEFLAGS += --jobs=2
-LIBRARIES := libeigen3-dev libpugixml-dev libqhull-dev libpng-dev libembree-dev ccache
+LIBRARIES := libeigen3-dev libpugixml-dev libqhull-dev libpng-dev ccache
 SOURCES := CMakeLists.txt $(shell find cmake manyhands bindings python assets -type f -not -path '*/__pycache__/*')
 
 $(VENV)/.build: tools/setup.sh

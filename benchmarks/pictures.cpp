@@ -23,16 +23,35 @@ Camera camera_of(int width, int height) {
   return camera;
 }
 
+struct Wanted {
+  bool colour, geometry;  ///< geometry: depth and segmentation
+};
+constexpr Wanted kAll{true, true}, kColour{true, false}, kGeometry{false, true};
+
+Look unshaded_look() {
+  Look look;
+  look.shadows = false;
+  return look;
+}
+
+/// What `env.render()` shows: envs/cameras.py in the Python package.
+Look fine_look() {
+  Look look;
+  look.antialiasing = 2;
+  look.shadow_rays = 6;
+  look.sun_size = 0.05;
+  return look;
+}
+
 /// Pictures of the first n worlds, taken again and again.
 struct Job {
-  Job(const EnvPictures& pictures, int n, int width, int height, bool with_colour, bool shadows,
+  Job(const EnvPictures& pictures, int n, int width, int height, Wanted wanted, const Look& look = {},
       const PictureVariation& variation = {}) {
-    Look look;
-    look.shadows = shadows;
     for (int i = 0; i < n; ++i)
       shots.push_back(pictures.shot(pictures.view(i), camera_of(width, height), look, variation));
     const std::size_t pixels = size(n) * size(width) * size(height);
-    if (with_colour) colour.resize(3 * pixels);
+    if (wanted.colour) colour.resize(3 * pixels);
+    if (!wanted.geometry) return;
     depth.resize(pixels);
     segmentation.resize(pixels);
   }
@@ -61,65 +80,6 @@ void print_rate(const std::string& name, int threads, double seconds, const Timi
       {name, "lanes8", threads, frames / seconds, "frames/s", timing.wall, timing.variation, job.hash(), wrong, note});
 }
 
-/// What a rasteriser in lanes would have to do at the least, before it fills a pixel: project every vertex of the
-/// scene's meshes, and find out of every triangle whether it faces the camera and covers the centre of a pixel.
-class Rasteriser {
- public:
-  explicit Rasteriser(const Model& model) {
-    for (const Mesh& mesh : model.meshes()) {
-      const int first = static_cast<int>(x_.size());
-      for (const Vec3<float>& v : mesh.vertices) {
-        x_.push_back(v.x);
-        y_.push_back(v.y);
-        z_.push_back(v.z);
-      }
-      for (const auto& t : mesh.triangles) {
-        for (std::size_t k = 0; k < 3; ++k) corner_[k].push_back(first + t[k]);
-      }
-    }
-    const auto round_up = [](auto& numbers) { numbers.resize((numbers.size() + kRays - 1) / kRays * kRays); };
-    for (auto* numbers : {&x_, &y_, &z_}) round_up(*numbers);
-    for (auto& numbers : corner_) round_up(numbers);
-    column_.resize(x_.size());
-    row_.resize(x_.size());
-  }
-
-  /// The triangles that are left.
-  [[nodiscard]] int set_up(const Camera& camera) {
-    const Transform<Rays> X = broadcast<Rays>(inverse(camera.X_FC));
-    const Rays fx(static_cast<float>(camera.fx)), fy(static_cast<float>(camera.fy));
-    const Rays cx(static_cast<float>(camera.cx)), cy(static_cast<float>(camera.cy));
-    for (std::size_t i = 0; i < x_.size(); i += kRays) {
-      const Vec3<Rays> p = X * Vec3<Rays>{load<Rays>(&x_[i]), load<Rays>(&y_[i]), load<Rays>(&z_[i])};
-      const Rays scale = Rays(1.0f) / p.z;
-      store(&column_[i], fma(fx * p.x, scale, cx));
-      store(&row_[i], fma(fy * p.y, scale, cy));
-    }
-    int left = 0;
-    for (std::size_t i = 0; i < corner_[0].size(); i += kRays) {
-      std::array<Rays, 3> u, v;
-      for (std::size_t k = 0; k < 3; ++k) {
-        u[k] = gather<Rays>(column_.data(), &corner_[k][i]);
-        v[k] = gather<Rays>(row_.data(), &corner_[k][i]);
-      }
-      const Rays area = (u[1] - u[0]) * (v[2] - v[0]) - (u[2] - u[0]) * (v[1] - v[0]), half(0.5f);
-      const auto covers = [&](const std::array<Rays, 3>& a) {
-        const Rays low = min(a[0], min(a[1], a[2])), high = max(a[0], max(a[1], a[2]));
-        return floor(low + half) < floor(high + half);
-      };
-      const RayMask seen = (area < Rays(0.0f)) & covers(u) & covers(v);
-      for (int k = 0; k < kRays; ++k) left += lane(seen, k) ? 1 : 0;
-    }
-    return left;
-  }
-
-  [[nodiscard]] std::size_t triangles() const { return corner_[0].size(); }
-
- private:
-  std::vector<float> x_, y_, z_, column_, row_;
-  std::array<std::vector<std::int32_t>, 3> corner_;
-};
-
 void run(const Settings& settings) {
   const auto envs = make_env_batch("PandaPickAndPlace-v3", kWorlds);
   std::vector<std::uint64_t> seeds(kWorlds);
@@ -128,40 +88,34 @@ void run(const Settings& settings) {
   EnvPictures one(*envs, 1), two(*envs, 2);
 
   // The stages of a small picture, by what is left out of it.
-  Job all(one, 1, 84, 84, true, true), unshaded(one, 1, 84, 84, true, false), found(one, 1, 84, 84, false, false);
-  Job tiny(one, 1, 1, 1, true, true), large(one, 1, 640, 480, true, true);
-  Job textured(one, kWorlds, 84, 84, true, true, {.texture = 1});  // on floor, table and cube, in each world others
-  Rasteriser rasteriser(one.model());
-  int left = 0;
+  Job all(one, kWorlds, 84, 84, kAll), colours(one, kWorlds, 84, 84, kColour);
+  Job unshaded(one, kWorlds, 84, 84, kColour, unshaded_look()), found(one, kWorlds, 84, 84, kGeometry);
+  Job tiny(one, kWorlds, 1, 1, kColour, unshaded_look()), large(one, 1, 640, 480, kAll);
+  Job fine(one, 1, 84, 84, kColour, fine_look()), large_fine(one, 1, 720, 480, kColour, fine_look());
+  Job moving(one, kWorlds, 84, 84, kColour, {}, {.position = 0.01});  // the camera, so that nothing is kept
+  Job textured(one, kWorlds, 84, 84, kAll, {}, {.texture = 1});       // on floor, table and cube, in each world others
   std::vector<std::function<void()>> calls;
-  for (Job* job : {&all, &unshaded, &found, &tiny, &large, &textured})
+  for (Job* job : {&all, &colours, &unshaded, &found, &tiny, &large, &fine, &large_fine, &moving, &textured})
     calls.emplace_back([job, &one] { job->take(one.renderer()); });
-  calls.emplace_back([&] { left = rasteriser.set_up(camera_of(84, 84)); });
   const std::vector<Timing> t = time_in_turns<std::function<void()>>(settings, calls);
   print_rate("84 x 84 colour, depth, segmentation", 1, t[0].cpu, t[0], all);
-  print_rate("84 x 84 without shadows", 1, t[1].cpu, t[1], unshaded);
-  print_rate("84 x 84 depth, segmentation", 1, t[2].cpu, t[2], found);
-  print_rate("640 x 480 with shadows", 1, t[4].cpu, t[4], large);
-  print_rate("84 x 84 with textures", 1, t[5].cpu, t[5], textured);
+  print_rate("84 x 84 colour", 1, t[1].cpu, t[1], colours);
+  print_rate("84 x 84 without shadows", 1, t[2].cpu, t[2], unshaded);
+  print_rate("84 x 84 depth, segmentation", 1, t[3].cpu, t[3], found);
+  print_rate("640 x 480 with shadows", 1, t[5].cpu, t[5], large);
+  print_rate("84 x 84 of env.render()", 1, t[6].cpu, t[6], fine);
+  print_rate("720 x 480 of env.render()", 1, t[7].cpu, t[7], large_fine);
+  print_rate("84 x 84 colour, each from elsewhere", 1, t[8].cpu, t[8], moving);
+  print_rate("84 x 84 with textures", 1, t[9].cpu, t[9], textured);
   const auto stage = [&](const char* name, double seconds) {
-    print({std::string("picture stage: ") + name, "lanes8", 1, 1e6 * seconds, "us/frame", 0, 0, 0, {}});
+    print({std::string("picture stage: ") + name, "lanes8", 1, 1e6 * seconds / kWorlds, "us/frame", 0, 0, 0, {}});
   };
-  stage("place", t[3].cpu);
-  stage("find", t[2].cpu - t[3].cpu);
-  stage("shade", t[1].cpu - t[2].cpu);
-  stage("shadows", t[0].cpu - t[1].cpu);
-  print({"picture prototype: a rasteriser before it fills pixels",
-         "lanes8",
-         1,
-         1e6 * t[6].cpu,
-         "us/frame",
-         0,
-         0,
-         0,
-         {},
-         std::to_string(rasteriser.triangles()) + " triangles, of which " + std::to_string(left) + " may be seen"});
+  stage("place", t[4].cpu);
+  stage("find and shade", t[2].cpu - t[4].cpu);
+  stage("shadows", t[1].cpu - t[2].cpu);
+  stage("depth and segmentation", t[0].cpu - t[1].cpu);
 
-  Job many(one, kWorlds, 128, 128, true, true), same = many;
+  Job many(one, kWorlds, 128, 128, kAll), same = many;
   std::vector<std::function<void()>> batches{[&] { many.take(one.renderer()); }, [&] { same.take(two.renderer()); }};
   const std::vector<Timing> b = time_in_turns<std::function<void()>>(settings, batches);
   print_rate("128 x 128 of 256 worlds", 1, b[0].cpu, b[0], many);

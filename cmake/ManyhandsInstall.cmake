@@ -12,4 +12,4 @@ configure_package_config_file(cmake/manyhandsConfig.cmake.in "${PROJECT_BINARY_D
                               INSTALL_DESTINATION ${package_dir} PATH_VARS CMAKE_INSTALL_DATADIR)
 write_basic_package_version_file("${PROJECT_BINARY_DIR}/manyhandsConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
 install(FILES "${PROJECT_BINARY_DIR}/manyhandsConfig.cmake" "${PROJECT_BINARY_DIR}/manyhandsConfigVersion.cmake"
-              cmake/FindEmbree.cmake DESTINATION ${package_dir})
+              DESTINATION ${package_dir})

@@ -22,15 +22,17 @@ def station() -> mh.World:
 
 
 def see(world: mh.World) -> mh.World:
-    """The station with boxes around what a camera above sees, which reach down to the floor but for the margin."""
+    """The station with boxes around what a camera above sees, down to the floor. What is held may touch that, and
+    keeps the margin from a ground a little below."""
     camera = mh.Camera.perspective(640, 480, 0.8).look_at([0.5, 0, 1.2], [0.5, 0, 0], [1, 0, 0])
     points = world.render(camera).point_cloud()
     points = points[(np.abs(points - [0.5, 0, 0.105]) < [0.25, 0.3, 0.1]).all(axis=1)]
     cluster, seen = perception.dbscan(points * [1, 1, 0], 0.01), station()
+    seen.add_plane("ground", position=[0, 0, -MARGIN - 1e-3])
     for k in range(cluster.max(initial=-1) + 1):
         p, r, half = perception.oriented_box(points[cluster == k])
-        low, high = MARGIN + 1e-3, p[2] + half[2]
-        seen.add_box(f"thing{k}", [*half[:2], (high - low) / 2], 0.1, [*p[:2], (high + low) / 2], r)
+        high = p[2] + half[2]
+        seen.add_box(f"thing{k}", [*half[:2], high / 2], 0.1, [*p[:2], high / 2], r)
     return seen
 
 
@@ -45,7 +47,10 @@ def plan_pick(seen: mh.World) -> list[planning.Plan]:
             down = planner.plan(position=p, quaternion=r, start=above.waypoints[-1]) if above.success else above
             if down.success:
                 q, held = planner.configuration(down.waypoints[-1]), {thing: "arm/gripper/palm"}
-                away = planning.Planner(seen.model, TOOL, q=q, attached=held, margin=MARGIN).plan(drop)
+                carrier = planning.Planner(
+                    seen.model, TOOL, q=q, attached=held, allowed=[(thing, "floor")], margin=MARGIN
+                )
+                away = carrier.plan(drop)
                 if away.success:
                     return [above, down, away]
     return []

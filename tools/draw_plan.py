@@ -74,9 +74,7 @@ def main() -> None:
     world.add_plane("floor")
     world.q = planner.configuration(start)
     place(world, add_arm(world, "goal"), goal)
-    camera = mh.Camera.perspective(WIDTH, HEIGHT, ANGLE).orbit(
-        [0.3, 0, 0.4], 1.95, math.radians(80), math.radians(-18)
-    )
+    camera = mh.Camera.perspective(WIDTH, HEIGHT, ANGLE).orbit([0.3, 0, 0.4], 1.95, math.radians(80), math.radians(-18))
     solid = render(world, camera, marks)
     ghost, seen = add_arm(world, "ghost"), solid.copy()
     for posture in between:

@@ -25,6 +25,7 @@ cmake_package() {
 phase 'layers, formatting, types' tools/lint.sh
 phase 'C++ tests' tools/cpp_tests.sh release
 phase 'CMake package' cmake_package
-phase 'Python tests' python -m pytest
+# Files stay whole: their fixtures are built once.
+phase 'Python tests' python -m pytest -n "${JOBS:-$(nproc)}" --dist loadfile
 printf '\n\033[1m==> Summary\033[0m\n%s' "$summary"
 exit $failed

@@ -98,31 +98,9 @@ def _calls(arm: Arm, poses: Poses, starts: Array | None) -> list[Callable[[], An
 
 
 def _core_calls(arm: Arm, poses: Poses, starts: Array) -> list[Callable[[], Any]]:
-    nothing = np.zeros(0)
-    toward = np.ones((1, 3))
-
     def call(i: int) -> Callable[[], Any]:
-        position, quaternion, start = poses.position[i, None], poses.quaternion[i, None], starts[i]
-        return lambda: _core.search(
-            arm.model,
-            arm.frame,
-            "",
-            position,
-            quaternion,
-            toward,
-            start,
-            orientation="full",
-            axis=(0.0, 0.0, 1.0),
-            position_weight=1.0,
-            rotation_weight=1.0,
-            posture=nothing,
-            restarts=100,
-            seed=0,
-            respect_limits=True,
-            position_tolerance=TOLERANCE,
-            rotation_tolerance=TOLERANCE,
-            avoid=None,
-        )
+        goal = poses.position[i], poses.quaternion[i], None, None, None, None, 1.0, 1.0, "", None, starts[i]
+        return lambda: _core.inverse(arm.model, arm.frame, *goal, 100, 0, True, TOLERANCE, TOLERANCE)
 
     return [call(i) for i in range(len(poses.q))]
 

@@ -113,6 +113,5 @@ DIFFERENCES = (
     Difference("test_vision.py", "*::test_vision_extrinsic_matrix_computation", 1, "tests a private function"),
     Difference("test_vision.py", "*::test_vision_basic_functionality_without_pybullet_debug", 1, "the same"),
     Difference("test_vision.py", "*::test_pybullet_debug_camera", 1, "looks at private sliders"),
-    Difference("test_vision.py", "*::test_stereo_configuration_validation", 1, "there is no stereo matching here"),
     Difference("test_vision.py", "*::test_detect_obstacles_depth_rank_domain", 1, "there is no YOLO here"),
 )  # fmt: skip

@@ -37,10 +37,10 @@ namespace {
 
 using bindings::Batch;
 using bindings::batch_of;
+using bindings::finite_rows;
 using bindings::Input;
 using bindings::Output;
 using bindings::Result;
-using bindings::rows;
 using bindings::size;
 
 /// Runs `body(control)` without the interpreter's lock.
@@ -61,14 +61,23 @@ std::vector<R> gains_of(const char* name, const Input<R>& gains, std::size_t nv)
   return {gains.data(), gains.data() + gains.size()};
 }
 
+/// Rows of four numbers, none of which is so short that it leaves its direction open.
+template <Real R>
+std::span<const R> quaternion_rows(const Input<R>& quaternion, const Batch& batch) {
+  const std::span<const R> numbers = finite_rows("quaternion", quaternion, batch, 4);
+  for (std::size_t i = 0; i < numbers.size(); i += 4) bindings::require_rotation(numbers.data() + i);
+  return numbers;
+}
+
 /// The states and desired motions of a call, and room for its result.
 template <Real R>
 struct Call {
   Call(PythonModel& model, const Input<R>& q, const Input<R>& v, const Input<R>& q_d, const Input<R>& v_d,
        const Input<R>& a_d)
       : nv(size(model.model->nv())), batch(batch_of(q, size(model.model->nq()))), tau(batch, {nv}) {
-    rows_of = {std::span(q.data(), q.size()), rows("v", v, batch, nv), rows("q_desired", q_d, batch, nv),
-               rows("v_desired", v_d, batch, nv), rows("a_desired", a_d, batch, nv)};
+    rows_of = {finite_rows("q", q, batch, size(model.model->nq())), finite_rows("v", v, batch, nv),
+               finite_rows("q_desired", q_d, batch, nv), finite_rows("v_desired", v_d, batch, nv),
+               finite_rows("a_desired", a_d, batch, nv)};
   }
 
   std::size_t nv;
@@ -81,7 +90,8 @@ template <Real R>
 Output<R> gravity_torque(PythonModel& model, const Input<R>& q) {
   const Batch batch = batch_of(q, size(model.model->nq()));
   Result<R> tau(batch, {size(model.model->nv())});
-  run<R>(model, [&](auto& c) { c.gravity_torque(batch.n, std::span(q.data(), q.size()), tau.span()); });
+  const auto states = finite_rows("q", q, batch, size(model.model->nq()));
+  run<R>(model, [&](auto& c) { c.gravity_torque(batch.n, states, tau.span()); });
   return tau.array();
 }
 
@@ -110,7 +120,7 @@ Output<R> computed_torque(PythonModel& model, const Input<R>& q, const Input<R>&
   Call<R> call(model, q, v, q_d, v_d, a_d);
   const typename BatchControl<R>::Gains gains{
       .kp = gains_of("kp", kp, call.nv), .ki = gains_of("ki", ki, call.nv), .kd = gains_of("kd", kd, call.nv)};
-  const auto integrals = rows("integral", integral, call.batch, call.nv);
+  const auto integrals = finite_rows("integral", integral, call.batch, call.nv);
   run<R>(model, [&](auto& c) { c.computed_torque(call.batch.n, gains, call.rows_of, integrals, call.tau.span()); });
   return call.tau.array();
 }
@@ -141,7 +151,7 @@ nb::tuple adaptive(PythonModel& model, const Input<R>& q, const Input<R>& v, con
                                               .slope = gains_of("slope", slope, call.nv)};
   const std::vector<R> rates = gains_of("rate", rate, kBodyParameters);
   const std::size_t numbers = (model.model->bodies().size() - 1) * kBodyParameters;
-  const auto given = rows("inertia", theta, call.batch, numbers);
+  const auto given = finite_rows("inertia", theta, call.batch, numbers);
   Result<R> next(call.batch, {numbers});
   std::ranges::copy(given, next.span().begin());
   run<R>(model, [&](auto& c) {
@@ -157,7 +167,7 @@ Output<R> impedance(PythonModel& model, const std::string& frame, const Input<R>
   const Impedance spring{stiffness, damping, rotational_stiffness, rotational_damping};
   Call<R> call(model, q, v, v, v, v);
   const FrameId id = model.model->frame_id(frame);
-  const auto p = rows("position", position, call.batch, 3), r = rows("quaternion", quaternion, call.batch, 4);
+  const auto p = finite_rows("position", position, call.batch, 3), r = quaternion_rows(quaternion, call.batch);
   run<R>(model, [&](auto& c) {
     c.impedance(call.batch.n, id, spring, call.rows_of.q, call.rows_of.v, p, r, call.tau.span());
   });
@@ -190,10 +200,11 @@ Output<R> operational_space(PythonModel& model, const std::string& frame, const 
   Call<R> call(model, q, v, v, v, v);
   const FrameId id = model.model->frame_id(frame);
   const typename BatchControl<R>::Goal goal{
-      rows("position", position, call.batch, 3), rows("quaternion", quaternion, call.batch, 4),
-      rows("velocity", velocity, call.batch, 6), rows("acceleration", acceleration, call.batch, 6),
-      rows("force", force, call.batch, 6)};
-  const std::span<const R> second = posture ? rows("posture", *posture, call.batch, call.nv) : std::span<const R>();
+      finite_rows("position", position, call.batch, 3), quaternion_rows(quaternion, call.batch),
+      finite_rows("velocity", velocity, call.batch, 6), finite_rows("acceleration", acceleration, call.batch, 6),
+      finite_rows("force", force, call.batch, 6)};
+  const std::span<const R> second =
+      posture ? finite_rows("posture", *posture, call.batch, call.nv) : std::span<const R>();
   run<R>(model, [&](auto& c) {
     c.operational_space(call.batch.n, id, task, call.rows_of.q, call.rows_of.v, goal, second, call.tau.span());
   });

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <initializer_list>
+#include <limits>
 #include <memory>
 #include <span>
 #include <stdexcept>
@@ -29,8 +30,8 @@ struct Batch {
   bool single;
 };
 
-template <class R>
-[[nodiscard]] std::string shape_of(const Input<R>& array) {
+template <class Numbers>
+[[nodiscard]] std::string shape_of(const Numbers& array) {
   std::string text = "(";
   for (std::size_t i = 0; i < array.ndim(); ++i) text += (i > 0 ? ", " : "") + std::to_string(array.shape(i));
   return text + (array.ndim() == 1 ? ",)" : ")");
@@ -90,9 +91,19 @@ void run(PythonModel& model, int width, Body&& body) {
   model.pool<R>().use(width, body);
 }
 
-/// Throws std::invalid_argument, which says where, if a number is NaN or infinite.
+/// Whether no number is NaN or infinite: without branches, so that vectors are looked at.
 template <class R>
-void require_finite(const char* name, const Input<R>& array) {
+[[nodiscard]] bool all_finite(std::span<const R> numbers) {
+  constexpr R kLargest = std::numeric_limits<R>::max();
+  int others = 0;
+  for (const R x : numbers) others |= std::abs(x) <= kLargest ? 0 : 1;
+  return others == 0;
+}
+
+/// Throws std::invalid_argument, which says where, if a number is NaN or infinite.
+template <class Numbers>
+void require_finite(const char* name, const Numbers& array) {
+  if (all_finite(std::span(array.data(), array.size()))) return;
   for (std::size_t i = 0; i < array.size(); ++i) {
     if (std::isfinite(array.data()[i])) continue;
     const std::size_t columns = array.shape(array.ndim() - 1);
@@ -100,6 +111,27 @@ void require_finite(const char* name, const Input<R>& array) {
     throw std::invalid_argument(std::string(name) + " is " + std::to_string(array.data()[i]) + " at index " +
                                 std::to_string(i % columns) + row + "; expected finite numbers");
   }
+}
+
+/// Below this length a vector or quaternion has no direction.
+inline constexpr double kShortest = 1e-6;
+[[noreturn]] inline void refuse_short(const std::string& what) {
+  throw std::invalid_argument(what + " is shorter than 1e-06, which leaves its direction open");
+}
+/// Throws std::invalid_argument if the quaternion (4) leaves its direction open.
+template <class R>
+void require_rotation(const R* r) {
+  if (!(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3] >= R(kShortest) * R(kShortest)))
+    refuse_short("a quaternion");
+}
+
+/// As `rows`, of finite numbers.
+template <class R>
+[[nodiscard]] std::span<const R> finite_rows(const char* name, const Input<R>& array, const Batch& batch,
+                                             std::size_t columns) {
+  const std::span<const R> numbers = rows(name, array, batch, columns);
+  require_finite(name, array);
+  return numbers;
 }
 
 }  // namespace manyhands::bindings

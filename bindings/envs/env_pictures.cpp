@@ -1,9 +1,13 @@
 // manyhands._core.envs.EnvPictures: cameras of environments.
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
+
+#include <algorithm>
+#include <array>
 
 #include "bindings/bindings.h"
 #include "bindings/render/render.h"
@@ -13,6 +17,20 @@ namespace nb = nanobind;
 using namespace nb::literals;
 
 namespace manyhands {
+
+namespace {
+
+/// Gives planes another colour (3); all else keeps its own.
+void paint_floor(Shot& shot, const Model& model, const std::array<float, 3>& colour) {
+  std::vector<std::array<float, 4>>& rgba = shot.guise.rgba;
+  for (std::size_t i = 0; i < model.geoms().size(); ++i) {
+    const Geom& geom = model.geoms()[i];
+    if (rgba.size() == i) rgba.push_back(geom.rgba);
+    if (geom.shape.type == ShapeType::kPlane) std::ranges::copy(colour, rgba[i].begin());
+  }
+}
+
+}  // namespace
 
 void bind_env_pictures(nb::module_& parent) {
   using bindings::Cameras;
@@ -70,7 +88,7 @@ void bind_env_pictures(nb::module_& parent) {
           "take",
           [](EnvPictures& self, const Cameras& camera, const std::optional<std::vector<int>>& worlds, const Looks& look,
              const PictureVariation& variation, std::uint32_t camera_number, bool colour, bool depth, bool segmentation,
-             bool normals) {
+             bool normals, const std::optional<std::array<float, 3>>& floor) {
             const std::size_t n = worlds ? worlds->size() : static_cast<std::size_t>(self.envs().num_envs());
             bindings::require_count("camera", camera, n);
             bindings::require_count("look", look, n);
@@ -79,20 +97,24 @@ void bind_env_pictures(nb::module_& parent) {
               const int world = worlds ? (*worlds)[i] : static_cast<int>(i);
               shots.push_back(self.shot(self.view(world), bindings::chosen(camera, i), bindings::chosen(look, i),
                                         variation, camera_number));
+              if (floor) paint_floor(shots.back(), self.model(), *floor);
             }
             return bindings::take_pictures(self.renderer(), std::move(shots), {colour, depth, segmentation, normals},
                                            false);
           },
           "camera"_a, nb::kw_only(), "worlds"_a = nb::none(), "look"_a = Look{}, "variation"_a = PictureVariation{},
           "camera_number"_a = 0, "colour"_a = true, "depth"_a = false, "segmentation"_a = false, "normals"_a = false,
+          "floor"_a = nb::none(),
           nb::sig("def take(self, camera: manyhands._core.render.Camera | "
                   "collections.abc.Sequence[manyhands._core.render.Camera], *, worlds: collections.abc.Sequence[int] | "
                   "None = None, look: manyhands._core.render.Look | "
                   "collections.abc.Sequence[manyhands._core.render.Look] = ..., variation: PictureVariation = ..., "
                   "camera_number: int = 0, colour: bool = True, depth: bool = "
-                  "False, segmentation: bool = False, normals: bool = False) -> manyhands._core.render.Picture"),
+                  "False, segmentation: bool = False, normals: bool = False, "
+                  "floor: collections.abc.Sequence[float] | None = None) -> manyhands._core.render.Picture"),
           "Pictures of all worlds, or of those chosen, with the worlds as first axis: one camera and look for all, or "
-          "one each. What varies is drawn for each episode and camera_number. Raises ValueError on numbers that do not "
+          "one each. What varies is drawn for each episode and camera_number. floor: its red, green and blue, 0 to 1, "
+          "in place of its own. Raises ValueError on numbers that do not "
           "fit, KeyError on a world or frame that is not there.");
 }
 

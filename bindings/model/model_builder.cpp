@@ -17,6 +17,7 @@
 
 #include "bindings/bindings.h"
 #include "bindings/model/builder_names.h"
+#include "bindings/model/inertia_matrix.h"
 #include "bindings/model/mesh_arrays.h"
 #include "bindings/model/model_values.h"
 #include "bindings/model/python_model.h"
@@ -33,6 +34,7 @@ namespace {
 using bindings::joint_of;
 using bindings::kInfinity;
 using bindings::link_of;
+using bindings::Matrix3;
 using bindings::mesh_of;
 using bindings::named;
 using bindings::NumberOrNumbers;
@@ -40,10 +42,10 @@ using bindings::Numbers3;
 using bindings::Numbers4;
 using bindings::Rows3;
 using bindings::size_of;
+using bindings::symmetric;
 using bindings::tendon_of;
 using bindings::transform;
 using bindings::vec3;
-using Matrix3 = std::array<Numbers3, 3>;
 
 constexpr std::array<std::pair<const char*, JointType>, 8> kJointTypes{{{"fixed", JointType::kFixed},
                                                                         {"revolute", JointType::kRevolute},
@@ -53,14 +55,6 @@ constexpr std::array<std::pair<const char*, JointType>, 8> kJointTypes{{{"fixed"
                                                                         {"planar", JointType::kPlanar},
                                                                         {"floating", JointType::kFloating},
                                                                         {"mocap", JointType::kMocap}}};
-
-SymMat3<double> symmetric(const std::string& what, const Matrix3& m) {
-  for (const auto& [i, j] : {std::pair{0, 1}, std::pair{0, 2}, std::pair{1, 2}}) {
-    const auto r = static_cast<std::size_t>(i), c = static_cast<std::size_t>(j);
-    if (m[r][c] != m[c][r]) throw ModelError(what + ": the inertia matrix must be symmetric");
-  }
-  return {m[0][0], m[1][1], m[2][2], m[0][1], m[0][2], m[1][2]};
-}
 
 nb::class_<ModelBuilder> bind_tree(nb::module_& m) {
   return nb::class_<ModelBuilder>(m, "ModelBuilder",
@@ -316,6 +310,8 @@ void bind_couplings(nb::class_<ModelBuilder>& builder) {
                                              .spinning_friction = spinning_friction,
                                              .rolling_friction = rolling_friction,
                                              .restitution = restitution};
+            } else if (restitution != 0 || rolling_friction != 0 || spinning_friction != 0) {
+              throw std::invalid_argument("the contact pair has a surface of its own only with friction; give it, too");
             }
             self.add_contact_pair(pair);
           },

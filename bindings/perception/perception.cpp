@@ -1,11 +1,13 @@
 // manyhands._core.perception: clusters, planes and boxes of points.
 #include "bindings/perception/perception.h"
 
-#include <algorithm>
+#include <limits>
+#include <vector>
 
 #include "bindings/arrays.h"
 #include "manyhands/math/quaternion.h"
 #include "manyhands/perception/clusters.h"
+#include "manyhands/perception/nearest.h"
 #include "manyhands/perception/oriented_box.h"
 #include "manyhands/perception/plane.h"
 
@@ -57,6 +59,22 @@ nb::tuple box(const Array<double, 2>& rows, bool upright) {
   return nb::make_tuple(copied(&found.X_WB.p.x, {3}), copied(&r.x, {4}), copied(&found.half_extents.x, {3}));
 }
 
+/// Index (m) and distance (m) of the point nearest to each query; -1 and infinity without any.
+nb::tuple nearest(const Array<double, 2>& rows, const Array<double, 2>& queries) {
+  const std::vector<Point> points = points_of(rows), asked = points_of(queries);
+  std::vector<std::int64_t> index(asked.size(), -1);
+  std::vector<double> distance(asked.size(), std::numeric_limits<double>::infinity());
+  {
+    const nb::gil_scoped_release release;
+    const NearestPoints cloud(points);
+    for (std::size_t k = 0; k < asked.size(); ++k) {
+      const std::optional<NearestPoints::Found> found = cloud.find(asked[k]);
+      if (found) index[k] = static_cast<std::int64_t>(found->index), distance[k] = found->distance;
+    }
+  }
+  return nb::make_tuple(copied(index.data(), {index.size()}), copied(distance.data(), {distance.size()}));
+}
+
 }  // namespace
 
 void bindings::bind_perception(nb::module_& m) {
@@ -64,6 +82,7 @@ void bindings::bind_perception(nb::module_& m) {
   perception.def("dbscan", &clusters, "points"_a, "reach"_a, "min_samples"_a);
   perception.def("find_plane", &plane, "points"_a, "threshold"_a, "iterations"_a, "seed"_a, "least_share"_a);
   perception.def("oriented_box", &box, "points"_a, "upright"_a);
+  perception.def("nearest", &nearest, "points"_a, "queries"_a);
 }
 
 }  // namespace manyhands

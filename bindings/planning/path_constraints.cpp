@@ -10,8 +10,8 @@ Vec3<double> vector_of(const Array<double, 1>& x) { return {x(0), x(1), x(2)}; }
 
 }  // namespace
 
-std::optional<PathConstraints> constraints_of(const Planner& planner, const AxisConstraints& axes,
-                                              const PositionConstraints& positions) {
+std::optional<ConfigurationCheck> constrained_check(const Planner& planner, const AxisConstraints& axes,
+                                                    const PositionConstraints& positions) {
   if (axes.empty() && positions.empty()) return {};
   const Model& model = *planner.model;
   std::vector<PathConstraint> all;
@@ -23,7 +23,7 @@ std::optional<PathConstraints> constraints_of(const Planner& planner, const Axis
         keep_position(model.frame_id(frame), X_WR, vector_of(lower), vector_of(upper));
     all.insert(all.end(), rows.begin(), rows.end());
   }
-  return PathConstraints(model, planner.scene, all);
+  return ConfigurationCheck(planner.scene, PathConstraints(model, planner.scene, all));
 }
 
 }  // namespace manyhands::bindings

@@ -19,8 +19,8 @@ using AxisConstraints = std::vector<std::tuple<std::string, Array<double, 1>, Ar
 using PositionConstraints =
     std::vector<std::tuple<std::string, Array<double, 1>, Array<double, 1>, Array<double, 1>, Array<double, 1>>>;
 
-/// None if there are none.
-[[nodiscard]] std::optional<PathConstraints> constraints_of(const Planner& planner, const AxisConstraints& axes,
-                                                            const PositionConstraints& positions);
+/// A check of the planner's scene that keeps them, too; none if there are none.
+[[nodiscard]] std::optional<ConfigurationCheck> constrained_check(const Planner& planner, const AxisConstraints& axes,
+                                                                  const PositionConstraints& positions);
 
 }  // namespace manyhands::bindings

@@ -86,12 +86,10 @@ nb::tuple plan(Planner& self, const Array<double, 1>& start, const Array<double,
   settings.rrt = {range, seed};
   settings.shortening.seed = seed;
   settings.look_up = look_for_signals;
-  std::optional<PathConstraints> keep = bindings::constraints_of(self, axes, positions);
+  std::optional<ConfigurationCheck> constrained = bindings::constrained_check(self, axes, positions);
   Plan found;
   {
     const nb::gil_scoped_release release;
-    std::optional<ConfigurationCheck> constrained;
-    if (keep) constrained.emplace(self.scene, std::move(keep));
     found = find_plan(self.scene, constrained ? *constrained : self.check, as_span(start), as_span(goals), settings);
   }
   return nb::make_tuple(name_of(found.status), found.message, rows_of(found.waypoints, self.scene.size()), found.curve,
@@ -115,10 +113,8 @@ nb::tuple goals(Planner& self, const std::string& frame, const Array<double, 1>&
 
 double motion_free_until(Planner& self, const Trajectory& motion, double from, const bindings::AxisConstraints& axes,
                          const bindings::PositionConstraints& positions) {
-  std::optional<PathConstraints> keep = bindings::constraints_of(self, axes, positions);
-  if (!keep) return free_until(self.scene, self.check, motion, from);
-  ConfigurationCheck constrained(self.scene, std::move(keep));
-  return free_until(self.scene, constrained, motion, from);
+  std::optional<ConfigurationCheck> constrained = bindings::constrained_check(self, axes, positions);
+  return free_until(self.scene, constrained ? *constrained : self.check, motion, from);
 }
 
 nb::object numbers(const std::vector<double>& row) { return copied(row.data(), {row.size()}); }

@@ -10,11 +10,13 @@
 
 #include <algorithm>
 
+#include "bindings/model/inertia_matrix.h"
 #include "bindings/model/load_warning.h"
 #include "bindings/model/model_values.h"
 #include "bindings/model/python_model.h"
 #include "manyhands/model/io/loaded_model.h"
 #include "manyhands/model/io/mesh/mesh_file.h"
+#include "manyhands/model/part_checks.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -258,6 +260,20 @@ void bind_parameter(nb::class_<World>& world, const char* name, const char* of, 
 void bind_parameters(nb::class_<World>& world) {
   bind_parameter(world, "mass", "link", &World::mass, &World::set_mass,
                  "Of a link [kg]; setting it scales the inertia.");
+  world.def(
+      "set_inertial",
+      [](World& self, const std::string& link, double mass, const Numbers3& com, const bindings::Matrix3& inertia) {
+        const std::string what = "link '" + link + "'";
+        const Inertial inertial{.mass = mass, .com = vec3(com), .inertia = bindings::symmetric(what, inertia)};
+        check_inertial(link, inertial);
+        self.set_link_inertial(self.model().link_id(link), inertial);
+      },
+      "link"_a, nb::kw_only(), "mass"_a, "com"_a = Numbers3{}, "inertia"_a,
+      nb::sig("def set_inertial(self, link: str, *, mass: float, com: numpy.typing.ArrayLike = (0, 0, 0), "
+              "inertia: numpy.typing.ArrayLike) -> None"),
+      "Of a link, as of a hollow body: mass [kg]; com: centre of mass in its frame (3) [m]; inertia about it, in the "
+      "frame's axes (3, 3) [kg m^2]. Raises KeyError for an unknown link, ValueError for a mass that is not above 0 "
+      "and a matrix that is no inertia.");
   bind_parameter(world, "friction", "name", &World::friction, &World::set_friction,
                  "Lateral friction of a geom, or of all colliding geoms of a link.");
   bind_parameter(world, "spinning_friction", "name", nullptr, &World::set_spinning_friction,

@@ -33,6 +33,7 @@ class NewFile {
 /// and goes with the program, however it ends. Throws std::system_error, and std::bad_alloc where addresses run out.
 [[nodiscard]] void* map_memory(std::size_t size, const std::filesystem::path& folder);
 
+/// Gives back what `map_memory` has mapped.
 void unmap_memory(void* bytes, std::size_t size);
 
 }  // namespace manyhands::system

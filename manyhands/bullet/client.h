@@ -17,7 +17,7 @@
 #include "manyhands/bullet/user_data.h"
 #include "manyhands/model/io/loaded_model.h"
 #include "manyhands/physics/world/world.h"
-#include "manyhands/render/frame.h"
+#include "manyhands/render/renderer.h"
 
 namespace manyhands::bullet {
 

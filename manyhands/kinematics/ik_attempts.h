@@ -8,8 +8,10 @@
 #include <vector>
 
 #include "manyhands/kinematics/ik_goals.h"
+#include "manyhands/kinematics/ik_refinement.h"
 #include "manyhands/kinematics/ik_schedule.h"
 #include "manyhands/kinematics/ik_search.h"
+#include "manyhands/kinematics/ik_seeds.h"
 #include "manyhands/math/control_flow.h"
 #include "manyhands/math/philox.h"
 
@@ -27,6 +29,7 @@ struct IkQuestion {
   std::uint64_t seed;
   const IkFilter& accepts;
 
+  std::optional<IkSeeds>& seeds;  ///< made when they are needed first
   IkSolutions& found;
   std::span<double> nearest;  ///< (n) squared error of the best attempt
 };
@@ -46,7 +49,9 @@ class IkAttempts {
 
   void run() {
     for (std::size_t j = 0; j < q_.size(); ++j) q_[j] = constant<T>(asked_.start[j]);
-    for (fill_lanes(); any(running()); fill_lanes()) iterate();
+    for (fill_lanes(); any(running());) {
+      if (iterate() || has_idle_) fill_lanes();
+    }
   }
 
  private:
@@ -56,8 +61,8 @@ class IkAttempts {
   [[nodiscard]] bool runs(int k) const { return lane(runs_, k) > 0; }
   [[nodiscard]] mask_t<T> running() const { return mask_t<T>(runs_ > constant<T>(0)); }
 
-  /// One iteration of all attempts; those that end are judged.
-  void iterate() {
+  /// One iteration of all attempts; those that end are judged. Whether any did.
+  bool iterate() {
     solve_.look();
     const mask_t<T> reached = solve_.reached(), goes_further(iterations_ < constant<T>(asked_.ik.max_iterations));
     mask_t<T> active(running() & goes_further);
@@ -65,7 +70,9 @@ class IkAttempts {
     const T error2 = solve_.error2();
     const mask_t<T> ended(running() & !solve_.step(active));
     iterations_ = iterations_ + constant<T>(1);
+    if (!any(ended)) return false;
     for_lanes<T>(ended, [&](int k) { end(k, static_cast<double>(lane(error2, k)), lane(reached, k)); });
+    return true;
   }
 
   void end(int k, double error2, bool reached) {
@@ -109,9 +116,14 @@ class IkAttempts {
         candidates_.push_back(attempt);
       }
     }
+    has_idle_ = false;
     for (int k = 0; k < W; ++k) {
       if (runs(k)) continue;
-      if (const std::optional<IkAttempt> next = schedule_.next(candidates_)) begin(k, *next);
+      if (const std::optional<IkAttempt> next = schedule_.next(candidates_)) {
+        begin(k, *next);
+      } else {
+        has_idle_ = true;
+      }
     }
   }
 
@@ -119,32 +131,34 @@ class IkAttempts {
     attempts_[at(k)] = attempt;
     set_lane(runs_, k, 1.0f);
     set_lane(iterations_, k, 0.0f);
-    set_target(k, asked_.targets[attempt.target]);
+    set_target(target_, k, asked_.targets[attempt.target]);
     set_start(k, attempt);
     solve_.restart(k);
   }
 
-  void set_target(int k, const IkTarget<double>& target) {
-    const auto set = [k](Vec3<T>& to, const Vec3<double>& wide) {
-      const Vec3<float> from = broadcast<float>(wide);
-      set_lane(to.x, k, from.x);
-      set_lane(to.y, k, from.y);
-      set_lane(to.z, k, from.z);
-    };
-    set(target_.X_WF.R.x, target.X_WF.R.x);
-    set(target_.X_WF.R.y, target.X_WF.R.y);
-    set(target_.X_WF.R.z, target.X_WF.R.z);
-    set(target_.X_WF.p, target.X_WF.p);
-    set(target_.toward, target.toward);
+  /// Attempts begin where the search does, then at seeds near the goal, if it has a position, then at random.
+  void set_start(int k, const IkAttempt& attempt) {
+    const int rank = attempt.round - 1;
+    if (rank >= 0 && rank < IkSeeds::kRanks && asked_.goal.position_weight > 0) {
+      if (!asked_.seeds) asked_.seeds.emplace(asked_.tree, asked_.params, asked_.chain);
+      const IkSeeds& seeds = *asked_.seeds;
+      const std::span<const float> seed = seeds.near(asked_.goal, asked_.targets[attempt.target], rank);
+      set_start(k, [&](std::size_t i, float here) { return seeds.coordinate(seed, i, here); });
+    } else if (rank >= 0) {
+      RandomStream random(asked_.seed, static_cast<std::uint32_t>(attempt.target),
+                          static_cast<std::uint64_t>(attempt.round));
+      set_start(k, [&](std::size_t i, float here) { return random_coordinate(asked_.chain.dofs[i], here, random); });
+    } else {
+      set_start(k, [](std::size_t, float here) { return here; });
+    }
   }
 
-  void set_start(int k, const IkAttempt& attempt) {
-    RandomStream random(asked_.seed, static_cast<std::uint32_t>(attempt.target),
-                        static_cast<std::uint64_t>(attempt.round));
-    for (const std::size_t dof : asked_.chain.dofs) {
-      const auto j = static_cast<std::size_t>(asked_.tree.dof_q[dof]);
-      const float here = static_cast<float>(asked_.start[j]);
-      set_lane(q_[j], k, attempt.round == 0 ? here : random_coordinate(dof, here, random));
+  /// `coordinate(i, here)` of the chain's dof i, which is `here` where the search begins.
+  template <class Coordinate>
+  void set_start(int k, const Coordinate& coordinate) {
+    for (std::size_t i = 0; i < asked_.chain.dofs.size(); ++i) {
+      const auto j = static_cast<std::size_t>(asked_.tree.dof_q[asked_.chain.dofs[i]]);
+      set_lane(q_[j], k, coordinate(i, static_cast<float>(asked_.start[j])));
     }
   }
 
@@ -164,6 +178,7 @@ class IkAttempts {
   GoalSolve<T, float> solve_;
   std::array<IkAttempt, static_cast<std::size_t>(W)> attempts_{};  // of each lane
   T runs_ = constant<T>(0), iterations_ = constant<T>(0);          // 1 where it runs; how many it has taken
+  bool has_idle_ = false;                                          // whether a lane has nothing to do
   std::vector<IkAttempt> candidates_;
 };
 

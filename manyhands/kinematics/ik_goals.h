@@ -233,7 +233,8 @@ class GoalSolve {
     SymMat6<T> damped = SymMat6<T>::diagonal(fma(error_damping, error2(), damping));
     equations_.fill_free(damped);
     const auto row = [&](std::size_t i) { return equations_.row(column(i)); };
-    internal::take_damped_step(tree_, params_, chain_, settings_, active, damped, equations_.e, row, posture_, q_);
+    internal::take_damped_step(tree_, params_, chain_, settings_, active, damped, equations_.e, row, posture_,
+                               ws_.A.data(), q_);
     return mask_t<T>(active & goes_on & !stuck_);
   }
 

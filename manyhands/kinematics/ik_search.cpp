@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "manyhands/kinematics/ik_attempts.h"
+#include "manyhands/kinematics/ik_refinement.h"
 #include "manyhands/math/instantiate.h"
 
 namespace manyhands {
@@ -12,77 +13,7 @@ namespace {
 
 using internal::IkAttempts;
 using internal::IkQuestion;
-
-/// Configurations that attempts in float have found are refined and judged in double, the others only measured.
-class Refinement {
- public:
-  Refinement(const Tree<double>& tree, const Params<double>& params, Workspace<double>& ws, const IkChain& chain,
-             const IkGoal& goal, const IkSettings& settings)
-      : tree_(tree), params_(params), ws_(ws), chain_(chain), goal_(goal), settings_(settings) {
-    without_posture_.posture.clear();
-  }
-
-  void finish(std::span<const IkTarget<double>> targets, IkSolutions& found) {
-    const auto nq = static_cast<std::size_t>(tree_.nq);
-    for (std::size_t i = 0; i < targets.size(); ++i) {
-      const std::span<double> q = std::span(found.q).subspan(i * nq, nq);
-      if (settings_.respect_limits) keep_within_limits(q);
-      const IkResult<double> result = refine(targets[i], found.success[i] != 0, q);
-      found.success[i] = result.success;
-      found.position_error[i] = result.position_error;
-      found.rotation_error[i] = result.rotation_error;
-    }
-  }
-
- private:
-  static constexpr int kRefinements = 5;
-  static constexpr double kLeastDamping = 1e-12;
-
-  IkResult<double> refine(const IkTarget<double>& target, bool reached, std::span<double> q) {
-    IkSettings ik = settings_;
-    ik.patience = 0;
-    if (reached && !goal_.posture.empty()) {
-      const IkResult<double> result = solve_goal(tree_, params_, chain_, ik, goal_, target, q.data(), ws_);
-      if (result.success) return result;
-    }
-    const IkResult<double> result = polish(ik, target, reached ? kRefinements : 0, q);
-    if (result.success) return result;
-    // Near singular postures the damping holds the last digits back, and rounding keeps attempts in float from the
-    // goal. With less damping a solve may lead away.
-    ik.damping = std::min(ik.damping, kLeastDamping);
-    const std::vector<double> refined(q.begin(), q.end());
-    const IkResult<double> further = polish(ik, target, ik.max_iterations, q);
-    if (further.success) return further;
-    std::ranges::copy(refined, q.begin());
-    return result;
-  }
-
-  /// One step or more, unless `most` is 0: from a tolerance of float a single one leads far below it.
-  IkResult<double> polish(const IkSettings& ik, const IkTarget<double>& target, int most, std::span<double> q) {
-    GoalSolve<double, double> solve(tree_, params_, chain_, ik, without_posture_, target, q.data(), ws_);
-    solve.look();
-    for (int i = 0; i < most && (i == 0 || !solve.result().success); ++i) {
-      solve.step(true);
-      solve.look();
-    }
-    return solve.result();
-  }
-
-  void keep_within_limits(std::span<double> q) const {
-    for (const std::size_t dof : chain_.dofs) {
-      double& x = q[static_cast<std::size_t>(tree_.dof_q[dof])];
-      x = clamp(x, params_.lower[dof], params_.upper[dof]);
-    }
-  }
-
-  const Tree<double>& tree_;
-  const Params<double>& params_;
-  Workspace<double>& ws_;
-  const IkChain& chain_;
-  const IkGoal& goal_;
-  IkGoal without_posture_ = goal_;
-  const IkSettings& settings_;
-};
+using internal::IkRefinement;
 
 /// Nothing found yet.
 IkSolutions prepare(std::size_t n, std::span<const double> start, int attempts) {
@@ -109,7 +40,7 @@ IkSettings settings_of_attempts(const IkSearchSettings& settings) {
 }
 
 /// Attempts for all targets. A few make the first in scalars, which often suffices.
-void search(const IkQuestion& question, int last_round, Workspace<float>& ws) {
+void search(const IkQuestion& question, int last_round, Workspace<float>& ws, Workspace<NativeLanes>& lanes) {
   constexpr std::size_t kFew = 3;
   std::vector<std::size_t> open(question.targets.size());
   std::iota(open.begin(), open.end(), std::size_t{0});
@@ -120,28 +51,26 @@ void search(const IkQuestion& question, int last_round, Workspace<float>& ws) {
     ++round;
   }
   if (open.empty() || round > last_round) return;
-  Workspace<NativeLanes> lanes(question.tree);
   IkAttempts<NativeLanes>(question, {open, round, last_round}, lanes).run();
 }
 
-void require(bool holds, const std::string& otherwise) {
+void require(bool holds, const char* otherwise) {
   if (!holds) throw std::invalid_argument(otherwise);
 }
 
-void check(int model_nq, const IkGoal& goal, std::span<const double> start) {
-  const auto nq = static_cast<std::size_t>(model_nq);
-  const auto has_nq = [&](const char* what, std::size_t n) {
-    require(n == nq, std::string("the ") + what + " has " + std::to_string(n) + " numbers; the model's q has " +
-                         std::to_string(nq));
-  };
-  has_nq("start", start.size());
-  if (!goal.posture.empty()) has_nq("posture", goal.posture.size());
+void require_size(const char* what, std::size_t n, std::size_t nq) {
+  if (n == nq) return;
+  throw std::invalid_argument(std::string("the ") + what + " has " + std::to_string(n) +
+                              " numbers; the model's q has " + std::to_string(nq));
+}
+
+void check(std::size_t nq, const IkGoal& goal, std::span<const double> start) {
+  require_size("start", start.size(), nq);
+  if (!goal.posture.empty()) require_size("posture", goal.posture.size(), nq);
   const bool turns = goal.orientation != IkOrientation::kFree;
   const bool pointing = turns && goal.orientation != IkOrientation::kFull;
-  require(goal.position_weight >= 0 && is_finite(goal.position_weight),
-          "position_weight is " + std::to_string(goal.position_weight) + "; expected 0 or more");
-  require(goal.rotation_weight > 0 && is_finite(goal.rotation_weight),
-          "rotation_weight is " + std::to_string(goal.rotation_weight) + "; expected more than 0");
+  require(goal.position_weight >= 0 && is_finite(goal.position_weight), "position_weight must be finite and 0 or more");
+  require(goal.rotation_weight > 0 && is_finite(goal.rotation_weight), "rotation_weight must be finite and above 0");
   require(turns || goal.position_weight > 0, "the goal asks for no position and no orientation; give one of them");
   require(!pointing || abs(norm(goal.axis) - 1) < 1e-6, "the goal's axis must be of unit length");
 }
@@ -169,7 +98,9 @@ struct IkSearch::Parts {
         params(model),
         wide_params(model),
         ws(tree),
-        wide_ws(wide_tree) {}
+        lanes(tree),
+        wide_ws(wide_tree),
+        wide_lanes(wide_tree) {}
 
   IkChain chain;
   Tree<float> tree;
@@ -177,7 +108,10 @@ struct IkSearch::Parts {
   ParamsStorage<float> params;
   ParamsStorage<double> wide_params;
   Workspace<float> ws;
+  Workspace<NativeLanes> lanes;
   Workspace<double> wide_ws;
+  Workspace<DoubleLanes> wide_lanes;
+  std::optional<internal::IkSeeds> seeds{};
 };
 
 IkSearch::IkSearch(const Model& model, FrameId frame) : parts_(std::make_unique<Parts>(model, IkChain(model, frame))) {}
@@ -192,14 +126,15 @@ IkSearch::~IkSearch() = default;
 IkSolutions IkSearch::find(const IkGoal& goal, std::span<const IkTarget<double>> targets, std::span<const double> start,
                            const IkSearchSettings& settings, const IkFilter& accepts) {
   Parts& own = *parts_;
-  check(own.tree.nq, goal, start);
+  check(static_cast<std::size_t>(own.tree.nq), goal, start);
   IkSolutions found = prepare(targets.size(), start, settings.restarts + 1);
   std::vector<double> nearest(targets.size(), std::numeric_limits<double>::infinity());
   const IkQuestion question{own.tree, own.params, own.chain,     goal,    settings_of_attempts(settings),
-                            targets,  start,      settings.seed, accepts, found,
-                            nearest};
-  search(question, settings.restarts, own.ws);
-  Refinement(own.wide_tree, own.wide_params, own.wide_ws, own.chain, goal, settings.ik).finish(targets, found);
+                            targets,  start,      settings.seed, accepts, own.seeds,
+                            found,    nearest};
+  search(question, settings.restarts, own.ws, own.lanes);
+  IkRefinement(own.wide_tree, own.wide_params, own.wide_ws, own.wide_lanes, own.chain, goal, settings.ik)
+      .finish(targets, found);
   if (!accepts) return found;
   const std::size_t nq = start.size();
   for (std::size_t i = 0; i < targets.size(); ++i)

@@ -73,33 +73,37 @@ MANYHANDS_INLINE mask_t<T> presses_limit(const Params<P>& params, std::size_t do
 
 /// One step of the chain's joints, dq = z + J^T (J J^T + damped)^-1 (e - J z), where `row(i)` is dof i's column of J as
 /// a motion, and z what `posture` pulls, if one is wanted. Dofs that the error presses against a limit stay there, and
-/// the step is that of the others (Bertsekas 1982), rather than one that is cut off.
+/// the step is that of the others (Bertsekas 1982), rather than one that is cut off. `columns`: scratch, one for each
+/// of the chain's dofs.
 template <Number T, Number P, class Row, class Posture>
 MANYHANDS_INLINE void take_damped_step(const Tree<real_t<T>>& tree, const Params<P>& params, const IkChain& chain,
                                        const IkSettings& settings, const mask_t<T>& active, SymMat6<T> damped,
-                                       Motion<T> e, const Row& row, const Posture& posture, T* q) {
+                                       Motion<T> e, const Row& row, const Posture& posture, Motion<T>* columns, T* q) {
+  constexpr bool kPulls = !std::is_same_v<Posture, NoPosture>;
   const Motion<T> error = e;
-  const auto column = [&](std::size_t i) {
-    const Motion<T> J = row(i);
-    if (!settings.respect_limits || !tree.dof_limited[i]) return J;
-    mask_t<T> held = presses_limit(params, i, q[static_cast<std::size_t>(tree.dof_q[i])], J, error);
-    if constexpr (!std::is_same_v<Posture, NoPosture>) held = mask_t<T>(held & !posture.pulls());
-    const Vec3<T> none = Vec3<T>::zero();
-    return Motion<T>{select(held, none, J.w), select(held, none, J.v)};
-  };
-  for (const std::size_t i : chain.dofs) {
-    const Motion<T> J = column(i);
+  const Vec3<T> none = Vec3<T>::zero();
+  const std::size_t n = chain.dofs.size();
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::size_t i = chain.dofs[k];
+    Motion<T> J = row(i);
+    if (settings.respect_limits && tree.dof_limited[i]) {
+      mask_t<T> held = presses_limit(params, i, q[static_cast<std::size_t>(tree.dof_q[i])], J, error);
+      if constexpr (kPulls) held = mask_t<T>(held & !posture.pulls());
+      J = {select(held, none, J.w), select(held, none, J.v)};
+    }
+    columns[k] = J;
     damped.add_outer_product(J);
-    if constexpr (!std::is_same_v<Posture, NoPosture>) {
+    if constexpr (kPulls) {
       if (posture.is_wanted()) e = fma(-posture.pull(i), J, e);
     }
   }
   const Motion<T> y = damped.solve(e);
-  for (const std::size_t i : chain.dofs) {
-    const Motion<T> J = column(i);
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::size_t i = chain.dofs[k];
+    const Motion<T>& J = columns[k];
     T& qi = q[static_cast<std::size_t>(tree.dof_q[i])];
     T next = qi + dot(J.w, y.w) + dot(J.v, y.v);
-    if constexpr (!std::is_same_v<Posture, NoPosture>) {
+    if constexpr (kPulls) {
       if (posture.is_wanted()) next = next + posture.pull(i);
     }
     if (settings.respect_limits && tree.dof_limited[i])
@@ -135,7 +139,8 @@ MANYHANDS_INLINE void improve_ik(const Tree<real_t<T>>& tree, const Params<P>& p
     const T rotation2 = squared_norm(e.w), position2 = squared_norm(e.v);
     const SymMat6<T> damped = SymMat6<T>::diagonal(fma(error_damping, rotation2 + position2, damping));
     const auto row = [&](std::size_t i) { return at_point(ws.S[i], p_OF); };
-    internal::take_damped_step(tree, params, chain, settings, active, damped, e, row, internal::NoPosture{}, q);
+    internal::take_damped_step(tree, params, chain, settings, active, damped, e, row, internal::NoPosture{},
+                               ws.A.data(), q);
     return !((position2 <= position_tolerance) & (rotation2 <= rotation_tolerance));
   });
 }

@@ -4,14 +4,23 @@
 // intrinsics header: GCC 12's raises false alarms about uninitialised values (GCC bug 105593).
 #pragma once
 
+#include <cmath>
 #include <cstdint>
+#include <type_traits>
+#include <utility>
 
 #include "manyhands/base/macros.h"
 
 namespace manyhands::internal {
 
 template <class Vector>
-inline constexpr int kLanes = sizeof(Vector) / sizeof(float);
+using Element = std::remove_cvref_t<decltype(std::declval<Vector&>()[0])>;
+template <class Vector>
+inline constexpr int kLanes = sizeof(Vector) / sizeof(Element<Vector>);
+template <class Vector>
+inline constexpr int kFloats = std::is_same_v<Element<Vector>, float> ? kLanes<Vector> : 0;
+template <class Vector>
+inline constexpr int kDoubles = std::is_same_v<Element<Vector>, double> ? kLanes<Vector> : 0;
 
 #if defined(__clang__)
 
@@ -37,56 +46,60 @@ MANYHANDS_INLINE Vector vector_floor(Vector a) {
 template <class Vector>
 MANYHANDS_INLINE Vector vector_fma(Vector a, Vector b, Vector c) {
 #if defined(__AVX512F__)
-  if constexpr (kLanes<Vector> == 16) return __builtin_ia32_vfmaddps512_mask(a, b, c, -1, 4);
+  if constexpr (kFloats<Vector> == 16) return __builtin_ia32_vfmaddps512_mask(a, b, c, -1, 4);
 #endif
 #if defined(__FMA__)
-  if constexpr (kLanes<Vector> == 8) return __builtin_ia32_vfmaddps256(a, b, c);
-  if constexpr (kLanes<Vector> == 4) return __builtin_ia32_vfmaddps(a, b, c);
+  if constexpr (kDoubles<Vector> == 4) return __builtin_ia32_vfmaddpd256(a, b, c);
+  if constexpr (kFloats<Vector> == 8) return __builtin_ia32_vfmaddps256(a, b, c);
+  if constexpr (kFloats<Vector> == 4) return __builtin_ia32_vfmaddps(a, b, c);
 #endif
   Vector r;
-  for (int k = 0; k < kLanes<Vector>; ++k) r[k] = __builtin_fmaf(a[k], b[k], c[k]);
+  for (int k = 0; k < kLanes<Vector>; ++k) r[k] = std::fma(a[k], b[k], c[k]);
   return r;
 }
 
 template <class Vector>
 MANYHANDS_INLINE Vector vector_sqrt(Vector a) {
 #if defined(__AVX512F__)
-  if constexpr (kLanes<Vector> == 16) return __builtin_ia32_sqrtps512_mask(a, a, -1, 4);
+  if constexpr (kFloats<Vector> == 16) return __builtin_ia32_sqrtps512_mask(a, a, -1, 4);
 #endif
 #if defined(__AVX__)
-  if constexpr (kLanes<Vector> == 8) return __builtin_ia32_sqrtps256(a);
-  if constexpr (kLanes<Vector> == 4) return __builtin_ia32_sqrtps(a);
+  if constexpr (kDoubles<Vector> == 4) return __builtin_ia32_sqrtpd256(a);
+  if constexpr (kFloats<Vector> == 8) return __builtin_ia32_sqrtps256(a);
+  if constexpr (kFloats<Vector> == 4) return __builtin_ia32_sqrtps(a);
 #endif
   Vector r;
-  for (int k = 0; k < kLanes<Vector>; ++k) r[k] = __builtin_sqrtf(a[k]);
+  for (int k = 0; k < kLanes<Vector>; ++k) r[k] = std::sqrt(a[k]);
   return r;
 }
 
 template <class Vector>
 MANYHANDS_INLINE Vector vector_round(Vector a) {
 #if defined(__AVX512F__)
-  if constexpr (kLanes<Vector> == 16) return __builtin_ia32_rndscaleps_mask(a, 4, a, -1, 4);
+  if constexpr (kFloats<Vector> == 16) return __builtin_ia32_rndscaleps_mask(a, 4, a, -1, 4);
 #endif
 #if defined(__AVX__)
-  if constexpr (kLanes<Vector> == 8) return __builtin_ia32_roundps256(a, 4);
-  if constexpr (kLanes<Vector> == 4) return __builtin_ia32_roundps(a, 4);
+  if constexpr (kDoubles<Vector> == 4) return __builtin_ia32_roundpd256(a, 4);
+  if constexpr (kFloats<Vector> == 8) return __builtin_ia32_roundps256(a, 4);
+  if constexpr (kFloats<Vector> == 4) return __builtin_ia32_roundps(a, 4);
 #endif
   Vector r;
-  for (int k = 0; k < kLanes<Vector>; ++k) r[k] = __builtin_rintf(a[k]);
+  for (int k = 0; k < kLanes<Vector>; ++k) r[k] = std::rint(a[k]);
   return r;
 }
 
 template <class Vector>
 MANYHANDS_INLINE Vector vector_floor(Vector a) {
 #if defined(__AVX512F__)
-  if constexpr (kLanes<Vector> == 16) return __builtin_ia32_rndscaleps_mask(a, 1, a, -1, 4);
+  if constexpr (kFloats<Vector> == 16) return __builtin_ia32_rndscaleps_mask(a, 1, a, -1, 4);
 #endif
 #if defined(__AVX__)
-  if constexpr (kLanes<Vector> == 8) return __builtin_ia32_roundps256(a, 1);
-  if constexpr (kLanes<Vector> == 4) return __builtin_ia32_roundps(a, 1);
+  if constexpr (kDoubles<Vector> == 4) return __builtin_ia32_roundpd256(a, 1);
+  if constexpr (kFloats<Vector> == 8) return __builtin_ia32_roundps256(a, 1);
+  if constexpr (kFloats<Vector> == 4) return __builtin_ia32_roundps(a, 1);
 #endif
   Vector r;
-  for (int k = 0; k < kLanes<Vector>; ++k) r[k] = __builtin_floorf(a[k]);
+  for (int k = 0; k < kLanes<Vector>; ++k) r[k] = std::floor(a[k]);
   return r;
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "manyhands/math/quaternion.h"
+
 namespace manyhands {
 
 const char* to_string(JointType type) {

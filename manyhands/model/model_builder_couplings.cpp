@@ -150,6 +150,10 @@ void ModelBuilder::add_contact_pair(const ContactPair& pair) {
   for (const GeomId id : {pair.a, pair.b}) {
     if (!id.is_valid() || id.index() >= geoms_.size()) throw ModelError("a contact pair needs two geoms added before");
   }
+  if (pair.surface) {
+    const std::string &a = geoms_[pair.a.index()].name, &b = geoms_[pair.b.index()].name;
+    check_surface("the contact pair of '" + a + "' and '" + b + "'", *pair.surface);
+  }
   contact_pairs_.push_back(pair);
 }
 

@@ -48,16 +48,8 @@ void check_geom(const Geom& geom) {
   if (!finite(X.p) || !finite(X.R.x) || !finite(X.R.y) || !finite(X.R.z)) {
     throw ModelError(what + ": its pose must be finite numbers");
   }
-  const SurfaceMaterial& s = geom.surface;
-  for (const double value : {s.lateral_friction, s.friction_y.value_or(0), s.spinning_friction, s.rolling_friction,
-                             s.restitution, s.stiffness.value_or(0), s.damping.value_or(0), geom.margin}) {
-    if (!finite(value) || value < 0) {
-      throw ModelError(what + ": frictions, restitution, stiffness, damping and margin must be finite, 0 or more");
-    }
-  }
-  check_compliance(what, s.compliance);
-  if (s.compliance && s.stiffness)
-    throw ModelError(what + ": its surface has a stiffness and a compliance; expected one of the two");
+  check_surface(what, geom.surface);
+  if (!finite(geom.margin) || geom.margin < 0) throw ModelError(what + ": the margin must be finite, 0 or more");
   if (!geom.texture) return;
   for (const float repeat : geom.texture->repeat) {
     if (!(repeat > 0 && repeat <= kMostRepeats)) {
@@ -65,6 +57,25 @@ void check_geom(const Geom& geom) {
                        " times; expected more than 0, at most 10000");
     }
   }
+}
+
+void check_surface(const std::string& what, const SurfaceMaterial& s) {
+  for (const double value : {s.lateral_friction, s.friction_y.value_or(0), s.spinning_friction, s.rolling_friction,
+                             s.stiffness.value_or(0), s.damping.value_or(0)}) {
+    if (!finite(value) || value < 0) {
+      throw ModelError(what + ": frictions, stiffness and damping must be finite, 0 or more");
+    }
+  }
+  check_restitution(what, s.restitution);
+  check_compliance(what, s.compliance);
+  if (s.compliance && s.stiffness)
+    throw ModelError(what + ": its surface has a stiffness and a compliance; expected one of the two");
+}
+
+void check_restitution(const std::string& what, double restitution) {
+  if (restitution >= 0 && restitution <= 1) return;
+  throw ModelError(what + ": restitution is " + std::to_string(restitution) +
+                   "; expected 0 to 1, where contact gives back all speed: above, it would make energy");
 }
 
 void check_compliance(const std::string& what, const std::optional<Compliance>& compliance) {

@@ -15,9 +15,16 @@ namespace manyhands {
 /// positive semi-definite.
 void check_inertial(const std::string& link, const Inertial& inertial);
 
-/// Throws ModelError on a size that is not above 0, a pose or surface that is not finite, a negative friction, or a
+/// Throws ModelError on a size that is not above 0, a pose that is not finite, what `check_surface` refuses, or a
 /// texture that is not repeated more than 0 times.
 void check_geom(const Geom& geom);
+
+/// Throws ModelError, naming the part, on numbers that are negative or not finite, a restitution above 1, or a surface
+/// with both a stiffness and a compliance.
+void check_surface(const std::string& what, const SurfaceMaterial& surface);
+
+/// Throws ModelError, naming the part, on a restitution that is not between 0 and 1.
+void check_restitution(const std::string& what, double restitution);
 
 /// Throws ModelError, naming the part, on numbers that are no compliance. None is one.
 void check_compliance(const std::string& what, const std::optional<Compliance>& compliance);

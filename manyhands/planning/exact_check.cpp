@@ -23,10 +23,8 @@ double least_distance(const SceneGeom& a, const Transform<double>& X_WA, const S
 
 }  // namespace
 
-ExactCheck::ExactCheck(const PlanningScene& scene) : scene_(scene), ws_(scene.tree), q_(scene.q) {
-  place_mocap(scene.tree, scene.mocap.data(), ws_);
-  forward_kinematics(scene.tree, q_.data(), ws_);
-}
+ExactCheck::ExactCheck(const PlanningScene& scene)
+    : scene_(scene), ws_(scene.tree), q_(place_scene(scene, scene.tree, ws_)) {}
 
 void ExactCheck::place(std::span<const double> planned) {
   for (std::size_t k = 0; k < planned.size(); ++k) q_[scene_.coordinates[k]] = planned[k];
@@ -34,7 +32,7 @@ void ExactCheck::place(std::span<const double> planned) {
 }
 
 Transform<double> ExactCheck::pose(const MovingPart& part, const SceneGeom& geom) const {
-  return Transform<double>{ws_.R_WB[part.body], ws_.p_OB[part.body] + ws_.p_WO[part.body]} * geom.X_BG;
+  return body_pose(part.body, ws_) * geom.X_BG;
 }
 
 void ExactCheck::take_nearer(const SceneGeom& a, const Transform<double>& X_WA, const SceneGeom& b,

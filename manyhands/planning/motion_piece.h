@@ -32,19 +32,25 @@ template <Number T>
 
 namespace internal {
 
-/// Of the polynomial with these coefficients on [0, 1], the most: that of its Bernstein coefficients, between which it
-/// lies. coefficient(j) is of t^j.
+/// Calls visit(b) for the Bernstein coefficients of a polynomial on [0, 1], between which it lies. coefficient(j) is of
+/// t^j.
+template <Real R, class Coefficient, class Visit>
+void visit_bernstein(std::size_t degree, const Coefficient& coefficient, const Visit& visit) {
+  for (std::size_t i = 0; i <= degree; ++i) {
+    R sum = 0, share = 1;
+    for (std::size_t j = 0; j <= i; ++j) {
+      sum += share * coefficient(j);
+      if (j < i) share *= static_cast<R>(i - j) / static_cast<R>(degree - j);
+    }
+    visit(sum);
+  }
+}
+
+/// No value of the polynomial on [0, 1] is larger.
 template <class Coefficient>
 [[nodiscard]] float bernstein_bound(std::size_t degree, const Coefficient& coefficient) {
   float most = 0;
-  for (std::size_t i = 0; i <= degree; ++i) {
-    float sum = 0, share = 1;
-    for (std::size_t j = 0; j <= i; ++j) {
-      sum += share * coefficient(j);
-      share *= static_cast<float>(i - j) / static_cast<float>(degree - j == 0 ? 1 : degree - j);
-    }
-    most = std::max(most, std::abs(sum));
-  }
+  visit_bernstein<float>(degree, coefficient, [&](float b) { most = std::max(most, std::abs(b)); });
   return most;
 }
 

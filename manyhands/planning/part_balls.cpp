@@ -1,6 +1,8 @@
 #include "manyhands/planning/part_balls.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 namespace manyhands {
@@ -46,6 +48,46 @@ void add_node(MovingPart& part, std::size_t first, std::size_t last) {
   add_node(part, first + half, last);
 }
 
+/// The capsule around the balls whose axis has the direction `along`, a unit vector.
+PartCapsule capsule_along(std::span<const PartBall> balls, const Vec3<float>& along) {
+  const auto across = [&](const Vec3<float>& p) { return p - dot(p, along) * along; };
+  std::vector<PartBall> flat(balls.begin(), balls.end());
+  for (PartBall& ball : flat) ball.centre = across(ball.centre);
+  const Vec3<float> foot = across(around(flat).centre);
+  PartCapsule capsule;
+  for (const PartBall& ball : flat) capsule.radius = max(capsule.radius, norm(ball.centre - foot) + ball.radius);
+  capsule.radius += kBallRounding;
+  // An end may stay behind the balls by as much as its own ball sticks out around them.
+  float low = std::numeric_limits<float>::infinity(), high = -low;
+  for (std::size_t i = 0; i < balls.size(); ++i) {
+    const float t = dot(balls[i].centre, along), room = square(capsule.radius - balls[i].radius);
+    const float before = std::sqrt(max(0.0f, room - squared_norm(flat[i].centre - foot)));
+    low = min(low, t + before);
+    high = max(high, t - before);
+  }
+  if (low > high) low = high = (low + high) / 2;
+  capsule.a = foot + low * along;
+  capsule.b = foot + high * along;
+  return capsule;
+}
+
+/// The smallest of those along the sides and diagonals of a cube.
+PartCapsule capsule_around(std::span<const PartBall> balls) {
+  PartCapsule best;
+  float least = std::numeric_limits<float>::infinity();
+  for (int i = 1; i < 27; ++i) {
+    const Vec3<float> along{static_cast<float>(i % 3 - 1), static_cast<float>(i / 3 % 3 - 1),
+                            static_cast<float>(i / 9 - 1)};
+    if (squared_norm(along) == 0) continue;
+    const PartCapsule capsule = capsule_along(balls, (1 / norm(along)) * along);
+    const float volume = square(capsule.radius) * (norm(capsule.b - capsule.a) + capsule.radius * 4 / 3);
+    if (volume >= least) continue;
+    least = volume;
+    best = capsule;
+  }
+  return best;
+}
+
 }  // namespace
 
 void internal::cover(MovingPart& part, double margin, double overshoot) {
@@ -57,6 +99,7 @@ void internal::cover(MovingPart& part, double margin, double overshoot) {
                           static_cast<float>(ball.inner) + more - kBallRounding});
   }
   add_node(part, 0, part.balls.size());
+  part.capsule = capsule_around(part.balls);
 }
 
 }  // namespace manyhands

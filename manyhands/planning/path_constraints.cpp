@@ -70,20 +70,13 @@ std::vector<PathConstraint> keep_position(FrameId frame, const Transform<double>
 
 PathConstraints::PathConstraints(const Model& model, const PlanningScene& scene,
                                  std::span<const PathConstraint> constraints)
-    : scene_(scene), exact_(scene.tree), lanes_(scene.tree_in_float), linear_(scene.size()), none_(scene.size()) {
-  std::vector<NativeLanes> mocap;
-  for (const double x : scene.mocap) mocap.push_back(constant<NativeLanes>(x));
-  place_mocap(scene.tree, scene.mocap.data(), exact_.ws);
-  place_mocap(scene.tree_in_float, mocap.data(), lanes_.ws);
-  exact_.q = scene.q;
-  for (const double x : scene.q) lanes_.q.push_back(constant<NativeLanes>(x));
-  forward_kinematics(scene.tree, exact_.q.data(), exact_.ws);
-  forward_kinematics(scene.tree_in_float, lanes_.q.data(), lanes_.ws);
+    : scene_(scene),
+      exact_(scene, scene.tree),
+      lanes_(scene, scene.tree_in_float),
+      linear_(scene.size()),
+      none_(scene.size()) {
   planned_of_.assign(static_cast<std::size_t>(model.nv()), kNotPlanned);
-  for (std::size_t k = 0; k < scene.size(); ++k) {
-    const auto dof = std::ranges::find(scene.tree.dof_q, static_cast<int>(scene.coordinates[k]));
-    planned_of_[static_cast<std::size_t>(dof - scene.tree.dof_q.begin())] = k;
-  }
+  for (std::size_t k = 0; k < scene.size(); ++k) planned_of_[scene.dof(k)] = k;
   for (const PathConstraint& given : constraints) add(model.frame(given.frame), given);
   bends_.resize(rows_.size());
   orthogonal_.assign(rows_.size(), std::vector<double>(scene.size()));
@@ -94,8 +87,7 @@ PathConstraints::PathConstraints(const Model& model, const PlanningScene& scene,
 
 void PathConstraints::add(const Frame& frame, const PathConstraint& given) {
   const std::size_t body = scene_.carriers[frame.body.index()];
-  const Transform<double> X_WB{exact_.ws.R_WB[body], exact_.ws.p_OB[body] + exact_.ws.p_WO[body]};
-  const Transform<double> X_BF = inverse(X_WB) * frame_pose(frame.body, frame.X_BF, exact_.ws);
+  const Transform<double> X_BF = inverse(body_pose(body, exact_.ws)) * frame_pose(frame.body, frame.X_BF, exact_.ws);
   const Vec of = given.is_axis ? X_BF.R * given.of : X_BF * given.of;
   Row row{body, given.is_axis, of, given.along, given.lower, given.upper, {}, {}, frame.name};
   row.reach = scene_.reach(body, static_cast<float>(norm(of)), static_cast<float>(std::hypot(of.x, of.y)));

@@ -60,9 +60,9 @@ class PathConstraints {
   };
   template <Number T>
   struct Placed {
-    explicit Placed(const Tree<real_t<T>>& tree) : ws(tree) {}
+    Placed(const PlanningScene& scene, const Tree<real_t<T>>& tree) : ws(tree), q(place_scene(scene, tree, ws)) {}
     Workspace<T> ws;
-    std::vector<T> q{};
+    std::vector<T> q;
   };
   static constexpr std::size_t kNotPlanned = std::size_t(-1);
 

@@ -21,18 +21,14 @@ std::vector<PlacedShape> PlacedLinks::shapes_of(LinkId link) const {
     if (geom.link != link.index()) continue;
     found.push_back(
         {{geom.type, model_.geoms()[geom.geom].shape.size, geom.hull.get(), geom.mesh.get(), geom.height_field.get()},
-         pose_of(geom.body) * geom.X_BG});
+         body_pose(geom.body, ws_) * geom.X_BG});
   }
   return found;
 }
 
 Vec3<double> PlacedLinks::com_of(LinkId link) const {
   const Link& of = model_.link(link);
-  return pose_of(of.body.index()) * (of.X_BL * of.inertial.com);
-}
-
-Transform<double> PlacedLinks::pose_of(std::size_t body) const {
-  return {ws_.R_WB[body], ws_.p_OB[body] + ws_.p_WO[body]};
+  return body_pose(of.body.index(), ws_) * (of.X_BL * of.inertial.com);
 }
 
 }  // namespace manyhands

@@ -23,8 +23,6 @@ class PlacedLinks {
   [[nodiscard]] Vec3<double> com_of(LinkId link) const;
 
  private:
-  [[nodiscard]] Transform<double> pose_of(std::size_t body) const;
-
   const Model& model_;
   Tree<double> tree_;
   Colliders<double> colliders_;

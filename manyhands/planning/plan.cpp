@@ -83,7 +83,7 @@ class Planning {
         deadline_(settings.time_limit, settings.look_up) {}
 
   Plan plan(Rows goals) {
-    if (!is_start_good() || !take_goals(goals)) return plan_;
+    if (!is_good(start_, kStart) || !take_goals(goals)) return plan_;
     const Clock::time_point begin = Clock::now();
     const std::vector<float> start = in_float(start_);
     RrtPath path = rrt_connect(scene_, check_, start, in_float(goals_), settings_.rrt, deadline_);
@@ -110,26 +110,27 @@ class Planning {
     return false;
   }
 
-  bool is_start_good() {
-    if (const std::string limits = outside_limits(scene_, start_); !limits.empty())
-      return refuse(PlanStatus::kStartOutsideLimits, "the start is outside of limits: " + limits);
-    if (const std::string broken = broken_constraint(check_, start_); !broken.empty())
-      return refuse(PlanStatus::kStartBreaksConstraint, "the start breaks a constraint: " + broken);
-    if (check_.are_free(start_)[0] != 0) return true;
-    return refuse(PlanStatus::kStartCollides, "the start collides: " + collision_in_words(scene_, check_, start_));
-  }
+  /// An end of the plan, and what is said of one that is not good.
+  struct End {
+    const char* name;
+    PlanStatus outside_limits, breaks_constraint, collides;
+  };
+  static constexpr End kStart{"the start", PlanStatus::kStartOutsideLimits, PlanStatus::kStartBreaksConstraint,
+                              PlanStatus::kStartCollides};
+  static constexpr End kGoal{"the goal", PlanStatus::kGoalOutsideLimits, PlanStatus::kGoalBreaksConstraint,
+                             PlanStatus::kGoalCollides};
 
-  /// Says what is wrong with the goal, if no other one had something wrong.
-  bool is_goal_good(Rows goal) {
-    const auto refuse_first = [&](PlanStatus status, const std::string& message) {
-      return plan_.message.empty() ? refuse(status, message) : false;
+  /// Says what is wrong with an end, if no other had something wrong.
+  bool is_good(Rows q, const End& end) {
+    const auto refuse_first = [&](PlanStatus status, const std::string& what) {
+      return plan_.message.empty() ? refuse(status, end.name + what) : false;
     };
-    if (const std::string limits = outside_limits(scene_, goal); !limits.empty())
-      return refuse_first(PlanStatus::kGoalOutsideLimits, "the goal is outside of limits: " + limits);
-    if (const std::string broken = broken_constraint(check_, goal); !broken.empty())
-      return refuse_first(PlanStatus::kGoalBreaksConstraint, "the goal breaks a constraint: " + broken);
-    if (check_.are_free(goal)[0] != 0) return true;
-    return refuse_first(PlanStatus::kGoalCollides, "the goal collides: " + collision_in_words(scene_, check_, goal));
+    if (const std::string limits = outside_limits(scene_, q); !limits.empty())
+      return refuse_first(end.outside_limits, " is outside of limits: " + limits);
+    if (const std::string broken = broken_constraint(check_, q); !broken.empty())
+      return refuse_first(end.breaks_constraint, " breaks a constraint: " + broken);
+    if (check_.are_free(q)[0] != 0) return true;
+    return refuse_first(end.collides, " collides: " + collision_in_words(scene_, check_, q));
   }
 
   /// Keeps the goals that are good; says what is wrong with the first if none is.
@@ -139,7 +140,7 @@ class Planning {
       std::vector<double> goal(goals.begin() + static_cast<std::ptrdiff_t>(i),
                                goals.begin() + static_cast<std::ptrdiff_t>(i + n));
       unwind(scene_, start_, goal);
-      if (is_goal_good(goal)) goals_.insert(goals_.end(), goal.begin(), goal.end());
+      if (is_good(goal, kGoal)) goals_.insert(goals_.end(), goal.begin(), goal.end());
     }
     if (goals_.empty()) return false;
     goals_ = nearest_first(goals_, start_);

@@ -24,10 +24,6 @@ using Vec = Vec3<double>;
 constexpr double kHalfTurn = std::numbers::pi;  // how far joints without limits go to either side [rad]
 constexpr double kTouchesHeld = 1e-3;           // what is held touches what is nearer than this [m]
 
-Transform<double> pose_of(const Workspace<double>& ws, std::size_t body) {
-  return {ws.R_WB[body], ws.p_OB[body] + ws.p_WO[body]};
-}
-
 /// Puts the scene together.
 class SceneMaker {
  public:
@@ -135,7 +131,7 @@ class SceneMaker {
     for (std::size_t i = 0; i < scene_.colliders.geoms.size(); ++i) {
       const Collider<double>& geom = scene_.colliders.geoms[i];
       const std::size_t body = scene_.carriers[geom.body];
-      const Transform<double> X_WG = pose_of(ws_, geom.body) * geom.X_BG;
+      const Transform<double> X_WG = body_pose(geom.body, ws_) * geom.X_BG;
       SceneGeom placed = {.shape = {geom.type, model_.geoms()[geom.geom].shape.size, geom.hull.get(), geom.mesh.get(),
                                     geom.height_field.get()},
                           .X_BG = X_WG,
@@ -146,7 +142,7 @@ class SceneMaker {
         add_pieces(static_cast<int>(scene_.obstacles.size()) - 1, placed, X_WG);
         continue;
       }
-      placed.X_BG = inverse(pose_of(ws_, body)) * X_WG;
+      placed.X_BG = inverse(body_pose(body, ws_)) * X_WG;
       const Key key{geom.link, body, geom.filter.group, geom.filter.mask};
       const auto [found, is_new] = part_of.try_emplace(key, scene_.parts.size());
       if (is_new) scene_.parts.push_back({.body = body, .link = LinkId(static_cast<int>(geom.link))});
@@ -196,7 +192,7 @@ class SceneMaker {
   /// The distance of a part from a shape, at the configuration of the scene.
   [[nodiscard]] double distance(const MovingPart& part, const SceneGeom& other, const Transform<double>& X_WO) const {
     double least = std::numeric_limits<double>::infinity();
-    const Transform<double> X_WB = pose_of(ws_, part.body);
+    const Transform<double> X_WB = body_pose(part.body, ws_);
     for (const SceneGeom& geom : part.geoms)
       least = std::min(least, signed_distance(geom.shape, X_WB * geom.X_BG, other.shape, X_WO).phi);
     return least;
@@ -211,17 +207,22 @@ class SceneMaker {
         if (x.body == y.body || !may_touch(x.geoms[0], x.link, y.geoms[0], y.link)) continue;
         if ((is_held(x) || is_held(y)) && touches(x, y)) continue;
         PartPair pair{a, b, std::vector<float>(scene_.size())};
+        bool a_moves = false, b_moves = false;
         for (std::size_t k = 0; k < scene_.size(); ++k) {
           const bool moves_a = is_above(body_of_[k], x.body), moves_b = is_above(body_of_[k], y.body);
           pair.reach[k] = moves_a == moves_b ? 0.0f : moves_a ? x.reach[k] : y.reach[k];
+          a_moves = a_moves || (moves_a && !moves_b);
+          b_moves = b_moves || (moves_b && !moves_a);
         }
+        pair.moves_both = a_moves && b_moves;
+        if (a_moves && !b_moves) std::swap(pair.a, pair.b);
         scene_.pairs.push_back(std::move(pair));
       }
     }
   }
 
   [[nodiscard]] bool touches(const MovingPart& x, const MovingPart& y) const {
-    const Transform<double> X_WB = pose_of(ws_, y.body);
+    const Transform<double> X_WB = body_pose(y.body, ws_);
     return std::ranges::any_of(
         y.geoms, [&](const SceneGeom& geom) { return distance(x, geom, X_WB * geom.X_BG) < kTouchesHeld; });
   }
@@ -233,7 +234,8 @@ class SceneMaker {
     std::vector<PartPair> kept;
     for (PartPair& pair : scene_.pairs) {
       if (std::ranges::all_of(pair.reach, [](float reach) { return reach == 0; })) continue;
-      if (stays_apart(exact, pair))
+      pair.apart = internal::apart_map(scene_, pair, exact);
+      if (pair.apart.is_apart_everywhere())
         scene_.pairs_apart.push_back(std::move(pair));
       else if (!always_overlaps(exact, pair))
         kept.push_back(std::move(pair));
@@ -250,44 +252,6 @@ class SceneMaker {
       if (exact.distance(pair, 0) >= 0) return false;
       for (std::size_t k = 0; k < q.size(); ++k)
         q[k] = random.uniform(std::max(scene_.lower[k], -kHalfTurn), std::min(scene_.upper[k], kHalfTurn));
-    }
-    return true;
-  }
-
-  /// Whether so few joints are between the two that looks at some configurations prove them apart in all: in a box of
-  /// these, no point moves by more than the reach of joints times its halves.
-  [[nodiscard]] bool stays_apart(internal::ExactCheck& exact, const PartPair& pair) const {
-    constexpr std::size_t kMostJoints = 2;
-    constexpr int kMostLooks = 1000;
-    const std::vector<float>& reach = pair.reach;
-    std::vector<std::size_t> between;
-    for (std::size_t k = 0; k < reach.size(); ++k) {
-      if (reach[k] == 0) continue;
-      between.push_back(k);
-      if (!std::isfinite(scene_.lower[k]) || !std::isfinite(scene_.upper[k])) return false;
-    }
-    if (between.size() > kMostJoints) return false;
-    std::vector<double> q = scene_.planned(scene_.q);
-    std::vector<std::pair<std::vector<double>, std::vector<double>>> boxes{{scene_.lower, scene_.upper}};
-    for (int look = 0; !boxes.empty(); ++look) {
-      auto [low, high] = std::move(boxes.back());
-      boxes.pop_back();
-      double sway = 0;
-      std::size_t widest = between[0];
-      const auto sway_of = [&](std::size_t k) { return static_cast<double>(reach[k]) * (high[k] - low[k]) / 2; };
-      for (const std::size_t k : between) {
-        q[k] = (low[k] + high[k]) / 2;
-        sway += sway_of(k);
-        if (sway_of(k) > sway_of(widest)) widest = k;
-      }
-      exact.place(q);
-      const double needed = scene_.margin + sway, d = exact.distance(pair, needed);
-      if (d >= needed) continue;
-      if (d <= scene_.margin || look >= kMostLooks) return false;
-      auto below = high, above = low;
-      below[widest] = above[widest] = q[widest];
-      boxes.emplace_back(low, below);
-      boxes.emplace_back(above, high);
     }
     return true;
   }
@@ -387,7 +351,7 @@ std::vector<double> placed_balls(const PlanningScene& scene, std::span<const dou
   std::vector<double> found;
   for (const MovingPart& part : scene.parts) {
     for (const PartBall& ball : part.balls) {
-      const Vec p = pose_of(ws, part.body) * broadcast<double>(ball.centre);
+      const Vec p = body_pose(part.body, ws) * broadcast<double>(ball.centre);
       found.insert(found.end(), {p.x, p.y, p.z, static_cast<double>(ball.radius)});
     }
   }

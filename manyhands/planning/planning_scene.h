@@ -1,6 +1,7 @@
 // What a planner reads of a scene: what moves with the planned joints, and what stands in its way.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <string>
@@ -9,7 +10,8 @@
 
 #include "manyhands/physics/collision/colliders.h"
 #include "manyhands/physics/collision/queries/distance.h"
-#include "manyhands/physics/dynamics/workspace.h"
+#include "manyhands/physics/dynamics/kinematics.h"
+#include "manyhands/planning/apart_map.h"
 #include "manyhands/planning/ball_cover.h"
 #include "manyhands/planning/obstacle_tree.h"
 
@@ -33,7 +35,7 @@ struct SceneSettings {
   std::vector<PointCloud> clouds{};
   std::vector<double> mocap{};  ///< poses of the mocap bodies, as State has them; empty: where the model has them
   double margin = 0;            ///< least distance that is kept [m]
-  double overshoot = 0.0125;    ///< by which balls stick out of links; smaller ones are more balls [m]
+  double overshoot = 0.02;      ///< by which balls stick out of links; smaller ones are more balls [m]
 };
 
 /// The joints that move a frame, as `SceneSettings::joints`. Throws ModelError as IkChain does.
@@ -52,6 +54,12 @@ struct BallNode {
   std::size_t second = 0;       ///< its second child, in MovingPart::nodes; the first follows it. 0 for a leaf
 };
 
+/// A capsule that holds a part's balls, in the axes of the body: links are long, and their root balls always meet.
+struct PartCapsule {
+  Vec3<float> a{}, b{};  ///< ends of its axis [m]
+  float radius{};
+};
+
 /// A shape as the exact check has it: on a body, or on the world.
 struct SceneGeom {
   ShapeView shape{};
@@ -66,6 +74,7 @@ struct MovingPart {
   LinkId link{};
   std::vector<SceneGeom> geoms{};
   std::vector<BallNode> nodes{};  ///< a tree of balls, the root first
+  PartCapsule capsule{};
   std::vector<PartBall> balls{};
   std::vector<float>
       reach{};  ///< (n) [m/rad or 1]: how far a point of it moves, at most, per change of each coordinate
@@ -74,8 +83,10 @@ struct MovingPart {
 
 /// Two parts that may not touch.
 struct PartPair {
-  std::size_t a{}, b{};
+  std::size_t a{}, b{};        ///< where planned joints between move one of them alone, that is b
   std::vector<float> reach{};  ///< (n) as of parts, of each relative to the other
+  bool moves_both = false;     ///< whether some joints between move a alone, and others b
+  ApartMap apart{};            ///< if these are one or two
 };
 
 /// A collider that stands still.
@@ -105,6 +116,11 @@ struct PlanningScene {
   /// (n) how far points of a body are from the axis of each joint that moves it, at most: the lengths of the links
   /// between, stretched out [m]; 1 for those that slide. `far` from its origin, `aside` from its axis [m].
   [[nodiscard]] std::vector<float> reach(std::size_t body, float far, float aside) const;
+  /// The dof of planned coordinate k.
+  [[nodiscard]] std::size_t dof(std::size_t k) const {
+    return static_cast<std::size_t>(std::ranges::find(tree.dof_q, static_cast<int>(coordinates[k])) -
+                                    tree.dof_q.begin());
+  }
   [[nodiscard]] std::string link_name(LinkId link) const { return link_names[link.index()]; }
 
   Tree<double> tree;
@@ -128,6 +144,20 @@ struct PlanningScene {
   ObstacleTree tree_of_obstacles;
   double margin;
 };
+
+/// Places all bodies where the scene has them, and returns its q (nq). `tree`: the scene's, in T's real numbers.
+template <Number T>
+[[nodiscard]] std::vector<T> place_scene(const PlanningScene& scene, const Tree<real_t<T>>& tree, Workspace<T>& ws) {
+  const auto in_T = [](const std::vector<double>& numbers) {
+    std::vector<T> found;
+    for (const double x : numbers) found.push_back(constant<T>(x));
+    return found;
+  };
+  std::vector<T> q = in_T(scene.q);
+  place_mocap(tree, in_T(scene.mocap).data(), ws);
+  forward_kinematics(tree, q.data(), ws);
+  return q;
+}
 
 /// The balls that stand for what moves, at planned coordinates (n): x y z and radius each, in the world [m].
 [[nodiscard]] std::vector<double> placed_balls(const PlanningScene& scene, std::span<const double> planned);

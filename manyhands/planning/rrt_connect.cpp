@@ -20,18 +20,19 @@ constexpr int kNoParent = -1;
 /// Nodes as blocks of lanes, each with its coordinates one after the other: the nearest is found in lanes.
 class RrtTree {
  public:
-  RrtTree(std::size_t n, float domain) : n_(n), first_domain_(domain) {}
+  explicit RrtTree(std::size_t n) : n_(n) {}
 
   [[nodiscard]] std::size_t size() const { return parent_.size(); }
   [[nodiscard]] int parent(int node) const { return parent_[static_cast<std::size_t>(node)]; }
-  [[nodiscard]] float& domain(int node) { return domain_[static_cast<std::size_t>(node)]; }
+  /// The longest edge to try from a node.
+  [[nodiscard]] float& step(int node) { return step_[static_cast<std::size_t>(node)]; }
 
-  int add(std::span<const float> q, int parent) {
+  int add(std::span<const float> q, int parent, float step) {
     const std::size_t i = size();
     if (i % kNodeLanes == 0) coordinates_.resize(coordinates_.size() + n_ * kNodeLanes, kFarAway);
     for (std::size_t k = 0; k < n_; ++k) coordinates_[place(i, k)] = q[k];
     parent_.push_back(parent);
-    domain_.push_back(first_domain_);
+    step_.push_back(step);
     return static_cast<int>(i);
   }
 
@@ -39,8 +40,8 @@ class RrtTree {
     for (std::size_t k = 0; k < n_; ++k) q[k] = coordinates_[place(static_cast<std::size_t>(node), k)];
   }
 
-  /// The node nearest to q, and its distance.
-  [[nodiscard]] std::pair<int, float> nearest(std::span<const float> q) const {
+  /// The node nearest to q.
+  [[nodiscard]] int nearest(std::span<const float> q) const {
     NativeLanes least = constant<NativeLanes>(kUnreached), block_of_least = constant<NativeLanes>(0);
     const std::size_t blocks = coordinates_.size() / (n_ * kNodeLanes);
     for (std::size_t block = 0; block < blocks; ++block) {
@@ -63,7 +64,7 @@ class RrtTree {
         square = d;
       }
     }
-    return {static_cast<int>(best), std::sqrt(square)};
+    return static_cast<int>(best);
   }
 
  private:
@@ -74,8 +75,7 @@ class RrtTree {
   }
 
   std::size_t n_;
-  float first_domain_;
-  std::vector<float> coordinates_, domain_;
+  std::vector<float> coordinates_, step_;
   std::vector<int> parent_;
 };
 
@@ -90,15 +90,15 @@ class RrtConnect {
         sample_(n_),
         from_(n_),
         to_(n_),
-        trees_{RrtTree(n_, kFirstDomain * range_), RrtTree(n_, kFirstDomain * range_)} {}
+        trees_{RrtTree(n_), RrtTree(n_)} {}
 
   RrtPath search(std::span<const float> start, std::span<const float> goals, const Deadline& deadline) {
     RrtPath found;
     set_bounds(start, goals);
-    trees_[kFromStart].add(start, kNoParent);
+    trees_[kFromStart].add(start, kNoParent, range_);
     bool met = false;
     for (std::size_t i = 0; i < goals.size() / n_ && !met && !deadline.has_passed(); ++i) {
-      trees_[kFromGoals].add(goals.subspan(i * n_, n_), kNoParent);
+      trees_[kFromGoals].add(goals.subspan(i * n_, n_), kNoParent, range_);
       met = connect(kFromGoals, static_cast<int>(i), kFromStart, 0);
     }
     while (!met && !deadline.has_passed()) {
@@ -111,9 +111,9 @@ class RrtConnect {
   }
 
  private:
-  static constexpr float kFirstDomain = 2;  // of a node, in ranges
-  static constexpr float kGrowth = 1e-4f;   // of a domain where an edge is free; where it is not, it shrinks
-  static constexpr float kLeastDomain = 0.5f;
+  // Of a node's longest step, in ranges: where no edge is free, the next is shorter, so that trees creep out of
+  // corners.
+  static constexpr float kShrinking = 0.95f, kGrowth = 2, kLeastStep = 0.1f;
   static constexpr std::size_t kFromStart = 0, kFromGoals = 1;
 
   /// Samples lie within limits, and at most half a turn (or pi metres) beyond start and goals: joints that turn twice
@@ -135,17 +135,18 @@ class RrtConnect {
   bool grow(std::size_t side) {
     RrtTree& tree = trees_[side];
     for (std::size_t k = 0; k < n_; ++k) sample_[k] = random_.uniform(low_[k], high_[k]);
-    const auto [near, distance] = tree.nearest(sample_);
-    if (distance > tree.domain(near)) return false;
+    const int near = tree.nearest(sample_);
     tree.copy(near, from_);
-    const bool is_free = step_towards(sample_) != Step::kStuck && check_.is_free(from_, to_);
-    float& domain = tree.domain(near);
-    domain = is_free ? domain * (1 + kGrowth) : std::max(domain * (1 - kGrowth), kLeastDomain * range_);
-    if (!is_free) return false;
-    const int added = tree.add(to_, near);
+    float& step = tree.step(near);
+    if (step_towards(sample_, step) == Step::kStuck || !check_.is_free(from_, to_)) {
+      step = std::max(step * kShrinking, kLeastStep * range_);
+      return false;
+    }
+    step = std::min(step * kGrowth, range_);
+    const int added = tree.add(to_, near, step);
     const std::size_t other = 1 - side;
     tree.copy(added, sample_);
-    return connect(side, added, other, trees_[other].nearest(sample_).first);
+    return connect(side, added, other, trees_[other].nearest(sample_));
   }
 
   /// Leads the tree `other` from its node `near` to `node` of the tree `side`, as far as edges are free.
@@ -153,21 +154,21 @@ class RrtConnect {
     trees_[side].copy(node, sample_);
     trees_[other].copy(near, from_);
     for (;;) {
-      const Step step = step_towards(sample_);
+      const Step step = step_towards(sample_, range_);
       if (step == Step::kStuck || !check_.is_free(from_, to_)) return false;
       if (step == Step::kArrives) {
         meeting_[side] = node;
         meeting_[other] = near;
         return true;
       }
-      near = trees_[other].add(to_, near);
+      near = trees_[other].add(to_, near, range_);
       std::swap(from_, to_);
     }
   }
 
   /// Sets `to_` to where a step from `from_` towards the target leads.
-  Step step_towards(std::span<const float> target) {
-    return manyhands::step_towards(check_, from_, target, range_, to_);
+  Step step_towards(std::span<const float> target, float longest) {
+    return manyhands::step_towards(check_, from_, target, longest, to_);
   }
 
   [[nodiscard]] std::vector<float> path() const {

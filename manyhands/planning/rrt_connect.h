@@ -51,9 +51,8 @@ struct RrtPath {
 
 /// A path from `start` (n) to one of `goals` (rows of n), all of them free and within the scene's limits, whose edges
 /// are free all along. The same for the same seed, unless time runs out. RRT-Connect: Kuffner and LaValle, RRT-Connect:
-/// An efficient approach to single-query path planning, ICRA 2000. The smaller of the trees grows; where it is asked to
-/// go farther than nodes have found room before, the sample is left out (dynamic domains: Yershova, Jaillet, Simeon and
-/// LaValle, Dynamic-domain RRTs, ICRA 2005).
+/// An efficient approach to single-query path planning, ICRA 2000. The smaller of the trees grows; a node from which an
+/// edge is not free tries shorter ones next.
 [[nodiscard]] RrtPath rrt_connect(const PlanningScene& scene, ConfigurationCheck& check, std::span<const float> start,
                                   std::span<const float> goals, const RrtSettings& settings, const Deadline& deadline);
 

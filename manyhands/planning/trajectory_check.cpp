@@ -50,18 +50,15 @@ class TrajectoryCheck {
 
   [[nodiscard]] bool are_bounded() const {
     constexpr double kHair = 1e-6;  // [rad or m], as of ends of plans
-    const std::size_t n = scene_.size(), degree = order_ - 1;
-    for (std::size_t x = 0; x < n; ++x) {
-      for (std::size_t i = 0; i <= degree; ++i) {
-        double sum = 0, share = 1;
-        for (std::size_t j = 0; j <= i; ++j) {
-          sum += share * coefficients_[j * n + x];
-          if (j < i) share *= static_cast<double>(i - j) / static_cast<double>(degree - j);
-        }
-        if (sum < scene_.lower[x] - kHair || sum > scene_.upper[x] + kHair) return false;
-      }
+    const std::size_t n = scene_.size();
+    bool all = true;
+    for (std::size_t x = 0; x < n && all; ++x) {
+      const double least = scene_.lower[x] - kHair, most = scene_.upper[x] + kHair;
+      internal::visit_bernstein<double>(
+          order_ - 1, [&](std::size_t j) { return coefficients_[j * n + x]; },
+          [&](double b) { all = all && !(b < least || b > most); });
     }
-    return true;
+    return all;
   }
 
   const PlanningScene& scene_;

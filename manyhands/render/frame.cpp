@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "manyhands/render/triangles.h"
+
 namespace manyhands {
 
 namespace {
@@ -56,6 +58,13 @@ void set_shade(PlacedItem& placed, const LightAxes& light) {
   });
 }
 
+/// By how much a mesh may be off before it can be seen in the picture [m].
+float visible_error(const PlacedItem& placed, const Camera& camera, const Look& look) {
+  constexpr float kInvisible = 0.4f;  // of the distance between samples
+  const float focal = static_cast<float>(max(camera.fx, camera.fy) * look.antialiasing);
+  return kInvisible * (camera.orthographic ? 1 : max(placed.nearest, static_cast<float>(camera.near))) / focal;
+}
+
 LightAxes axes_of(const Vec3<double>& direction) {
   const Vec3<double> z = (1 / norm(direction)) * direction;
   const Vec3<double> side = cross(std::abs(z.x) < 0.9 ? Vec3<double>{1, 0, 0} : Vec3<double>{0, 1, 0}, z);
@@ -104,11 +113,14 @@ void set_frame(PictureFrame& frame, const Scene& scene, const Camera& camera, co
   const auto place = [&](const Item& item, const Transform<double>& X_WI, int first_seen, bool is_clear) {
     PlacedItem placed{};
     placed.item = &item;
+    placed.is_still = item.body == BodyId(0);
     placed.first_seen = first_seen;
     placed.X_WI = broadcast<float>(X_WI);
     placed.X_IC = broadcast<float>(inverse(X_WI) * X_WC);
     set_view(placed, camera);
     set_shade(placed, frame.light);
+    placed.error = visible_error(placed, camera, look);
+    if (item.triangles != nullptr) placed.shown = &item.triangles->within(placed.error);
     (is_clear ? frame.clear : frame.solid).push_back(placed);
   };
   for (const Seen& seen : scene.seen()) {
@@ -142,8 +154,10 @@ void set_frame(PictureFrame& frame, const Scene& scene, const Camera& camera, co
   }
   std::ranges::stable_sort(frame.solid, [](const PlacedItem& a, const PlacedItem& b) {
     const bool simple_a = a.item->triangles == nullptr, simple_b = b.item->triangles == nullptr;
+    if (a.is_still != b.is_still) return a.is_still;
     return simple_a != simple_b ? simple_a : a.nearest < b.nearest;
   });
+  frame.num_still = static_cast<std::size_t>(std::ranges::count_if(frame.solid, &PlacedItem::is_still));
   std::ranges::stable_sort(frame.clear, [](const PlacedItem& a, const PlacedItem& b) { return a.nearest > b.nearest; });
 }
 

@@ -1,141 +1,21 @@
 #include "manyhands/render/renderer.h"
 
 #include <algorithm>
-#include <cstdlib>
+#include <mutex>
 #include <stdexcept>
 #include <string>
 
+#include "manyhands/base/process_mutex.h"
+#include "manyhands/base/thread_pool.h"
 #include "manyhands/physics/dynamics/kinematics.h"
-#include "manyhands/render/samples.h"
+#include "manyhands/render/drawing.h"
+#include "manyhands/render/shadows.h"
 
 namespace manyhands {
 
 namespace {
 
-constexpr int kTile = 8;  // pixels: a packet is a row of one
-
 std::size_t size(int n) { return static_cast<std::size_t>(n); }
-
-Samples grid(const Camera& camera, int x0, int y0) {
-  Samples s;
-  s.packets = std::min(kTile, camera.height - y0);
-  const float left = static_cast<float>(x0), top = static_cast<float>(y0);
-  s.part = {left, left + kTile, top, top + kTile};
-  for (int k = 0; k < s.packets; ++k) {
-    for (int j = 0; j < kRays; ++j) {
-      set_lane(s.x[size(k)], j, left + static_cast<float>(j) + 0.5f);
-      s.active[size(k)].bits[j] = x0 + j < camera.width ? -1 : 0;
-    }
-    s.y[size(k)] = Rays(top + static_cast<float>(k) + 0.5f);
-  }
-  return s;
-}
-
-std::uint8_t byte(float value) { return static_cast<std::uint8_t>(value + 0.5f); }
-
-/// Writes a tile that `find` and `shade` have filled, at (x0, y0) of picture `shot`.
-void write(const PictureFrame& frame, std::span<const Seen> seen, const Samples& s, std::size_t shot, int x0, int y0,
-           const Pictures& to) {
-  const Camera& camera = frame.camera;
-  const int columns = std::min(kTile, camera.width - x0);
-  for (std::size_t k = 0; k < size(s.packets); ++k) {
-    const std::size_t at = (shot * size(camera.height) + size(y0) + k) * size(camera.width) + size(x0);
-    for (int j = 0; j < columns; ++j) {
-      const std::size_t pixel = at + size(j);
-      const int number = s.seen[k][j];
-      if (!to.colour.empty()) {
-        to.colour[3 * pixel] = byte(lane(s.red[k], j));
-        to.colour[3 * pixel + 1] = byte(lane(s.green[k], j));
-        to.colour[3 * pixel + 2] = byte(lane(s.blue[k], j));
-      }
-      if (!to.depth.empty()) to.depth[pixel] = lane(s.depth[k], j);
-      if (!to.segmentation.empty()) to.segmentation[pixel] = number < 0 ? -1 : seen[size(number)].link.value();
-      if (!to.normals.empty()) {
-        to.normals[3 * pixel] = number < 0 ? 0 : lane(s.n[k].x, j);
-        to.normals[3 * pixel + 1] = number < 0 ? 0 : lane(s.n[k].y, j);
-        to.normals[3 * pixel + 2] = number < 0 ? 0 : lane(s.n[k].z, j);
-      }
-    }
-  }
-}
-
-/// Whether a pixel of a colour picture differs visibly from one beside it.
-bool is_edge(const Camera& camera, std::span<const std::uint8_t> picture, int x, int y) {
-  constexpr int kVisible = 10;
-  const std::uint8_t* const own = &picture[3 * (size(y) * size(camera.width) + size(x))];
-  const auto differs = [&](int dx, int dy) {
-    if (x + dx < 0 || y + dy < 0 || x + dx >= camera.width || y + dy >= camera.height) return false;
-    const std::uint8_t* const other = &picture[3 * (size(y + dy) * size(camera.width) + size(x + dx))];
-    for (int c = 0; c < 3; ++c) {
-      if (std::abs(own[c] - other[c]) > kVisible) return true;
-    }
-    return false;
-  };
-  return differs(1, 0) || differs(-1, 0) || differs(0, 1) || differs(0, -1);
-}
-
-/// Takes n x n samples of each of some pixels of a tile, and writes their means. A packet holds the same sample of
-/// eight pixels.
-class EdgeSamples {
- public:
-  EdgeSamples(const PictureFrame& frame, int x0, int y0, std::span<std::uint8_t> picture)
-      : frame_(frame), n_(frame.look.antialiasing), picture_(picture) {
-    samples_.part = {static_cast<float>(x0), static_cast<float>(x0 + kTile), static_cast<float>(y0),
-                     static_cast<float>(y0 + kTile)};
-    samples_.per_pixel = n_ * n_;
-  }
-
-  void add(int x, int y) { pixels_[size(count_++)] = {x, y}; }
-
-  void flush() {
-    const int packets = (count_ + kRays - 1) / kRays * n_ * n_;
-    for (int first = 0; first < packets; first += Samples::kPackets) {
-      samples_.packets = std::min(Samples::kPackets, packets - first);
-      for (int k = 0; k < samples_.packets; ++k) place(size(k), (first + k) / (n_ * n_), (first + k) % (n_ * n_));
-      find(frame_, samples_);
-      shade(frame_, samples_);
-      for (int k = 0; k < samples_.packets; ++k) add_colours(size(k), size((first + k) / (n_ * n_)));
-    }
-    const Rays share(1 / static_cast<float>(n_ * n_));
-    for (int p = 0; p < count_; ++p) {
-      const Pixel& pixel = pixels_[size(p)];
-      std::uint8_t* const to = &picture_[3 * (size(pixel.y) * size(frame_.camera.width) + size(pixel.x))];
-      for (std::size_t c = 0; c < 3; ++c) to[c] = byte(lane(share * sums_[size(p / kRays)][c], p % kRays));
-    }
-  }
-
- private:
-  struct Pixel {
-    int x, y;
-  };
-
-  /// Sample `number` of the pixels of a group into a packet.
-  void place(std::size_t packet, int group, int number) {
-    const auto within = [&](int k) { return (static_cast<float>(k) + 0.5f) / static_cast<float>(n_); };
-    samples_.number[packet] = number;
-    samples_.active[packet] = RayMask(false);
-    for (int j = 0; j < kRays; ++j) {
-      const int p = std::min(group * kRays + j, count_ - 1);
-      samples_.active[packet].bits[j] = group * kRays + j < count_ ? -1 : 0;
-      set_lane(samples_.x[packet], j, static_cast<float>(pixels_[size(p)].x) + within(number % n_));
-      set_lane(samples_.y[packet], j, static_cast<float>(pixels_[size(p)].y) + within(number / n_));
-    }
-  }
-
-  void add_colours(std::size_t packet, std::size_t group) {
-    sums_[group][0] = sums_[group][0] + samples_.red[packet];
-    sums_[group][1] = sums_[group][1] + samples_.green[packet];
-    sums_[group][2] = sums_[group][2] + samples_.blue[packet];
-  }
-
-  const PictureFrame& frame_;
-  int n_;
-  std::span<std::uint8_t> picture_;
-  Samples samples_;
-  int count_ = 0;
-  std::array<Pixel, kTile * kTile> pixels_{};
-  std::array<std::array<Rays, 3>, kTile * kTile / kRays> sums_{};
-};
 
 void require_size(const char* what, std::size_t found, std::size_t expected) {
   if (found == 0 || found == expected) return;
@@ -143,29 +23,77 @@ void require_size(const char* what, std::size_t found, std::size_t expected) {
                               " numbers; expected " + std::to_string(expected) + ", or none if it is not wanted");
 }
 
+constexpr std::size_t kMostKept = std::size_t{1} << 21;  // pixels of a picture whose backdrop is kept
+
+/// Rows that are drawn in one go: so few that they stay in the processor's cache, and every thread has some.
+int band_of(const Camera& camera, int num_threads) {
+  constexpr int kPixels = 1 << 14;
+  const int rows = std::min(kPixels / camera.width, (camera.height + num_threads - 1) / num_threads);
+  return std::max((rows + kTile - 1) / kTile, 1) * kTile;
+}
+
 }  // namespace
 
-Renderer::Renderer(std::shared_ptr<const Scene> scene, int num_threads, const ImageReader& read)
-    : scene_(std::move(scene)),
-      textures_(own_textures(scene_->model().geoms(), read)),
-      tree_(scene_->model()),
-      mocap_(scene_->model().initial_mocap()),
-      pool_(choose_num_threads(num_threads)) {
-  for (int i = 0; i < pool_.num_threads(); ++i) {
-    workers_.push_back({Workspace<double>(tree_), std::vector<Transform<double>>(size(tree_.nb))});
+Pictures Pictures::of(std::size_t i, std::size_t n) const {
+  const auto part = [&](auto all) { return all.subspan(i * (all.size() / n), all.size() / n); };
+  return {part(colour), part(depth), part(segmentation), part(normals)};
+}
+
+struct Renderer::Work {
+  struct Worker {
+    explicit Worker(Workspace<double> of) : bodies(std::move(of)) {}
+    Workspace<double> bodies;
+    std::vector<Transform<double>> X_WB{};
+    PictureFrame frame{};
+    Layers layers{};
+    std::vector<std::uint8_t> rough{};  // colours before edges are smoothed
+  };
+
+  Work(const Scene& of, int num_threads, const ImageReader& read);
+  void require_fit(std::span<const Shot> shots, const Pictures& pictures) const;
+  void place_bodies(const Shot& shot, Worker& worker) const;
+
+  // for_each(n, body) calls body(i, worker) for i in [0, n), by one thread or by several; bands are of so many rows.
+  template <class ForEach>
+  void take(const Shot& shot, int band, int worker, const ForEach& for_each, const Pictures& to);
+  template <class ForEach>
+  void paint(const Drawing& drawing, int band, const ForEach& for_each, const Pictures& to,
+             std::vector<std::uint8_t>& rough);
+  template <class ForEach>
+  [[nodiscard]] std::shared_ptr<const Backdrop> draw_backdrop(const PictureFrame& still, int band,
+                                                              const ForEach& for_each);
+
+  const Scene& scene;
+  std::vector<Texture> textures;  // the geoms' own
+  Tree<double> tree;
+  std::vector<double> mocap;  // where the model has these bodies
+  ThreadPool pool;
+  std::vector<Worker> workers;
+  Backdrops backdrops;
+  ProcessMutex mutex;
+};
+
+Renderer::Work::Work(const Scene& of, int num_threads, const ImageReader& read)
+    : scene(of),
+      textures(own_textures(scene.model().geoms(), read)),
+      tree(scene.model()),
+      mocap(scene.model().initial_mocap()),
+      pool(choose_num_threads(num_threads)) {
+  for (int i = 0; i < pool.num_threads(); ++i) {
+    workers.emplace_back(Workspace<double>(tree)).X_WB.resize(size(tree.nb));
   }
 }
 
-void Renderer::require_fit(std::span<const Shot> shots, const Pictures& pictures) const {
+void Renderer::Work::require_fit(std::span<const Shot> shots, const Pictures& pictures) const {
   for (const Shot& shot : shots) {
-    const Model& model = scene_->model();
+    const Model& model = scene.model();
     if (shot.q.size() != size(model.nq())) {
       throw std::invalid_argument("a configuration has " + std::to_string(shot.q.size()) +
                                   " numbers; expected nq = " + std::to_string(model.nq()));
     }
-    if (!shot.mocap.empty() && shot.mocap.size() != mocap_.size()) {
+    if (!shot.mocap.empty() && shot.mocap.size() != mocap.size()) {
       throw std::invalid_argument("the poses of mocap bodies have " + std::to_string(shot.mocap.size()) +
-                                  " numbers; expected " + std::to_string(mocap_.size()) + ", 7 each, or none");
+                                  " numbers; expected " + std::to_string(mocap.size()) + ", 7 each, or none");
     }
     const Guise& guise = shot.guise;
     for (const std::size_t given :
@@ -190,58 +118,106 @@ void Renderer::require_fit(std::span<const Shot> shots, const Pictures& pictures
   require_size("normals", pictures.normals.size(), 3 * pixels);
 }
 
-void Renderer::place_bodies(const Shot& shot, Worker& worker) const {
-  place_mocap(tree_, shot.mocap.empty() ? mocap_.data() : shot.mocap.data(), worker.bodies);
-  forward_kinematics(tree_, shot.q.data(), worker.bodies);
+void Renderer::Work::place_bodies(const Shot& shot, Worker& worker) const {
+  place_mocap(tree, shot.mocap.empty() ? mocap.data() : shot.mocap.data(), worker.bodies);
+  forward_kinematics(tree, shot.q.data(), worker.bodies);
   worker.X_WB[0] = Transform<double>::identity();
-  for (std::size_t b = 1; b < worker.X_WB.size(); ++b) {
-    worker.X_WB[b] = {worker.bodies.R_WB[b], worker.bodies.p_OB[b] + worker.bodies.p_WO[b]};
-  }
+  for (std::size_t b = 1; b < worker.X_WB.size(); ++b) worker.X_WB[b] = body_pose(b, worker.bodies);
 }
+
+template <class ForEach>
+void Renderer::Work::take(const Shot& shot, int band, int worker, const ForEach& for_each, const Pictures& to) {
+  Worker& own = workers[size(worker)];
+  PictureFrame& frame = own.frame;
+  place_bodies(shot, own);
+  set_frame(frame, scene, shot.camera, shot.look, own.X_WB, shot.marks, shot.guise, textures);
+  set_suns(frame);
+  Drawing drawing{.frame = frame, .seen = scene.seen()};
+  std::shared_ptr<const Backdrop> backdrop;
+  if (frame.num_still > 0 && size(frame.camera.width) * size(frame.camera.height) <= kMostKept) {
+    const BackdropKey key = backdrop_key(frame);
+    bool is_wanted = false;
+    backdrop = backdrops.find(key, is_wanted);
+    if (is_wanted) {
+      backdrop = draw_backdrop(still_part(frame), band, for_each);
+      backdrops.keep(key, backdrop);
+    }
+  }
+  if (backdrop != nullptr) {
+    drawing.backdrop = backdrop.get();
+    drawing.touched = touched_tiles(frame, *backdrop);
+  }
+  if (!to.colour.empty()) {
+    for_each(static_cast<int>(frame.suns.size()), [&](int i, int) { draw_sun(frame, i); });
+  }
+  paint(drawing, band, for_each, to, own.rough);
+}
+
+template <class ForEach>
+void Renderer::Work::paint(const Drawing& drawing, int band, const ForEach& for_each, const Pictures& to,
+                           std::vector<std::uint8_t>& rough) {
+  const int height = drawing.frame.camera.height;
+  const auto for_each_band = [&](auto&& body) {
+    for_each((height + band - 1) / band, [&](int item, int worker) {
+      body(item * band, std::min((item + 1) * band, height), workers[size(worker)].layers);
+    });
+  };
+  for_each_band([&](int first, int end, Layers& layers) { draw(drawing, first, end, layers, to); });
+  if (to.colour.empty() || drawing.frame.look.antialiasing < 2) return;
+  rough.assign(to.colour.begin(), to.colour.end());
+  for_each_band([&](int first, int end, Layers& layers) { smooth(drawing, rough, first, end, layers, to.colour); });
+}
+
+template <class ForEach>
+std::shared_ptr<const Backdrop> Renderer::Work::draw_backdrop(const PictureFrame& still, int band,
+                                                              const ForEach& for_each) {
+  const Camera& camera = still.camera;
+  const auto tiles = [](int pixels) { return size((pixels + kTile - 1) / kTile); };
+  const auto made = std::make_shared<Backdrop>();
+  made->tiles.resize(tiles(camera.width) * tiles(camera.height));
+  made->smooth.resize(3 * size(camera.width) * size(camera.height));
+  Drawing drawing{.frame = still, .seen = scene.seen()};
+  drawing.into = made.get();
+  paint(drawing, band, for_each, {.colour = made->smooth, .depth = {}, .segmentation = {}, .normals = {}}, made->rough);
+  if (made->rough.empty()) made->rough = made->smooth;
+  return made;
+}
+
+Renderer::Renderer(std::shared_ptr<const Scene> scene, int num_threads, const ImageReader& read)
+    : scene_(std::move(scene)), work_(std::make_unique<Work>(*scene_, num_threads, read)) {}
+
+Renderer::~Renderer() = default;
 
 Transform<double> Renderer::camera_pose(const Shot& shot) {
   const Camera& camera = shot.camera;
   if (camera.frame.empty()) return camera.X_FC;
-  const std::scoped_lock lock(mutex_);
-  place_bodies(shot, workers_[0]);
+  const std::scoped_lock lock(work_->mutex);
+  work_->place_bodies(shot, work_->workers[0]);
   const Frame& mount = scene_->model().frame(scene_->model().frame_id(camera.frame));
-  return workers_[0].X_WB[mount.body.index()] * mount.X_BF * camera.X_FC;
+  return work_->workers[0].X_WB[mount.body.index()] * mount.X_BF * camera.X_FC;
 }
 
 void Renderer::render(std::span<const Shot> shots, const Pictures& pictures) {
-  require_fit(shots, pictures);
+  work_->require_fit(shots, pictures);
   if (shots.empty()) return;
-  const std::scoped_lock lock(mutex_);
-  frames_.resize(std::max(frames_.size(), shots.size()));
-  const int n = static_cast<int>(shots.size()), height = shots[0].camera.height;
-  pool_.for_each(n, [&](int shot, int worker) {
-    Worker& own = workers_[size(worker)];
-    const Shot& of = shots[size(shot)];
-    place_bodies(of, own);
-    set_frame(frames_[size(shot)], *scene_, of.camera, of.look, own.X_WB, of.marks, of.guise, textures_);
-  });
-
-  // Few pictures are cut into bands, so that every thread has work; many are not.
-  const int band = n >= 4 * pool_.num_threads() ? height : 2 * kTile, bands = (height + band - 1) / band;
-  const auto for_each_band = [&](auto&& body) {
-    pool_.for_each(n * bands, [&](int item, int) {
-      const int first = item % bands * band;
-      body(size(item / bands), first, std::min(first + band, height));
+  const std::scoped_lock lock(work_->mutex);
+  const int n = static_cast<int>(shots.size()), num_threads = work_->pool.num_threads();
+  if (n >= 4 * num_threads) {
+    work_->pool.for_each(n, [&](int shot, int worker) {
+      const auto in_turn = [&](int count, auto&& body) {
+        for (int i = 0; i < count; ++i) body(i, worker);
+      };
+      const int band = band_of(shots[size(shot)].camera, 1);
+      work_->take(shots[size(shot)], band, worker, in_turn, pictures.of(size(shot), shots.size()));
     });
-  };
-  const bool smooths = !pictures.colour.empty() &&
-                       std::ranges::any_of(shots, [](const Shot& shot) { return shot.look.antialiasing > 1; });
-  Pictures rough = pictures;
-  if (smooths) {
-    rough_.resize(pictures.colour.size());
-    rough.colour = rough_;
+    return;
   }
-  for_each_band([&](std::size_t shot, int first, int end) { draw(shot, first, end, rough); });
-  if (!smooths) return;
-  const std::size_t one = pictures.colour.size() / shots.size();
-  for_each_band([&](std::size_t shot, int first, int end) {
-    smooth(shot, first, end, std::span(rough_).subspan(shot * one, one), pictures.colour.subspan(shot * one, one));
-  });
+  // Few pictures are cut into bands, so that every thread has work.
+  const auto by_all = [&](int count, auto&& body) { work_->pool.for_each(count, body); };
+  for (std::size_t shot = 0; shot < shots.size(); ++shot) {
+    const int band = band_of(shots[shot].camera, num_threads);
+    work_->take(shots[shot], band, 0, by_all, pictures.of(shot, shots.size()));
+  }
 }
 
 std::shared_ptr<Renderer> renderer_of(const std::shared_ptr<const Model>& model, const ImageReader& read) {
@@ -262,37 +238,6 @@ std::shared_ptr<Renderer> renderer_of(const std::shared_ptr<const Model>& model,
   kept.push_back(renderer);
   if (kept.size() > kKept) kept.erase(kept.begin());
   return renderer;
-}
-
-void Renderer::draw(std::size_t shot, int first_row, int end_row, const Pictures& pictures) const {
-  const PictureFrame& frame = frames_[shot];
-  for (int y = first_row; y < end_row; y += kTile) {
-    for (int x = 0; x < frame.camera.width; x += kTile) {
-      Samples samples = grid(frame.camera, x, y);
-      find(frame, samples);
-      if (!pictures.colour.empty()) shade(frame, samples);
-      write(frame, scene_->seen(), samples, shot, x, y, pictures);
-    }
-  }
-}
-
-void Renderer::smooth(std::size_t shot, int first_row, int end_row, std::span<const std::uint8_t> from,
-                      std::span<std::uint8_t> to) const {
-  const PictureFrame& frame = frames_[shot];
-  const std::size_t row = 3 * size(frame.camera.width);
-  std::copy_n(&from[size(first_row) * row], size(end_row - first_row) * row, &to[size(first_row) * row]);
-  if (frame.look.antialiasing < 2) return;
-  for (int y0 = first_row; y0 < end_row; y0 += kTile) {
-    for (int x0 = 0; x0 < frame.camera.width; x0 += kTile) {
-      EdgeSamples samples(frame, x0, y0, to);
-      for (int y = y0; y < std::min(y0 + kTile, end_row); ++y) {
-        for (int x = x0; x < std::min(x0 + kTile, frame.camera.width); ++x) {
-          if (is_edge(frame.camera, from, x, y)) samples.add(x, y);
-        }
-      }
-      samples.flush();
-    }
-  }
 }
 
 }  // namespace manyhands

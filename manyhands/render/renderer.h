@@ -1,12 +1,9 @@
-// Pictures of scenes: colour, depth, segmentation and normals, by rays on the CPU.
+// Pictures of scenes: colour, depth, segmentation and normals, on the CPU.
 #pragma once
 
-#include <mutex>
-
-#include "manyhands/base/process_mutex.h"
-#include "manyhands/base/thread_pool.h"
-#include "manyhands/physics/dynamics/workspace.h"
-#include "manyhands/render/frame.h"
+#include "manyhands/render/camera.h"
+#include "manyhands/render/look.h"
+#include "manyhands/render/scene.h"
 
 namespace manyhands {
 
@@ -26,6 +23,9 @@ struct Pictures {
   std::span<float> depth;                ///< (n, height, width) along the optical axis [m]; `far` where nothing is
   std::span<std::int32_t> segmentation;  ///< (n, height, width) index of the link; -1 where nothing is
   std::span<float> normals;              ///< (n, height, width, 3) unit, in the world; 0 where nothing is
+
+  /// Number i of n.
+  [[nodiscard]] Pictures of(std::size_t i, std::size_t n) const;
 };
 
 /// Takes pictures with threads of its own. What is see-through (alpha below 1) and marks are in the colour picture
@@ -36,9 +36,12 @@ class Renderer {
   /// Threads: 0 takes the variable MANYHANDS_THREADS, else as many as the machine has cores. read: of the files that
   /// geoms show; without it they show their colour.
   explicit Renderer(std::shared_ptr<const Scene> scene, int num_threads = 0, const ImageReader& read = {});
-  /// Throws std::runtime_error if Embree fails.
   explicit Renderer(std::shared_ptr<const Model> model, int num_threads = 0, const ImageReader& read = {})
       : Renderer(std::make_shared<const Scene>(std::move(model)), num_threads, read) {}
+
+  ~Renderer();
+  Renderer(const Renderer&) = delete;
+  Renderer& operator=(const Renderer&) = delete;
 
   [[nodiscard]] const Scene& scene() const { return *scene_; }
 
@@ -49,26 +52,9 @@ class Renderer {
   [[nodiscard]] Transform<double> camera_pose(const Shot& shot);
 
  private:
-  struct Worker {
-    Workspace<double> bodies;
-    std::vector<Transform<double>> X_WB;
-  };
-
-  void require_fit(std::span<const Shot> shots, const Pictures& pictures) const;
-  void place_bodies(const Shot& shot, Worker& worker) const;
-  void draw(std::size_t shot, int first_row, int end_row, const Pictures& pictures) const;
-  void smooth(std::size_t shot, int first_row, int end_row, std::span<const std::uint8_t> from,
-              std::span<std::uint8_t> to) const;
-
+  struct Work;
   std::shared_ptr<const Scene> scene_;
-  std::vector<Texture> textures_;  // the geoms' own
-  Tree<double> tree_;
-  std::vector<double> mocap_;  // where the model has these bodies
-  ThreadPool pool_;
-  std::vector<Worker> workers_;
-  std::vector<PictureFrame> frames_;
-  std::vector<std::uint8_t> rough_;  // colours before edges are smoothed
-  ProcessMutex mutex_;
+  std::unique_ptr<Work> work_;
 };
 
 /// A renderer of the model, for whoever has none of his own: those of the last few models are kept.

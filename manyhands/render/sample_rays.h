@@ -3,15 +3,20 @@
 
 #include "manyhands/math/control_flow.h"
 #include "manyhands/render/frame.h"
+#include "manyhands/render/triangles.h"
 
 namespace manyhands {
 
 [[nodiscard]] MANYHANDS_INLINE std::size_t size(int n) { return static_cast<std::size_t>(n); }
 
-MANYHANDS_INLINE void set_lane(Vec3<Rays>& to, int k, const Vec3<float>& from) {
-  set_lane(to.x, k, from.x);
-  set_lane(to.y, k, from.y);
-  set_lane(to.z, k, from.z);
+MANYHANDS_INLINE RayInts whole(Rays a) { return __builtin_convertvector(a.v, RayInts); }
+
+/// The point of a grid with `scale` points to a pixel that lies at a position [pixels].
+MANYHANDS_INLINE RayInts grid_point(Rays x, int scale) { return whole(floor(x * Rays(static_cast<float>(scale)))); }
+
+/// What is drawn of an item that is a mesh.
+MANYHANDS_INLINE const ClusteredMesh& mesh_of(const PlacedItem& placed, bool is_exact) {
+  return is_exact ? placed.item->triangles->exact() : *placed.shown;
 }
 
 struct LocalRay {

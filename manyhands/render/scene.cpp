@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "manyhands/model/convex_polyhedron.h"
+#include "manyhands/render/triangles.h"
 
 namespace manyhands {
 

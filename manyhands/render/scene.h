@@ -5,9 +5,11 @@
 #include <vector>
 
 #include "manyhands/model/model.h"
-#include "manyhands/render/triangles.h"
+#include "manyhands/render/texture.h"
 
 namespace manyhands {
+
+class Triangles;
 
 enum class Pattern : std::uint8_t {
   kPlain,
@@ -48,11 +50,18 @@ struct Mark {
   Pattern pattern = Pattern::kPlain;
 };
 
+/// How a picture's geoms differ from the model's. Each list has one entry for every geom of the model, or none at all.
+struct Guise {
+  std::vector<std::array<float, 4>> rgba{};
+  std::vector<Pattern> patterns{};
+  std::vector<Vec3<double>> sizes{};  ///< of simple shapes, see Shape [m]; x = 0: the model's
+  std::vector<Texture> textures{};    ///< take the place of the model's, of floors' checks and of dice
+};
+
 /// Immutable, shared by renderers and threads. Visual geoms are seen, and those that collide on links without visual
 /// ones; geoms whose alpha is 0 are not.
 class Scene {
  public:
-  /// Throws std::runtime_error if Embree fails.
   explicit Scene(std::shared_ptr<const Model> model);
 
   [[nodiscard]] const Model& model() const { return *model_; }

@@ -5,6 +5,8 @@
 #include "manyhands/render/ray_shapes.h"
 #include "manyhands/render/sample_rays.h"
 #include "manyhands/render/samples.h"
+#include "manyhands/render/shadows.h"
+#include "manyhands/render/surface.h"
 
 namespace manyhands {
 
@@ -12,8 +14,6 @@ namespace {
 
 using Vec = Vec3<Rays>;
 
-constexpr float kAbove = 1e-3f;                    // shadow rays start so far off the surface [m]
-constexpr float kFarthest = 1e4f;                  // casts a shadow [m]
 constexpr float kGloss = 0.10f;                    // brightness of highlights
 constexpr float kCheck = 0.5f;                     // side of a square [m]
 constexpr float kFadeFrom = 2.0f, kFadeTo = 7.0f;  // where floors fade into the horizon [m]
@@ -47,97 +47,6 @@ MANYHANDS_INLINE Rays encoded(Rays light) {
   const Rays a = sqrt(x), b = sqrt(a), c = sqrt(b);
   const Rays curve = fma(Rays(0.585122381f), a, fma(Rays(0.783140355f), b, Rays(-0.368262736f) * c));
   return clamp(Rays(255.0f) * curve, Rays(0.0f), Rays(255.0f));
-}
-
-// ---- shadows ---------------------------------------------------------------------------------------------------
-
-/// The points of samples that look towards the light, and how much of it they get.
-struct Lit {
-  std::array<RayMask, Samples::kPackets> mask;
-  std::array<Vec, Samples::kPackets> from;
-  std::array<Rays, Samples::kPackets> share;
-  Rectangle across;  ///< the light
-  float lowest;      ///< towards it
-};
-
-using Masks = std::array<RayMask, Samples::kPackets>;
-
-/// Lanes from which the way along `direction` (world) is blocked by the item.
-MANYHANDS_INLINE RayMask blocked(const PlacedItem& placed, RayMask open, const Vec& p, const Vec3<float>& direction,
-                                 RayInts seen) {
-  const Item& item = *placed.item;
-  const Vec o = transpose_times(broadcast<Rays>(placed.X_WI.R), p - broadcast<Rays>(placed.X_WI.p));
-  const Vec d = broadcast<Rays>(transpose_times(placed.X_WI.R, direction));
-  if (item.triangles != nullptr) {
-    const RayMask near = open & meets_bounds(item.low, item.high, o, d, Rays(0.0f), Rays(kFarthest));
-    return any(near) ? item.triangles->blocks({near, o, d, Rays(0.0f), Rays(kFarthest)}) : near;
-  }
-  const Entry<Rays> entry = enter_shape(item.type, item.size, o, d);
-  // A convex shape casts no shadow on what faces the light of it.
-  return open & (entry.t > Rays(0.0f)) & (entry.t < Rays(kFarthest)) & RayMask(seen != placed.first_seen);
-}
-
-/// Closes the lanes of `open` from which the way along `direction`, which leans by `spread` at most, is blocked.
-void cast_shadows(const PictureFrame& frame, const Samples& s, const Vec3<float>& direction, float spread,
-                  const Lit& lit, Masks& open) {
-  for (const PlacedItem& placed : frame.solid) {
-    const float wide = spread * (placed.height - lit.lowest);
-    const Rectangle reach{placed.shade.left - wide, placed.shade.right + wide, placed.shade.top - wide,
-                          placed.shade.bottom + wide};
-    if (placed.height < lit.lowest || !reach.meets(lit.across)) continue;
-    for (std::size_t k = 0; k < size(s.packets); ++k) {
-      when(open[k], [&] { open[k] = open[k] & !blocked(placed, open[k], lit.from[k], direction, s.seen[k]); });
-    }
-  }
-}
-
-/// Towards point i of n that are spread evenly over the sun (Vogel's spiral).
-Vec3<float> towards_sun(const PictureFrame& frame, float rim, int i, int n) {
-  const float r = rim * std::sqrt((static_cast<float>(i) + 0.5f) / static_cast<float>(n));
-  const float angle = 2.39996323f * static_cast<float>(i);
-  const Vec3<float> aim =
-      fma(r * std::cos(angle), frame.light.x, fma(r * std::sin(angle), frame.light.y, frame.light.z));
-  return (1 / norm(aim)) * aim;
-}
-
-/// Whether all lanes of the mask have the same number.
-bool agree(RayMask mask, Rays a, Rays number) { return none(mask & (a != number)); }
-
-/// A pixel's rays go to n points of the sun; its samples share them. Where the first few of a packet agree, from the
-/// sun's rim inwards, all would.
-void cast_soft_shadows(const PictureFrame& frame, const Samples& s, Lit& lit) {
-  constexpr int kFew = 3;
-  const int n = frame.look.shadow_rays, sharing = std::min(s.per_pixel, n);
-  const float rim = static_cast<float>(std::tan(frame.look.sun_size));
-  std::array<int, Samples::kPackets> cast{};
-  std::array<bool, Samples::kPackets> settled{};
-  for (int i = n - 1; i >= 0; --i) {
-    Masks open;
-    bool wanted = false;
-    for (std::size_t k = 0; k < size(s.packets); ++k) {
-      const bool own = !settled[k] && i % sharing == s.number[k] % sharing;
-      open[k] = own ? lit.mask[k] : RayMask(false);
-      cast[k] += own ? 1 : 0;
-      wanted = wanted || own;
-    }
-    if (!wanted) continue;
-    cast_shadows(frame, s, towards_sun(frame, rim, i, n), rim, lit, open);
-    for (std::size_t k = 0; k < size(s.packets); ++k) {
-      const Rays count(static_cast<float>(cast[k]));
-      lit.share[k] = select(open[k], lit.share[k] + Rays(1.0f), lit.share[k]);
-      settled[k] = settled[k] || (cast[k] == kFew && (agree(lit.mask[k], lit.share[k], Rays(0.0f)) ||
-                                                      agree(lit.mask[k], lit.share[k], count)));
-    }
-  }
-  for (std::size_t k = 0; k < size(s.packets); ++k)
-    lit.share[k] = lit.share[k] * Rays(1.0f / static_cast<float>(std::max(cast[k], 1)));
-}
-
-void cast_all_shadows(const PictureFrame& frame, const Samples& s, Lit& lit) {
-  if (frame.look.shadow_rays > 1) return cast_soft_shadows(frame, s, lit);
-  Masks open = lit.mask;
-  cast_shadows(frame, s, frame.light.z, 0, lit, open);
-  for (std::size_t k = 0; k < size(s.packets); ++k) lit.share[k] = select(open[k], Rays(1.0f), lit.share[k]);
 }
 
 // ---- colours ---------------------------------------------------------------------------------------------------
@@ -238,8 +147,10 @@ Light paint_of(const PictureFrame& frame, RayInts seen) {
 }
 
 /// What lies before the solid surfaces, over `light`.
-void add_clear(const PictureFrame& frame, const Samples& s, std::size_t k, const Vec& d_W, Light& light) {
-  for (const PlacedItem& placed : frame.clear) {
+void add_clear(const PictureFrame& frame, const Layers& layers, const Samples& s, std::size_t k, const Vec& d_W,
+               Light& light) {
+  for (std::size_t i = 0; i < frame.clear.size(); ++i) {
+    const PlacedItem& placed = frame.clear[i];
     if (!placed.view.meets(s.part)) continue;
     const LocalRay ray = local_ray(frame, placed.X_IC, s.x[k], s.y[k]);
     const Rays near(static_cast<float>(frame.camera.near));
@@ -253,15 +164,16 @@ void add_clear(const PictureFrame& frame, const Samples& s, std::size_t k, const
       met = s.active[k] & (t >= near) & (t < s.depth[k]);
       n = broadcast<Rays>(placed.X_WI.R) * entry.n;
     } else {
-      RayPacket packet{s.active[k], ray.o, ray.d, near, s.depth[k]};
-      RayInts part = RayInts{}, triangle = RayInts{};
-      met = placed.item->triangles->meet(packet, part, triangle);
-      t = packet.far;
-      seen = seen + part;
-      for_lanes<Rays>(met, [&](int j) {
-        const TriangleHit hit{part[j], triangle[j]};
-        set_lane(n, j, placed.X_WI.R * placed.item->triangles->surface(hit, lane(ray.o, j), lane(ray.d, j)).n);
-      });
+      if (layers.clear[i].is_empty()) continue;
+      RayInts number, triangle;
+      layers.clear[i].at(s.active[k], grid_point(s.x[k], layers.scale), grid_point(s.y[k], layers.scale), number,
+                         triangle);
+      const RayMask there(number >= 0);
+      const Surface surface = surface_at(mesh_of(placed, layers.is_exact), triangle, there, ray.o, ray.d);
+      t = surface.t;
+      met = there & (t >= near) & (t < s.depth[k]);
+      seen = seen + surface.part;
+      n = broadcast<Rays>(placed.X_WI.R) * surface.n;
       n = select(dot(n, d_W) > Rays(0.0f), -n, n);
     }
     when(met, [&] {
@@ -305,7 +217,17 @@ Light patterned(const PictureFrame& frame, const Samples& s, std::size_t k, cons
 
 }  // namespace
 
-void shade(const PictureFrame& frame, Samples& s) {
+LitPart nothing_lit() {
+  const float never = internal::kNever;
+  return {{never, -never, never, -never}, never};
+}
+
+void widen(LitPart& lit, const LitPart& other) {
+  lit.across = united(lit.across, other.across);
+  lit.lowest = min(lit.lowest, other.lowest);
+}
+
+void shade(const PictureFrame& frame, const Layers& layers, Samples& s) {
   Lit lit;
   std::array<Vec, Samples::kPackets> d, p;
   const float never = internal::kNever;
@@ -317,7 +239,6 @@ void shade(const PictureFrame& frame, Samples& s) {
     const LocalRay ray = local_ray(frame, frame.X_WC, s.x[k], s.y[k]);
     d[k] = ray.d;
     p[k] = fma(s.depth[k], ray.d, ray.o);
-    s.n[k] = select(dot(s.n[k], ray.d) > Rays(0.0f), -s.n[k], s.n[k]);
     lit.mask[k] = s.active[k] & RayMask(s.seen[k] >= 0) & (dot(s.n[k], light) > Rays(0.0f));
     lit.from[k] = fma(Rays(kAbove), s.n[k], p[k]);
     lit.share[k] = Rays(frame.look.shadows ? 0.0f : 1.0f);
@@ -330,9 +251,9 @@ void shade(const PictureFrame& frame, Samples& s) {
     is_lit = is_lit || any(lit.mask[k]);
   }
   if (frame.look.shadows && is_lit) {
-    lit.across = {least(left), greatest(right), least(top), greatest(bottom)};
-    lit.lowest = least(lowest);
-    cast_all_shadows(frame, s, lit);
+    lit.part = {{least(left), greatest(right), least(top), greatest(bottom)}, least(lowest)};
+    widen(s.lit, lit.part);
+    cast_shadows(frame, s, lit);
   }
   for (std::size_t k = 0; k < size(s.packets); ++k) {
     Light result = sky(frame, d[k]);
@@ -343,7 +264,7 @@ void shade(const PictureFrame& frame, Samples& s) {
       const Light surface = reflected(frame, s.n[k], d[k], lit.share[k], paint);
       result = select(there, mix(fade, surface, everywhere(frame.horizon)), result);
     });
-    add_clear(frame, s, k, d[k], result);
+    add_clear(frame, layers, s, k, d[k], result);
     s.red[k] = encoded(result.red);
     s.green[k] = encoded(result.green);
     s.blue[k] = encoded(result.blue);

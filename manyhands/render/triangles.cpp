@@ -1,22 +1,14 @@
 #include "manyhands/render/triangles.h"
 
 #include <algorithm>
-#include <cmath>
 #include <mutex>
 #include <numeric>
-#include <stdexcept>
-#include <string>
 #include <unordered_map>
 
 #include "manyhands/base/hash.h"
 #include "manyhands/base/index.h"
 #include "manyhands/base/process_mutex.h"
-
-#if __has_include(<embree4/rtcore.h>)
-#include <embree4/rtcore.h>
-#else
-#include <embree3/rtcore.h>
-#endif
+#include "manyhands/render/simplify.h"
 
 namespace manyhands {
 
@@ -26,18 +18,12 @@ using Vec = Vec3<float>;
 using Corner = std::array<int, 3>;
 
 constexpr float kSmooth = 0.766f;  // cosine of the angle below which an edge is none
-
-/// One for the process, without threads of its own: those who render have theirs. Packets of eight run on the same code
-/// on all machines that have it.
-RTCDevice device() {
-  struct Device {
-    RTCDevice handle = rtcNewDevice("threads=1,set_affinity=0,max_isa=avx2");
-    ~Device() { rtcReleaseDevice(handle); }
-  };
-  static const Device device;
-  if (device.handle == nullptr) throw std::runtime_error("Embree does not start on this machine");
-  return device.handle;
-}
+// Coarser copies are off by these shares of a mesh's size, and kStep times as much from one to the next. Their
+// triangles turn away from its normals by as many times kTurn [rad]: in large pictures, one sees by the light how a
+// surface is turned.
+constexpr float kFinest = 1.0f / 2048, kCoarsest = 1.0f / 32;
+constexpr float kTurn = 40, kStep = 1.4142135f;
+constexpr float kWorthwhile = 0.7f;  // a copy is kept if it has so many triangles of the last one, or fewer
 
 /// For each vertex, the first one at the same place: files repeat vertices where normals or textures differ.
 std::vector<int> merged(const std::vector<Vec>& vertices) {
@@ -92,6 +78,29 @@ std::vector<std::array<Vec, 3>> corner_normals(const Triangles::Part& part) {
   return normals;
 }
 
+std::vector<Facet> facets_of(const Triangles::Part& part, int number) {
+  std::vector<Facet> facets;
+  const std::vector<std::array<Vec, 3>> normals = corner_normals(part);
+  for (std::size_t i = 0; i < part.triangles.size(); ++i) {
+    Facet& facet = facets.emplace_back(Facet{.normal = normals[i], .part = number});
+    for (std::size_t k = 0; k < 3; ++k) facet.corner[k] = part.vertices[index(part.triangles[i][k])];
+  }
+  return facets;
+}
+
+/// Of a box that holds them, from corner to corner [m].
+float size_of(const std::vector<Facet>& mesh) {
+  if (mesh.empty()) return 0;
+  Vec low = mesh[0].corner[0], high = low;
+  for (const Facet& facet : mesh) {
+    for (const Vec& p : facet.corner) {
+      low = {min(low.x, p.x), min(low.y, p.y), min(low.z, p.z)};
+      high = {max(high.x, p.x), max(high.y, p.y), max(high.z, p.z)};
+    }
+  }
+  return norm(high - low);
+}
+
 std::uint64_t hash_of(const std::vector<Triangles::Part>& parts) {
   Hash hash;
   for (const Triangles::Part& part : parts) {
@@ -110,13 +119,6 @@ std::uint64_t hash_of(const std::vector<Triangles::Part>& parts) {
 
 }  // namespace
 
-struct Triangles::Built {
-  RTCScene scene = nullptr;
-  ~Built() {
-    if (scene != nullptr) rtcReleaseScene(scene);
-  }
-};
-
 std::shared_ptr<const Triangles> Triangles::of(std::vector<Part> parts) {
   static ProcessMutex mutex;
   static std::unordered_map<std::uint64_t, std::weak_ptr<const Triangles>> known;
@@ -124,136 +126,40 @@ std::shared_ptr<const Triangles> Triangles::of(std::vector<Part> parts) {
   const std::scoped_lock lock(mutex);
   if (std::shared_ptr<const Triangles> found = known[key].lock()) return found;
   std::erase_if(known, [](const auto& entry) { return entry.second.expired(); });
-  const std::shared_ptr<const Triangles> made(new Triangles(std::move(parts)));
+  const std::shared_ptr<const Triangles> made(new Triangles(parts));
   known[key] = made;
   return made;
 }
 
-Triangles::Triangles(std::vector<Part> parts) : parts_(std::move(parts)), built_(std::make_unique<Built>()) {
-  built_->scene = rtcNewScene(device());
-  rtcSetSceneFlags(built_->scene, RTC_SCENE_FLAG_ROBUST);
-  rtcSetSceneBuildQuality(built_->scene, RTC_BUILD_QUALITY_HIGH);
-  for (Part& part : parts_) {
-    normals_.push_back(corner_normals(part));
-    const std::size_t vertices = part.vertices.size();
-    part.vertices.push_back(Vec::zero());  // Embree reads up to 16 bytes from the start of the last vertex
-    RTCGeometry geometry = rtcNewGeometry(device(), RTC_GEOMETRY_TYPE_TRIANGLE);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, part.vertices.data(), 0,
-                               sizeof(Vec), vertices);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, part.triangles.data(), 0,
-                               sizeof(Corner), part.triangles.size());
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(built_->scene, geometry);
-    rtcReleaseGeometry(geometry);
+Triangles::Triangles(const std::vector<Part>& parts) {
+  std::vector<Facet> all;
+  std::vector<Simplifier> simplifiers;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const std::vector<Facet> mesh = facets_of(parts[i], static_cast<int>(i));
+    all.insert(all.end(), mesh.begin(), mesh.end());
+    simplifiers.emplace_back(mesh);
   }
-  rtcCommitScene(built_->scene);
-  if (const RTCError error = rtcGetDeviceError(device()); error != RTC_ERROR_NONE) {
-    throw std::runtime_error("Embree could not take in a mesh (its error " + std::to_string(error) + ")");
-  }
-}
-
-Triangles::~Triangles() = default;
-
-namespace {
-
-template <class Ray>
-MANYHANDS_INLINE void fill(Ray& ray, const RayPacket& rays) {
-  store(ray.org_x, rays.o.x);
-  store(ray.org_y, rays.o.y);
-  store(ray.org_z, rays.o.z);
-  store(ray.dir_x, rays.d.x);
-  store(ray.dir_y, rays.d.y);
-  store(ray.dir_z, rays.d.z);
-  store(ray.tnear, rays.near);
-  store(ray.tfar, rays.far);
-  for (int k = 0; k < kRays; ++k) {
-    ray.time[k] = 0;
-    ray.mask[k] = ~0U;
-    ray.id[k] = ray.flags[k] = 0;
+  const float size = size_of(all);
+  std::size_t last = all.size();
+  const bool closed = is_closed(all);
+  levels_.push_back({0, ClusteredMesh(all, closed)});
+  for (float error = kFinest * size; error <= kCoarsest * size; error *= kStep) {
+    std::vector<Facet> coarser;
+    for (Simplifier& simplifier : simplifiers) {
+      simplifier.simplify(static_cast<double>(error), static_cast<double>(kTurn * error / size));
+      const std::vector<Facet> mesh = simplifier.facets();
+      coarser.insert(coarser.end(), mesh.begin(), mesh.end());
+    }
+    if (static_cast<float>(coarser.size()) > kWorthwhile * static_cast<float>(last)) continue;
+    last = coarser.size();
+    levels_.push_back({error, ClusteredMesh(coarser, closed)});
   }
 }
 
-// Neighbouring rays of a small picture meet different triangles of a robot's fine meshes: one by one they are found
-// half as fast again as in packets that stay together.
-#if RTC_VERSION_MAJOR >= 4
-
-template <class Arguments>
-Arguments one_by_one(void (*set_defaults)(Arguments*)) {
-  Arguments arguments;
-  set_defaults(&arguments);
-  arguments.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
-  return arguments;
-}
-
-void intersect(const int* valid, RTCScene scene, RTCRayHit8& hit) {
-  RTCIntersectArguments arguments = one_by_one(rtcInitIntersectArguments);
-  rtcIntersect8(valid, scene, &hit, &arguments);
-}
-
-void occlude(const int* valid, RTCScene scene, RTCRay8& ray) {
-  RTCOccludedArguments arguments = one_by_one(rtcInitOccludedArguments);
-  rtcOccluded8(valid, scene, &ray, &arguments);
-}
-
-#else
-
-RTCIntersectContext one_by_one() {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-  return context;
-}
-
-void intersect(const int* valid, RTCScene scene, RTCRayHit8& hit) {
-  RTCIntersectContext context = one_by_one();
-  rtcIntersect8(valid, scene, &context, &hit);
-}
-
-void occlude(const int* valid, RTCScene scene, RTCRay8& ray) {
-  RTCIntersectContext context = one_by_one();
-  rtcOccluded8(valid, scene, &context, &ray);
-}
-
-#endif
-
-}  // namespace
-
-RayMask Triangles::meet(RayPacket& rays, RayInts& part, RayInts& triangle) const {
-  alignas(32) RTCRayHit8 hit;
-  alignas(32) int valid[kRays];
-  fill(hit.ray, rays);
-  std::memcpy(valid, &rays.active.bits, sizeof(valid));
-  std::ranges::fill(hit.hit.geomID, RTC_INVALID_GEOMETRY_ID);
-  intersect(valid, built_->scene, hit);
-  RayInts met_part, met_triangle;
-  std::memcpy(&met_part, hit.hit.geomID, sizeof(met_part));
-  std::memcpy(&met_triangle, hit.hit.primID, sizeof(met_triangle));
-  const RayMask met = RayMask(met_part >= 0) & rays.active;
-  rays.far = select(met, load<Rays>(hit.ray.tfar), rays.far);
-  part = select(met, met_part, part);
-  triangle = select(met, met_triangle, triangle);
-  return met;
-}
-
-RayMask Triangles::blocks(const RayPacket& rays) const {
-  alignas(32) RTCRay8 ray;
-  alignas(32) int valid[kRays];
-  fill(ray, rays);
-  std::memcpy(valid, &rays.active.bits, sizeof(valid));
-  occlude(valid, built_->scene, ray);
-  return (load<Rays>(ray.tfar) < Rays(0.0f)) & rays.active;  // minus infinity where blocked
-}
-
-Triangles::Surface Triangles::surface(const TriangleHit& hit, const Vec& o, const Vec& d) const {
-  const Part& part = parts_[index(hit.part)];
-  const Corner& t = part.triangles[index(hit.triangle)];
-  const Vec &a = part.vertices[index(t[0])], &b = part.vertices[index(t[1])], &c = part.vertices[index(t[2])];
-  const Vec u = b - a, v = c - a, s = o - a, n = cross(u, v), q = cross(s, u);
-  // Moeller and Trumbore, Fast, Minimum Storage Ray-Triangle Intersection, 1997.
-  const float inverse = -1 / dot(n, d), beta = -(inverse * dot(cross(s, v), d)), gamma = inverse * dot(q, d);
-  const std::array<Vec, 3>& corners = normals_[index(hit.part)][index(hit.triangle)];
-  const Vec smooth = fma(1 - beta - gamma, corners[0], fma(beta, corners[1], gamma * corners[2]));
-  return {inverse * dot(n, s), unit(smooth)};
+const ClusteredMesh& Triangles::within(float error) const {
+  const auto found =
+      std::ranges::find_if(levels_.rbegin(), levels_.rend(), [&](const Level& level) { return level.error <= error; });
+  return found == levels_.rend() ? exact() : found->mesh;
 }
 
 }  // namespace manyhands

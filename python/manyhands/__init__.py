@@ -1,8 +1,14 @@
 """Robot manipulation: thousands of arms simulated at once on an ordinary CPU, and policies learned from them."""
 
+import sys
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from manyhands_command import end_quietly
+
+if sys.argv[:1] == ["-m"]:  # `python -m manyhands` is on its way to its main
+    sys.excepthook = end_quietly
 
 from manyhands.isa import VERSION, BuildInfo, build_info
 

@@ -32,6 +32,14 @@ def finite_rows(name: str, values: ArrayLike, *shape: int) -> NDArray[np.float64
     return array
 
 
+def finite_row(name: str, values: ArrayLike, width: int | None = None) -> NDArray[np.float64]:
+    """Values as a float64 array (width,), of any length above 0 without a width. Raises ValueError as `finite_rows`."""
+    row = finite_rows(name, values)
+    if row.ndim != 1 or len(row) == 0 or (width is not None and len(row) != width):
+        raise ValueError(f"{name} has shape {row.shape}; expected ({'n' if width is None else width},)")
+    return row
+
+
 def all_finite(array: NDArray[Any]) -> bool:
     """Whether no number is NaN or infinite."""
     if array.size <= _FEW:
@@ -56,6 +64,8 @@ def rate(name: str, value: float) -> float:
 
 def whole_number(name: str, value: Any, lowest: int, highest: int | None = None) -> int:
     """`value` as an int. Raises ValueError unless it is a whole number of `lowest` to `highest`, both included."""
+    if type(value) is int and value >= lowest and (highest is None or value <= highest):
+        return value
     expected = f"{lowest} or more" if highest is None else f"{lowest} to {highest}"
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | np.integer):
         raise ValueError(f"{name} is {value!r}, expected a whole number of {expected}")
@@ -66,5 +76,9 @@ def whole_number(name: str, value: Any, lowest: int, highest: int | None = None)
 
 def whole(name: str, value: Any, lowest: int, highest: int | None = None) -> int:
     """As `whole_number`, for what people also write as 1e6: a float that is whole is taken."""
-    is_whole = isinstance(value, float | np.floating) and value.is_integer()
-    return whole_number(name, int(value) if is_whole else value, lowest, highest)
+    return whole_number(name, as_whole(value), lowest, highest)
+
+
+def as_whole(value: Any) -> Any:
+    """The int that a whole float such as 1e4 stands for; anything else as it is."""
+    return int(value) if isinstance(value, float | np.floating) and value.is_integer() else value

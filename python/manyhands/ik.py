@@ -6,18 +6,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import Model
-from manyhands._core import kinematics as _core
-from manyhands.arguments import all_finite, finite_rows, whole_number
-from manyhands.rigid_motions import unit_quaternions
+from manyhands._core import kinematics as _kinematics
+from manyhands.arguments import whole_number
 
 if TYPE_CHECKING:
     from manyhands.planning.planner import Planner
 
-__all__ = ["IkResult", "inverse", "inverse_kinematics"]
+__all__ = ["IkResult", "inverse", "inverse_all", "inverse_kinematics"]
+
+_core: Any = _kinematics  # what it returns depends on whether there are rows
 
 Array = NDArray[np.float64]
 
-_SHORTEST = 1e-6  # of directions
 _AXIS = (0.0, 0.0, 1.0)
 
 
@@ -75,43 +75,29 @@ def inverse(
     two orientations, a joint of several degrees of freedom between the world and the frame, or a planner that does not
     fit.
     """
-    goal = _goal(position, quaternion, direction, look_at)
-    preferred = None if posture is None else _configuration(model, "posture", posture)
-    if start is not None:
-        q0 = _configuration(model, "start", start)
-    elif preferred is not None:
-        q0 = preferred
-    else:
-        q0 = model.neutral_configuration() if avoid is None else avoid.configuration(avoid.start)
-    for name, number in (
-        ("position_tolerance", position_tolerance),
-        ("rotation_tolerance", rotation_tolerance),
-        ("position_weight", position_weight),
-        ("rotation_weight", rotation_weight),
-    ):
-        if not number > 0:
-            raise ValueError(f"{name} is {number}; expected more than 0")
-    found: Any = _core.search(
+    if start is None and posture is None and avoid is not None:
+        start = avoid.configuration(avoid.start)
+    found: Any = _core.inverse(
         model,
         frame,
+        position,
+        quaternion,
+        direction,
+        look_at,
+        axis,
+        posture,
+        position_weight,
+        rotation_weight,
         relative_to or "",
-        goal.position,
-        goal.quaternion,
-        goal.toward,
-        q0,
-        orientation=goal.orientation,
-        axis=_unit("axis", axis).tolist() if goal.orientation in ("along", "at") else _AXIS,
-        position_weight=position_weight if goal.places else 0.0,
-        rotation_weight=rotation_weight,
-        posture=np.zeros(0) if preferred is None else preferred,
-        restarts=whole_number("restarts", restarts, 0, 2**31 - 1),
-        seed=whole_number("seed", seed, 0, 2**64 - 1),
-        respect_limits=respect_limits,
-        position_tolerance=position_tolerance,
-        rotation_tolerance=rotation_tolerance,
-        avoid=None if avoid is None else avoid._core,
+        None if avoid is None else avoid._core,
+        start,
+        whole_number("restarts", restarts, 0, 2**31 - 1),
+        whole_number("seed", seed, 0, 2**64 - 1),
+        respect_limits,
+        position_tolerance,
+        rotation_tolerance,
     )
-    return IkResult(*(array[0] for array in found)) if goal.is_single else IkResult(*found)
+    return IkResult(*found) if found[0].ndim == 2 else _single(*found)
 
 
 def inverse_kinematics(
@@ -156,75 +142,21 @@ def inverse_kinematics(
     )
 
 
-class _Goal(NamedTuple):
-    """Rows of a goal, and what it asks for."""
+def inverse_all(
+    model: Model, frame: str, position: ArrayLike, quaternion: ArrayLike, *, start: ArrayLike | None = None
+) -> Array:
+    """All configurations (k, nq) within the limits that bring `frame` to a pose, position (3,) [m] and quaternion (4,)
+    xyzw, in closed form: at most eight, exact to rounding, those nearest to `start` (nq,), by default the neutral
+    configuration, first; k is 0 where there is none.
 
-    orientation: str
-    places: bool
-    is_single: bool
-    position: Array
-    quaternion: Array
-    toward: Array
+    Of six-axis arms whose second and third axes are parallel and whose last three axes meet in a point, or whose fourth
+    axis is parallel to these, too, and whose last two meet. Angles differ from `start` by as few whole turns as limits
+    allow. Of the many configurations of a singular pose some are given, those whose sixth (or fourth) joint is at 0.
 
-
-def _goal(
-    position: ArrayLike | None, quaternion: ArrayLike | None, direction: ArrayLike | None, look_at: ArrayLike | None
-) -> _Goal:
-    given: dict[str, Array] = {}
-    if position is not None:
-        given["position"] = finite_rows("position", position, 3)
-    if quaternion is not None:
-        given["quaternion"] = unit_quaternions("quaternion", quaternion)
-    if direction is not None:
-        given["direction"] = _unit("direction", direction)
-    if look_at is not None:
-        given["look_at"] = finite_rows("look_at", look_at, 3)
-    if not given:
-        raise ValueError("there is no goal; give position, quaternion, direction or look_at")
-    if len(given.keys() - {"position"}) > 1:
-        raise ValueError("quaternion, direction and look_at are different goals of orientation; give one of them")
-    for name, rows in given.items():
-        if rows.ndim > 2:
-            width = rows.shape[-1]
-            raise ValueError(f"{name} has shape {rows.shape}; expected ({width},) or (n, {width})")
-    counts = {name: len(rows) for name, rows in given.items() if rows.ndim == 2}
-    if len(set(counts.values())) > 1:
-        text = " and ".join(f"{name} {n}" for name, n in counts.items())
-        raise ValueError(f"{text} rows; expected as many rows of each, or a single one for all")
-    n = next(iter(counts.values()), 1)
-
-    def rows_of(width: int, *names: str) -> Array:
-        rows = next((given[name] for name in names if name in given), None)
-        if rows is None:  # of what is not asked for
-            return np.ones((n, width))
-        if rows.ndim == 1:
-            rows = rows[None] if n == 1 else np.tile(rows, (n, 1))
-        return np.ascontiguousarray(rows)
-
-    kinds = {"quaternion": "full", "direction": "along", "look_at": "at"}
-    return _Goal(
-        orientation=next((kind for name, kind in kinds.items() if name in given), "free"),
-        places=position is not None,
-        is_single=not counts,
-        position=rows_of(3, "position"),
-        quaternion=rows_of(4, "quaternion"),
-        toward=rows_of(3, "direction", "look_at"),
-    )
+    Raises KeyError for an unknown frame; ValueError for a wrong shape or number, and for arms of other kinds.
+    """
+    return _core.closed_form(model, frame, position, quaternion, start)
 
 
-def _unit(name: str, vectors: ArrayLike) -> Array:
-    """Vectors (..., 3) at length 1."""
-    array = finite_rows(name, vectors, 3)
-    lengths = np.linalg.norm(array, axis=-1, keepdims=True)
-    if (lengths < _SHORTEST).any():
-        raise ValueError(f"{name} is shorter than {_SHORTEST:g}, which leaves its direction open")
-    return array / lengths
-
-
-def _configuration(model: Model, name: str, values: ArrayLike) -> Array:
-    q = np.asarray(values, np.float64)
-    if q.shape != (model.nq,):
-        raise ValueError(f"{name} has shape {q.shape}; expected ({model.nq},)")
-    if not all_finite(q):
-        raise ValueError(f"{name} must be finite, but is {q}")
-    return q
+def _single(q: Array, success: Any, position_error: Any, rotation_error: Any) -> IkResult:
+    return IkResult(q, np.bool_(success), np.float64(position_error), np.float64(rotation_error))  # type: ignore[arg-type]

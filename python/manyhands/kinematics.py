@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from manyhands._core import Model
 from manyhands._core import kinematics as _core
 from manyhands.arguments import FloatArray, finite_rows, float_arrays
-from manyhands.ik import IkResult, inverse, inverse_kinematics
+from manyhands.ik import IkResult, inverse, inverse_all, inverse_kinematics
 from manyhands.rigid_motions import ad, adjoint, exp3, exp6, log3, log6, matrix, pose, unit_quaternions
 from manyhands.workspace import Workspace, workspace
 
@@ -35,6 +35,7 @@ __all__ = [
     "exp6",
     "forward",
     "inverse",
+    "inverse_all",
     "inverse_kinematics",
     "is_singular",
     "jacobian",

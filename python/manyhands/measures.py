@@ -16,12 +16,15 @@ class Joints(NamedTuple):
     names: list[str]
     iq: list[int]
     iv: list[int]
+    in_degrees: Array
+    """(k) what makes degrees of the radians of joints that turn; 1 of those that slide."""
 
 
 def joints_of(model: Model) -> Joints:
     """In the model's order."""
     found = [joint for joint in model.joints if joint.nv == 1]
-    return Joints([j.name for j in found], [j.iq for j in found], [j.iv for j in found])
+    in_degrees = np.array([1.0 if joint.type == "prismatic" else np.degrees(1.0) for joint in found])
+    return Joints([j.name for j in found], [j.iq for j in found], [j.iv for j in found], in_degrees)
 
 
 def joint_forces(world: World) -> Array:

@@ -71,15 +71,8 @@ def oriented_box(points: ArrayLike, *, upright: bool = True) -> OrientedBox:
 def nearest(points: ArrayLike, queries: ArrayLike) -> tuple[NDArray[np.intp], Array]:
     """The index (m,) of the point nearest to each query (m, 3), and the distance (m,) [m]; -1 and infinity without
     any."""
-    cloud, asked = _points("points", points), _points("queries", queries)
-    index, distance = np.full(len(asked), -1, np.intp), np.full(len(asked), np.inf)
-    usable = np.flatnonzero(np.isfinite(cloud).all(1))
-    if len(usable):
-        for k, query in enumerate(asked):
-            squared = ((cloud[usable] - query) ** 2).sum(1)
-            best = int(np.argmin(squared))
-            index[k], distance[k] = usable[best], np.sqrt(squared[best])
-    return index, distance
+    index, distance = _core.nearest(_points("points", points), _points("queries", queries))
+    return np.asarray(index, np.intp), distance
 
 
 def by_colour(rgb: ArrayLike, colour: ArrayLike, tolerance: float = 0.15) -> NDArray[np.bool_]:

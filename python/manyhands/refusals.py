@@ -21,7 +21,7 @@ def refusal(
 
     vector: one of the arguments, and how many numbers it should be, if nanobind stumbled there.
     """
-    signatures = [_signature(text, defaults) for text, _, defaults in function.__nb_signature__]
+    signatures = signatures_of(function)
     setter = _name_of_setter(function, args)
     where = setter or function.__qualname__.removesuffix(".__init__")
     reason, shown = "", ""
@@ -42,6 +42,11 @@ def refusal(
                 return TypeError(f"{label} is {_brief(value)}; expected {_plain(expected)}")
     takes = " or ".join(_names_alone(signature) for signature in signatures)
     return TypeError(f"{where}: {reason or f'{shown} does not fit'}; it takes {takes}")
+
+
+def signatures_of(function: Any) -> list[Signature]:
+    """How a bound function may be called: one for each of its overloads."""
+    return [_signature(text, defaults) for text, _, defaults in function.__nb_signature__]
 
 
 def _signature(text: str, defaults: Sequence[Any] | None) -> Signature:
@@ -116,7 +121,7 @@ def _fits(value: Any, expected: ast.expr) -> bool:
         case "ArrayLike":
             return _is_numbers(value)
         case "NDArray":
-            return _is_numbers(value) and np.ndim(value) > 0
+            return isinstance(value, np.ndarray) and _is_numbers(value) and value.ndim > 0
         case "Sequence":
             is_list = isinstance(value, Sequence | np.ndarray) and not isinstance(value, str | bytes)
             return is_list and (of is None or all(_fits(item, of) for item in value))

@@ -7,16 +7,30 @@ Names are of a kind, not of a maker's product; docs/robots.md shows them. All is
 """
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import Model, ModelBuilder, World, asset_path, load_urdf
+from manyhands.arguments import finite_rows
+from manyhands.ik import inverse
+from manyhands.measures import chain, hand_of
+from manyhands.planning.trajectories import quintic
 
-__all__ = ["Description", "Vacuum", "attach", "describe", "load", "names", "path", "split"]
+__all__ = ["Arm", "Description", "Vacuum", "attach", "describe", "load", "names", "path", "split"]
 
 GRIPPER = "gripper/"
+Pose: TypeAlias = tuple[ArrayLike, ArrayLike]
+
+_PACE = 0.5  # of the speeds that joints may have
+_SPEED = 1.0  # [rad/s or m/s] that joints may have whose model names none
+_QUINTIC_PEAK = 1.875  # the highest speed of a quintic from rest to rest, in mean ones
+_SHORTEST = 0.25  # [s] of a motion
 
 
 @dataclass(frozen=True)
@@ -103,6 +117,68 @@ def attach(arm: Model, gripper: str | Model, frame: str, *, prefix: str = GRIPPE
     builder = ModelBuilder.of(arm)
     builder.add_model(load(gripper) if isinstance(gripper, str) else gripper, frame=frame, prefix=prefix)
     return builder.build()
+
+
+class Arm:
+    """An arm in a world, moved by where its hand is to be.
+
+        arm = robots.Arm(world, "arm/gripper/tool")
+        arm.go_to([0.4, 0.1, 0.9])
+
+    hand: the link's name in the world; by default the first that looks like a hand. Raises KeyError if there is no such
+    link, ValueError if no joints of one degree of freedom lead to it.
+    """
+
+    def __init__(self, world: World, hand: str | None = None) -> None:
+        hand = hand or hand_of(world.model)
+        if hand is None:
+            raise ValueError("nothing in this world looks like a hand; name the link that is to go somewhere")
+        world.model.link(hand)
+        joints = chain(world.model, hand)
+        if not joints:
+            raise ValueError(f"no joints, or one of several degrees of freedom, lead to {hand!r}")
+        self.world, self.hand, self.joints = world, hand, joints
+
+    @property
+    def pose(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Where the hand is: position (3) [m] and quaternion xyzw (4), in the world."""
+        return self.world.body_pose(self.hand)
+
+    def go_to(
+        self, pose: ArrayLike | Pose, *, seconds: float | None = None, on_step: Callable[[], object] | None = None
+    ) -> None:
+        """Steps the world until the hand has gone to a pose, by motors as `World.move` sets them, which hold it there.
+
+        pose: (position (3) [m], quaternion xyzw (4)) in the world, as `World.body_pose` gives them; or a position
+        alone, and the hand stays as it is turned. Joints move together, smoothly, and straight from configuration to
+        configuration: what lies between is not looked at (`planning.Planner` does).
+        seconds: how long it takes; by default as long as joints need at half the speeds that their model allows.
+        on_step: called after each step, as `viewer.sync`.
+        Raises ValueError, and nothing moves, if the arm does not reach the pose, or something else drives its joints.
+        """
+        model = self.world.model
+        if seconds is not None and not (0 < seconds < np.inf):
+            raise ValueError(f"seconds is {seconds}; expected a number above 0")
+        at, turned = pose if isinstance(pose, tuple | list) and len(pose) == 2 else (pose, self.pose[1])
+        start = np.asarray(self.world.q)
+        found = inverse(model, self.hand, position=at, quaternion=turned, start=start)
+        if not found.success:
+            turned_off = np.degrees(float(found.rotation_error))
+            off = f"{1e3 * float(found.position_error):.0f} mm and {turned_off:.0f} degrees"
+            place = np.round(finite_rows("pose", at), 3).tolist()
+            raise ValueError(f"{self.hand} does not reach {place}: the nearest that was found is {off} off")
+        joints = [model.joint(name) for name in self.joints]
+        places = [joint.iq for joint in joints]
+        way = found.q[places] - start[places]
+        if seconds is None:
+            speeds = np.array([joint.velocity if np.isfinite(joint.velocity) else _SPEED for joint in joints])
+            seconds = max(_SHORTEST, float(np.max(_QUINTIC_PEAK * np.abs(way) / (_PACE * speeds))))
+        motion = quintic([0.0, seconds], [start[places], found.q[places]])
+        for q in [*motion.sample(np.arange(self.world.time_step, seconds, self.world.time_step)).q, found.q[places]]:
+            self.world.move(dict(zip(self.joints, q.tolist(), strict=True)), kp=1.0)
+            self.world.step()
+            if on_step is not None:
+                on_step()
 
 
 class Vacuum:

@@ -3,26 +3,18 @@
 #include <chrono>
 #include <iostream>
 
-#include "manyhands/envs/panda.h"
 #include "manyhands/kinematics/ik_search.h"
+#include "manyhands/kinematics/ik_seeds.h"
 #include "manyhands/math/philox.h"
+#include "tests/kinematics/placed_panda.h"
 
 namespace manyhands {
 namespace {
 
 constexpr std::size_t kJoints = 9;  // of the arm and its fingers
 
-struct Panda {
-  LonePanda robot;
-  Tree<double> tree{robot.model};
-  ParamsStorage<double> params{robot.model};
-  Workspace<double> ws{tree};
+struct Panda : testing::PlacedPanda<double> {
   std::vector<double> neutral = robot.arm.neutral;
-
-  Transform<double> hand(const double* q) {
-    forward_kinematics(tree, q, ws);
-    return frame_pose(robot.arm.chain.body, robot.arm.chain.X_BF, ws);
-  }
 
   /// Hand poses of random configurations within the limits.
   std::vector<Transform<double>> reachable(int n) {
@@ -119,14 +111,14 @@ TEST(IkSearch, EndsWithTheFirstAttemptThatReaches) {
   Workspace<float> ws(tree);
   const std::vector<Transform<double>> targets = panda.reachable(n);
   const IkSolutions found = search_ik(panda.robot.model, panda.robot.arm.hand, targets, panda.neutral, settings);
+  static_assert(settings.restarts <= internal::IkSeeds::kRanks);
+  const internal::IkSeeds seeds(tree, params, panda.robot.arm.chain);
   for (std::size_t i = 0; i < n; ++i) {
     int attempts = 0;
     bool reached = false;
     while (!reached && attempts <= settings.restarts) {
       std::vector<float> q(panda.neutral.begin(), panda.neutral.end());
-      RandomStream random(settings.seed, static_cast<std::uint32_t>(i), static_cast<std::uint64_t>(attempts));
-      for (const std::size_t dof : panda.robot.arm.chain.dofs)
-        if (attempts > 0) q[dof] = random.uniform(params.lower[dof], params.upper[dof]);
+      if (attempts > 0) std::ranges::copy(seeds.near({}, {targets[i], {}}, attempts - 1), q.begin());
       const IkTarget<float> target{broadcast<float>(targets[i]), Vec3<float>::zero()};
       const IkGoal pose;
       GoalSolve<float, float> solve(tree, params, panda.robot.arm.chain, settings.ik, pose, target, q.data(), ws);

@@ -2,9 +2,8 @@
 
 #include <bit>
 
-#include "manyhands/envs/panda.h"
-#include "manyhands/kinematics/inverse_kinematics.h"
 #include "manyhands/math/instantiate.h"
+#include "tests/kinematics/placed_panda.h"
 #include "tests/physics/dynamics/random_tree.h"
 
 namespace manyhands {
@@ -12,17 +11,7 @@ namespace {
 
 using testing::Generator;
 
-struct Panda {
-  LonePanda robot;
-  Tree<double> tree{robot.model};
-  ParamsStorage<double> params{robot.model};
-  Workspace<double> ws{tree};
-
-  Transform<double> pose(const IkChain& chain, const double* q) {
-    forward_kinematics(tree, q, ws);
-    return frame_pose(chain.body, chain.X_BF, ws);
-  }
-};
+using Panda = testing::PlacedPanda<double>;
 
 constexpr std::size_t kJoints = 9;  // of the arm and its fingers
 

@@ -78,6 +78,15 @@ TEST_F(PackagePathsTest, PackagesAboveTheFile) {
             at("src/checkout-2/urdf/m.stl"));
 }
 
+TEST_F(PackagePathsTest, AFolderAboveIsAPackageIfItSaysSo) {
+  scratch_.write("work/robots/arm/here.txt", "x");
+  scratch_.write("work/documents/secret.stl", "x");
+  const PackagePaths paths(at("work/robots/arm"), {}, false);
+  EXPECT_THROW((void)paths.resolve("package://documents/secret.stl"), std::runtime_error);
+  scratch_.write("work/documents/package.xml", "<package><name>documents</name></package>");
+  EXPECT_EQ(paths.resolve("package://documents/secret.stl"), at("work/documents/secret.stl"));
+}
+
 TEST_F(PackagePathsTest, ThePackageOfTheFileMayBeReached) {
   scratch_.write("arm/package.xml", "<package><name>arm</name></package>");
   scratch_.write("arm/meshes/m.stl", "x");

@@ -5,6 +5,7 @@
 #include "manyhands/math/instantiate.h"
 #include "manyhands/math/philox.h"
 #include "manyhands/math/quaternion.h"
+#include "manyhands/physics/collision/queries/queries.h"
 #include "manyhands/physics/world/world.h"
 #include "manyhands/planning/lane_check.h"
 #include "manyhands/planning/plan.h"
@@ -85,13 +86,22 @@ struct Panda {
     return q;
   }
 
+  /// q of a world whose first coordinates are those of the arm.
+  static std::vector<double> model_q(const std::vector<double>& row, const World& world) {
+    std::vector<double> q(world.q().begin(), world.q().end());
+    std::ranges::copy(row, q.begin());
+    return q;
+  }
+
   Model model;
   PlanningScene scene;
   ConfigurationCheck check;
 };
 
-Sways no_sways(const PlanningScene& scene, float sway) {
-  return {std::vector<float>(scene.parts.size(), sway), std::vector<float>(scene.pairs.size(), sway)};
+/// The same for all parts and pairs, at rest.
+Sways even_sways(const PlanningScene& scene, float sway) {
+  const std::vector<float> parts(scene.parts.size(), sway), pairs(scene.pairs.size(), sway);
+  return {1, parts, pairs, parts, pairs};
 }
 
 TEST(LaneCheck, LanesAreScalarsAndBallsAgreeWithExactDistances) {
@@ -108,19 +118,20 @@ TEST(LaneCheck, LanesAreScalarsAndBallsAgreeWithExactDistances) {
         for (std::size_t j = 0; j < panda.scene.size(); ++j)
           set_lane(lanes.coordinate(j), k, static_cast<float>(rows.back()[j]));
       }
-      const Sways sways = no_sways(panda.scene, sway);
+      const Sways sways = even_sways(panda.scene, sway);
       lanes.look(sways, mask_t<Lanes16>(false));
       for (int k = 0; k < 16; ++k) {
         const std::vector<double>& q = rows[static_cast<std::size_t>(k)];
         for (std::size_t j = 0; j < q.size(); ++j) scalar.coordinate(j) = static_cast<float>(q[j]);
         scalar.look(sways, false);
         EXPECT_EQ(lane(lanes.hit(), k), scalar.hit());
-        EXPECT_EQ(lane(lanes.doubtful(), k), scalar.doubtful());
+        const bool doubtful = scalar.undecided() || scalar.doubtful();
+        EXPECT_EQ(lane(lanes.undecided() | lanes.doubtful(), k), doubtful);
         const double distance = panda.check.nearest(q).distance;
         if (scalar.hit()) {
           EXPECT_LT(distance, 1e-5);
           ++hits;
-        } else if (!scalar.doubtful()) {
+        } else if (!doubtful) {
           EXPECT_GT(distance, static_cast<double>(sway));
           ++clear;
         }
@@ -143,6 +154,64 @@ TEST(ConfigurationCheck, FreeIsWhatExactDistancesCallFree) {
   }
   EXPECT_GT(free, 50);
   EXPECT_LT(free, 450);
+}
+
+/// No point of a part moves by more than its sway, and no pair comes nearer by more, along straight ways and parabolas:
+/// a way that is free keeps its distance where exact distances look.
+TEST(ConfigurationCheck, FreeWaysAreFreeWhereverOneLooks) {
+  Panda panda;
+  RandomStream random(8, 0, 0);
+  const std::size_t n = panda.scene.size();
+  int free = 0;
+  for (int i = 0; i < 60; ++i) {
+    const std::vector<double> a = panda.random_row(random), b = panda.random_row(random);
+    if (panda.check.are_free(a)[0] == 0) continue;
+    std::vector<float> start, linear, square;
+    for (std::size_t k = 0; k < n; ++k) {
+      start.push_back(static_cast<float>(a[k]));
+      linear.push_back(static_cast<float>(0.4 * (b[k] - a[k])));
+      square.push_back(i % 2 == 0 ? 0.0f : random.uniform(-0.5f, 0.5f));
+    }
+    const bool is_free = panda.check.is_free({start, linear, square});
+    double least = 1;
+    for (int look = 0; look <= 300; ++look) {
+      const float t = static_cast<float>(look) / 300;
+      std::vector<double> q;
+      for (std::size_t k = 0; k < n; ++k) q.push_back(static_cast<double>(start[k] + t * (linear[k] + t * square[k])));
+      least = std::min(least, panda.check.nearest(q).distance);
+    }
+    if (is_free)
+      EXPECT_GT(least, 0) << "way " << i;
+    else
+      EXPECT_LT(least, 0.01) << "way " << i;  // farther than that from everything, a way is not refused
+    free += is_free;
+  }
+  EXPECT_GT(free, 8);
+  EXPECT_LT(free, 50);
+}
+
+TEST(ApartMap, SaysApartOnlyWhereThePairIs) {
+  Panda panda;
+  RandomStream random(9, 0, 0);
+  int mapped = 0, apart = 0;
+  for (const PartPair& pair : panda.scene.pairs) {
+    if (pair.apart.axes().empty()) continue;
+    ++mapped;
+    const auto link = [&](std::size_t part) { return panda.scene.link_name(panda.scene.parts[part].link); };
+    World world = World::from_file(asset_path("panda/panda.urdf"));
+    for (int look = 0; look < 300; ++look) {
+      const std::vector<double> row = panda.random_row(random);
+      std::array<float, 2> q{};
+      for (std::size_t axis = 0; axis < pair.apart.axes().size(); ++axis)
+        q[axis] = static_cast<float>(row[pair.apart.axes()[axis].coordinate]);
+      if (!pair.apart.is_apart(q, q)) continue;
+      ++apart;
+      world.set_q(panda.model_q(row, world));
+      EXPECT_GT(world.distance(link(pair.a), link(pair.b))->surfaces.phi, 0);
+    }
+  }
+  EXPECT_GE(mapped, 2);
+  EXPECT_GT(apart, 300);
 }
 
 TEST(FindPlan, IsTheSameForASeedAndKeepsItsTimeLimit) {

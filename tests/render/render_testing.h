@@ -33,6 +33,40 @@ inline Picture take(Renderer& renderer, std::span<const Shot> shots) {
 
 inline Picture take(Renderer& renderer, const Shot& shot) { return take(renderer, std::span(&shot, 1)); }
 
+/// A closed mesh of the ball with radius r: 2 n meridians and n circles. It is off by r (1 - cos(pi / n)) at most.
+inline Mesh ball_mesh(double r, int n) {
+  Mesh mesh;
+  const auto add = [&](double theta, double phi) {
+    mesh.vertices.push_back(broadcast<float>(
+        Vec3<double>{r * std::sin(theta) * std::cos(phi), r * std::sin(theta) * std::sin(phi), r * std::cos(theta)}));
+  };
+  const double step = std::numbers::pi / n;
+  add(0, 0);
+  for (int i = 1; i < n; ++i) {
+    for (int j = 0; j < 2 * n; ++j) add(i * step, j * step);
+  }
+  add(std::numbers::pi, 0);
+  const int last = static_cast<int>(mesh.vertices.size()) - 1;
+  const auto at = [&](int i, int j) { return i == 0 ? 0 : i == n ? last : 1 + (i - 1) * 2 * n + j % (2 * n); };
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < 2 * n; ++j) {
+      if (i + 1 < n) mesh.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+      if (i > 0) mesh.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  }
+  return mesh;
+}
+
+/// A closed mesh of the box with these half extents.
+inline Mesh box_mesh(const Vec3<float>& half) {
+  Mesh mesh;
+  for (int k = 0; k < 8; ++k)
+    mesh.vertices.push_back({k & 1 ? half.x : -half.x, k & 2 ? half.y : -half.y, k & 4 ? half.z : -half.z});
+  mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                    {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  return mesh;
+}
+
 /// A ground plane and 14 free bodies in the air: two of each simple shape, a hull, a mesh and a height field beside.
 inline std::shared_ptr<const Model> zoo(unsigned seed) {
   std::mt19937 random(seed);

@@ -1,6 +1,5 @@
 #!/usr/bin/env bash
 # The libraries that go into wheels, static, from Debian's source packages: tools/wheels/libraries.sh FOLDER
-# Of Embree only what traces triangles on AVX2, which is 0.9 MB of the extension where all of it are 44.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 root=$PWD
@@ -21,7 +20,7 @@ fetch() {
   local apt=(apt-get -qq -o Dir::Etc::sourcelist="$PWD/apt/sources.list" -o Dir::Etc::sourceparts=/dev/null
     -o Dir::State::lists="$PWD/apt/lists" -o APT::Sandbox::User="$(id -un)")
   "${apt[@]}" update
-  "${apt[@]}" source --tar-only --download-only embree pugixml qhull libpng1.6 zlib
+  "${apt[@]}" source --tar-only --download-only pugixml qhull libpng1.6 zlib
   local archive
   for archive in *.orig.tar.*; do
     mkdir -p "${archive%%_*}"
@@ -39,22 +38,6 @@ build() { # build SOURCE TARGETS OPTIONS...
   cmake --build "build/$source" -j "$jobs" --target $targets
 }
 
-build_embree() {
-  # Two operators that print name members that are not there: newer compilers look at them though nobody calls them.
-  sed -i 's/ << "QuadraticBezierCurve.*;/;/' embree/kernels/subdiv/bezier_curve.h
-  sed -i 's/return cout << "Line" << M.*/return cout;/' embree/kernels/geometry/pointi.h
-  # And what traces curves, which takes as long to compile as all the rest.
-  sed -i '/curve_intersector_virtual/d' embree/kernels/CMakeLists.txt
-  local off=() part
-  for part in ISA_SSE2 ISA_SSE42 ISA_AVX ISA_AVX512 ISPC_SUPPORT TUTORIALS FILTER_FUNCTION GEOMETRY_QUAD GEOMETRY_CURVE \
-    GEOMETRY_SUBDIVISION GEOMETRY_USER GEOMETRY_INSTANCE GEOMETRY_GRID GEOMETRY_POINT; do off+=("-DEMBREE_$part=OFF"); done
-  build embree all -DEMBREE_STATIC_LIB=ON -DEMBREE_TASKING_SYSTEM=INTERNAL -DEMBREE_MAX_ISA=NONE -DEMBREE_ISA_AVX2=ON \
-    -DFLAGS_AVX2='-mf16c -mavx2 -mfma -mlzcnt -mbmi -mbmi2 -mpopcnt' "${off[@]}"
-  # Its own installation asks for manuals that Debian leaves out.
-  cp build/embree/*.a "$prefix/lib/"
-  cp -r embree/include/embree3 "$prefix/include/"
-}
-
 build_zlib() {
   (cd zlib && ./configure --static --prefix="$prefix" && make -j "$jobs" libz.a && make install)
 }
@@ -67,4 +50,3 @@ build libpng1.6 png_static -DPNG_SHARED=OFF -DPNG_TESTS=OFF
 build pugixml all
 build qhull all
 for library in libpng1.6 pugixml qhull; do cmake --install "build/$library"; done
-build_embree

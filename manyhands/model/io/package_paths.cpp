@@ -149,11 +149,15 @@ fs::path PackagePaths::find_package(const std::string& package) const {
     if (is_folder(prefix / "share" / package)) return prefix / "share" / package;
   }
   for (fs::path above = folder_; above.has_relative_path(); above = above.parent_path()) {
-    if (const auto found = package_at(above, package, false)) return *found;
+    const auto found = package_at(above, package, false);
+    // Somebody else's folder of that name is no package.
+    const bool is_one =
+        found && (has_file(*found, "package.xml") || lies_in(folder_, *found) || lies_in(*found, own_roots_.front()));
+    if (is_one) return *found;
   }
   throw std::runtime_error("no package " + in_quotes(package) +
                            " in package_paths, ROS_PACKAGE_PATH, AMENT_PREFIX_PATH, GZ_SIM_RESOURCE_PATH, "
-                           "GAZEBO_MODEL_PATH or the folders above the file");
+                           "GAZEBO_MODEL_PATH or, with a package.xml, the folders above the file");
 }
 
 fs::path PackagePaths::checked(const fs::path& path, const std::vector<fs::path>& roots) const {

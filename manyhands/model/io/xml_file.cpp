@@ -12,9 +12,40 @@ constexpr std::size_t kMostBytes = std::size_t{128} << 20;
 constexpr int kMostDepth = 128;
 constexpr std::ptrdiff_t kMostAttributes = 64;
 
+/// How many bytes a character of UTF-8 has whose first byte is given; 0 of one that begins none.
+std::size_t length_of(unsigned char first) {
+  if (first < 0x80) return 1;
+  if (first >= 0xc2 && first < 0xe0) return 2;
+  if (first >= 0xe0 && first < 0xf0) return 3;
+  return first >= 0xf0 && first < 0xf5 ? 4 : 0;
+}
+
+bool is_utf8(std::string_view text) {
+  while (!text.empty()) {
+    const std::size_t length = length_of(static_cast<unsigned char>(text.front()));
+    if (length == 0 || length > text.size()) return false;
+    for (const char c : text.substr(1, length - 1)) {
+      if ((static_cast<unsigned char>(c) & 0xc0) != 0x80) return false;
+    }
+    text.remove_prefix(length);
+  }
+  return true;
+}
+
+/// Comments may be what they like; names go on to where they are read.
+void require_utf8(std::string_view text, const std::string& what, int line) {
+  if (is_utf8(text)) return;
+  throw XmlError(line, what + " is no UTF-8; save the file as UTF-8");
+}
+
 void check_attributes(const pugi::xml_node& node, int line) {
   std::vector<std::string_view> names;
-  for (const pugi::xml_attribute& attribute : node.attributes()) names.emplace_back(attribute.name());
+  require_utf8(node.name(), "an element's name", line);
+  for (const pugi::xml_attribute& attribute : node.attributes()) {
+    names.emplace_back(attribute.name());
+    require_utf8(names.back(), "an attribute's name", line);
+    require_utf8(attribute.value(), "the attribute " + in_quotes(names.back()), line);
+  }
   const std::string element = "<" + std::string(node.name()) + ">";
   if (std::ssize(names) > kMostAttributes) {
     throw XmlError(line, element + " has " + std::to_string(names.size()) + " attributes; expected at most " +
@@ -71,6 +102,7 @@ void XmlFile::check_elements() const {
   int depth = 1;
   for (pugi::xml_node node = root_; node;) {
     if (node.type() == pugi::node_element) check_attributes(node, line(node));
+    if (node.type() == pugi::node_pcdata) require_utf8(node.value(), "a text", line(node));
     if (node.first_child()) {
       node = node.first_child();
       if (++depth > kMostDepth) {

@@ -43,7 +43,7 @@ struct FramePair {
 template <Number T>
 MANYHANDS_INLINE FramePair<T> place_frames(const TreeEquality<real_t<T>>& equality, const Workspace<T>& ws) {
   const auto pose = [&](std::size_t body, const Transform<real_t<T>>& X) {
-    return Transform<T>{ws.R_WB[body], ws.p_OB[body] + ws.p_WO[body]} * broadcast<T>(X);
+    return body_pose(body, ws) * broadcast<T>(X);
   };
   return {pose(equality.body_a, equality.X_BA), pose(equality.body_b, equality.X_BB)};
 }

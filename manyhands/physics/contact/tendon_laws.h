@@ -27,7 +27,8 @@ MANYHANDS_INLINE void assemble_tendon_forces(const Tree<real_t<T>>& tree, const 
   }
   visit_tendon_springs(params, ws, [&](std::size_t k, T stiffness, T stretch) {
     const T meets = length_inertia(tree, ws, k, zero, [&](std::size_t) { return one; });
-    add(k, max(quarter * stiffness, fma(half, stiffness, -meets)), -stiffness * stretch);
+    ws.spring_inertia[k] = max(quarter * stiffness, fma(half, stiffness, -meets));
+    add(k, ws.spring_inertia[k], -stiffness * stretch);
   });
 }
 

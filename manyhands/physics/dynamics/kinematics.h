@@ -154,6 +154,12 @@ void forward_kinematics(const Tree<real_t<T>>& tree, const T* q, Workspace<T>& w
   for (std::size_t b = 1; b < tree.bodies.size(); ++b) place(tree, b, q, ws);
 }
 
+/// X_WB of body b, after forward_kinematics.
+template <Number T>
+MANYHANDS_INLINE Transform<T> body_pose(std::size_t b, const Workspace<T>& ws) {
+  return {ws.R_WB[b], ws.p_OB[b] + ws.p_WO[b]};
+}
+
 /// X_WF of a frame on a body, after forward_kinematics.
 template <Number T>
 MANYHANDS_INLINE Transform<T> frame_pose(BodyId body, const Transform<real_t<T>>& X_BF, const Workspace<T>& ws) {

@@ -31,6 +31,7 @@ struct Workspace {
         length_rate(length),
         length_bend(length),
         length_inertia(length),
+        spring_inertia(length),
         length_J(tree.length_entries) {
     take_mocap(tree);
   }
@@ -41,7 +42,7 @@ struct Workspace {
     all(size(tree.nb), R_WB, p_OB, p_WO, V, A, F, I, I_A);
     all(size(tree.nv), S, U, D_inverse, u, bias);
     all(tree.M_size, M);
-    all(tree.lengths.size(), length, length_rate, length_bend, length_inertia);
+    all(tree.lengths.size(), length, length_rate, length_bend, length_inertia, spring_inertia);
     all(tree.length_entries, length_J);
   }
 
@@ -61,6 +62,7 @@ struct Workspace {
   std::vector<T> length, length_rate;      ///< (lengths) of tendons [m or rad], and what couples them
   std::vector<T> length_bend;              ///< (lengths) dJ/dt v
   std::vector<T> length_inertia;           ///< (lengths) 1 / (J diag(M)^-1 J^T): against which laws are judged
+  std::vector<T> spring_inertia;           ///< (lengths) by which a step meets a tendon's spring [kg or kg m^2]
   std::vector<T> length_J;                 ///< rows of J by TreeLength::dofs
 
  private:

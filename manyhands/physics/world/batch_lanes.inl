@@ -79,7 +79,7 @@ class BatchLanesOf final : public BatchLanes {
   void freeze(WorldBlock<T>& block, Worker& worker) {
     T &frozen = block.extras.frozen[0], &advanced = block.extras.advanced[0];
     const T *const q = worker.kept.data(), *const v = q + (block.state.v() - block.state.q());
-    const auto made = keep_balance(system_.tree, block.params, time_step_, q, v, worker.step.dynamics.bias, block.state,
+    const auto made = keep_balance(system_.tree, block.params, time_step_, q, v, worker.step.dynamics, block.state,
                                    worker.scratch, worker.balance);
     const auto good = (frozen == zero()) & block.is_finite() & !made;
     advanced = advanced + select(good, one(), zero());

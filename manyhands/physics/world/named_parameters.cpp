@@ -1,6 +1,7 @@
 #include "manyhands/physics/world/named_parameters.h"
 
 #include "manyhands/base/float_environment.h"
+#include "manyhands/model/part_checks.h"
 #include "manyhands/physics/world/world_checks.h"
 
 namespace manyhands {
@@ -85,6 +86,7 @@ void NamedParameters<R>::set_rolling_friction(std::string_view name, std::span<c
 
 template <Real R>
 void NamedParameters<R>::set_restitution(std::string_view name, std::span<const R> values) const {
+  for (const R value : values) check_restitution("'" + std::string(name) + "'", static_cast<double>(value));
   set_geoms(name, "restitution", &ParamsView<R>::geom_restitution, values);
 }
 

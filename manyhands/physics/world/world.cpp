@@ -122,16 +122,18 @@ std::string made_motion(const WorldCore& core, double h) {
       tree = balance.root[b];
     }
   }
+  const double moving = std::max(balance.after[tree], balance.moved[tree]), risen = internal::risen(balance, tree);
+  const std::string gains = risen > moving ? "springs gain " + internal::short_text(risen)
+                                           : "motion grows from " + internal::short_text(balance.before[tree]) +
+                                                 " J to " + internal::short_text(moving);
   return "moves joint '" + core.model->joint(core.model->bodies()[farthest].joint).name + "' by " +
-         internal::short_text(most) + " rad or m at once, and its tree's motion grows from " +
-         internal::short_text(balance.before[tree]) + " J to " +
-         internal::short_text(std::max(balance.after[tree], balance.moved[tree])) + " J from nothing";
+         internal::short_text(most) + " rad or m at once, and its tree's " + gains + " J from nothing";
 }
 
 }  // namespace
 
 void World::fail_step(WorldCore& core, const std::string& what) {
-  core.put_back(false, core.before);
+  core.return_to_start();
   core.moved();
   core.forget_step();
   throw SimulationError("the step at " + std::to_string(time()) + " s " + what +
@@ -140,7 +142,7 @@ void World::fail_step(WorldCore& core, const std::string& what) {
 }
 
 void World::step_once(WorldCore& core) {
-  core.keep_all(core.before);
+  core.keep_start();
   core.external_before.assign(core.extras.external.begin(), core.extras.external.end());
   const bool pushed = core.extras.pushed[0] != 0;
   if (pushed) core.push(core.system.tree, core.model->frames(), core.placed());
@@ -148,7 +150,7 @@ void World::step_once(WorldCore& core) {
     try {
       runge_kutta_step_or_throw(core);
     } catch (const std::runtime_error&) {
-      core.put_back(false, core.before);
+      core.return_to_start();
       core.moved();
       throw;
     }
@@ -167,7 +169,7 @@ void World::step_once(WorldCore& core) {
 }
 
 void World::require_balance(WorldCore& core) {
-  if (keep_balance(core.system.tree, core.params, time_step_, core.q_before(), core.v_before(), core.step.dynamics.bias,
+  if (keep_balance(core.system.tree, core.params, time_step_, core.q_before(), core.v_before(), core.step.dynamics,
                    core.state, core.scratch, core.balance))
     fail_step(core, made_motion(core, time_step_));
 }

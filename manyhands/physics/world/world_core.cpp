@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <tuple>
+#include <utility>
 
 namespace manyhands {
 
@@ -266,6 +267,32 @@ void WorldCore::prepare_step() {
   step_fits_ = true;
 }
 
+/// Where pairs are listed, nearly all manifolds are empty: the others are those of the last step, or must be looked
+/// for.
+void WorldCore::keep_start() {
+  if (system.colliders.search == PairSearch::kSwept) return keep_all(before);
+  before.assign(state.numbers().begin(), state.numbers().end());
+  contacts_before_.clear();
+  const std::span<const CachedManifold<double>> cache = cached_manifolds(std::as_const(state).contact_cache());
+  const auto keep = [&](std::size_t place) {
+    if (cache[place].used != 0) contacts_before_.push_back({place, cache[place]});
+  };
+  if (has_stepped && cache_is_of_step_) {
+    for (const ContactPatch<double>& patch : step.contact.problem.patches) keep(patch.manifold);
+  } else {
+    for (std::size_t i = 0; i < cache.size(); ++i) keep(i);
+  }
+  cache_is_of_step_ = true;
+}
+
+void WorldCore::return_to_start() {
+  if (system.colliders.search == PairSearch::kSwept) return put_back(false, before);
+  std::ranges::copy(before, state.numbers().begin());
+  state.resize_contact_cache(system.contact_numbers());
+  const std::span<CachedManifold<double>> cache = cached_manifolds(state.contact_cache());
+  for (const KeptManifold& kept : contacts_before_) cache[kept.place] = kept.manifold;
+}
+
 void WorldCore::forget_step() {
   has_stepped = false;
   step.contact.problem.points.clear();
@@ -322,6 +349,7 @@ void WorldCore::cache_contacts(std::vector<CachedContact> contacts) {
   const Colliders<double>& colliders = system.colliders;
   std::ranges::sort(contacts, in_order);
   key_colliders_ = colliders.geoms.size();
+  cache_is_of_step_ = false;
   const bool swept = colliders.search == PairSearch::kSwept;
   state.resize_contact_cache(swept ? contacts.size() * kManifoldNumbers<double> : system.contact_numbers());
   const auto put = [&](const CachedContact& contact, double key, std::size_t manifold) {

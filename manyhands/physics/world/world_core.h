@@ -44,6 +44,9 @@ struct WorldCore : WorldBlock<double> {
   void forget_step();
   /// Makes `step` and `runge_kutta` fit the model.
   void prepare_step();
+  /// Writes down the state from which a step goes, and goes back to it.
+  void keep_start();
+  void return_to_start();
 
   /// Takes in the parts of a model, and from now on goes by the rules. Throws ModelError, and changes nothing, if a
   /// name is taken.
@@ -95,7 +98,7 @@ struct WorldCore : WorldBlock<double> {
 
   std::shared_ptr<const Model> model;
   System<double> system;
-  std::vector<double> before;  ///< the state from which the last step went, as keep_all writes it: see `v_before`
+  std::vector<double> before;  ///< the state from which the last step went, but for contacts: see `v_before`
   StepWorkspace<double> step;
   EnergyBalance<double> balance{};
   RungeKutta<double> runge_kutta;
@@ -108,6 +111,12 @@ struct WorldCore : WorldBlock<double> {
   mutable std::optional<SnapshotOwner> owner{};  ///< what snapshots are of, once one is asked for
 
  private:
+  /// A manifold of the contact cache, and its place there.
+  struct KeptManifold {
+    std::size_t place{};
+    CachedManifold<double> manifold{};
+  };
+
   WorldCore(std::shared_ptr<const Model> shared_model, System<double> shared_system);
 
   [[nodiscard]] Model& own_model();
@@ -116,7 +125,9 @@ struct WorldCore : WorldBlock<double> {
   void edit_colliders(Change&& change);
   void forget_topology();
 
-  bool owns_model_ = false;  // whether `model` was made here, as one that may change
+  std::vector<KeptManifold> contacts_before_;  // of the contact cache: those that carried something
+  bool cache_is_of_step_ = false;              // whether what the cache holds are the contacts of the last step
+  bool owns_model_ = false;                    // whether `model` was made here, as one that may change
   bool step_fits_ = true;
   std::size_t key_colliders_;  // for how many colliders the keys of the contact cache were made
   std::vector<std::uint8_t> gone_, gone_geoms_, gone_bodies_;  // 1 where removed; parts added since may be missing

@@ -9,6 +9,7 @@
 #include "manyhands/model/io/mjcf/mjcf.h"
 #include "manyhands/model/io/sdf/sdf.h"
 #include "manyhands/model/io/urdf/urdf.h"
+#include "manyhands/model/part_checks.h"
 #include "manyhands/model/solids.h"
 #include "manyhands/physics/world/world_impl.h"
 
@@ -62,11 +63,7 @@ void check_body(const NewBody& body) {
   require_at_least(what + ": friction", 0, s.lateral_friction);
   require_at_least(what + ": spinning friction", 0, s.spinning_friction);
   require_at_least(what + ": rolling friction", 0, s.rolling_friction);
-  require_at_least(what + ": restitution", 0, s.restitution);
-  if (s.restitution > 1) {
-    throw ModelError(what + ": restitution is " + std::to_string(s.restitution) +
-                     "; expected at most 1, where contact gives back all speed: above, it would make energy");
-  }
+  check_restitution(what, s.restitution);
   require_shape_size(what, body.shape);
 }
 

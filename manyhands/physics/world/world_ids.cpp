@@ -5,6 +5,7 @@
 #include "manyhands/base/float_environment.h"
 #include "manyhands/math/quaternion.h"
 #include "manyhands/model/model_edit.h"
+#include "manyhands/model/part_checks.h"
 #include "manyhands/physics/dynamics/checks.h"
 #include "manyhands/physics/world/world_impl.h"
 
@@ -230,11 +231,11 @@ void World::set_link_inertial(LinkId id, const Inertial& inertial) {
 
 void World::set_link_surface(LinkId id, const SurfaceMaterial& surface) {
   WorldCore& now = loose();
-  const std::string what = "link '" + required_link(now, id).name + "': ";
-  require_at_least(what + "friction", 0, surface.lateral_friction);
-  require_at_least(what + "spinning friction", 0, surface.spinning_friction);
-  require_at_least(what + "rolling friction", 0, surface.rolling_friction);
-  require_at_least(what + "restitution", 0, surface.restitution);
+  const std::string what = "link '" + required_link(now, id).name + "'";
+  require_at_least(what + ": friction", 0, surface.lateral_friction);
+  require_at_least(what + ": spinning friction", 0, surface.spinning_friction);
+  require_at_least(what + ": rolling friction", 0, surface.rolling_friction);
+  check_restitution(what, surface.restitution);
   for (const GeomId geom : now.model->geoms_of(id)) {
     const std::size_t i = geom.index();
     now.params.geom_friction[i] = surface.lateral_friction;

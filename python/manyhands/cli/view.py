@@ -48,8 +48,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--token", help="asked for in the page's address; default: none here, a random one elsewhere")
     parser.add_argument("--seed", type=int, help="of an environment's first episode")
     parser.add_argument("--policy", metavar=POLICY, help="acts in the environment; trained: the one that ships")
-    parser.add_argument("--open", action="store_true", help="open the page in this machine's browser")
-    parser.add_argument("--play", action="store_true", help="begin at once")
+    parser.add_argument(
+        "--open", action=argparse.BooleanOptionalAction, help="in this machine's browser (where there is a screen)"
+    )
+    parser.add_argument(
+        "--play", action=argparse.BooleanOptionalAction, help="begin at once (environments begin, robots wait)"
+    )
     add_env_arguments(parser)
 
 
@@ -75,7 +79,7 @@ def shown(arguments: argparse.Namespace) -> "Viewer":
         viewer = view(world, title=Path(arguments.target).name, **page)
         if viewer.source.joints is not None:
             _hold(viewer)
-    if arguments.play:
+    if world is None if arguments.play is None else arguments.play:
         viewer.play()
     return viewer
 

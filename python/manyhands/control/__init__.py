@@ -3,8 +3,8 @@
 Functions of a state take a single one, q (nq,), or n of them as rows, q (n, nq), and the other arrays likewise; results
 have the rows in front. If all arrays are float32 the rows run side by side in SIMD lanes; otherwise everything is
 float64, the reference. Gains are one number, or one for each dof, (nv,). Joints have one degree of freedom each; a
-model with others raises RuntimeError. Wrong shapes raise ValueError, which names the array; an unknown frame raises
-KeyError.
+model with others raises RuntimeError. Wrong shapes, NaN and infinite numbers raise ValueError, which names the array;
+an unknown frame raises KeyError.
 
 Units are SI; the world's z is up; quaternions are xyzw; spatial vectors have the angular part first.
 """

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from manyhands._core import Model
 from manyhands._core import control as _control
 from manyhands.arguments import FloatArray, finite_rows, float_arrays
-from manyhands.control.joints import positive
+from manyhands.control.joints import finite_numbers, positive
 
 _core: Any = _control  # its rows are unpacked, which overloads do not take
 
@@ -36,7 +36,13 @@ def impedance(
     stiffness [N/m], damping [N s/m], rotational_stiffness [N m/rad], rotational_damping [N m s/rad].
     """
     q, v, p, r = _posed(q, v, position, quaternion)
-    return _core.impedance(model, frame, q, v, p, r, stiffness, damping, rotational_stiffness, rotational_damping)
+    spring = finite_numbers(
+        stiffness=stiffness,
+        damping=damping,
+        rotational_stiffness=rotational_stiffness,
+        rotational_damping=rotational_damping,
+    )
+    return _core.impedance(model, frame, q, v, p, r, *spring)
 
 
 def operational_space(
@@ -77,10 +83,15 @@ def operational_space(
         for given in (velocity, acceleration, force)
     ]
     second = None if posture is None else np.asarray(posture, kind, order="C")
-    return _core.operational_space(
-        model, frame, q, v, p, r, *six, second, list(directions), kp, kd, rotational_kp, rotational_kd, force_damping,
-        regularisation,
-    )  # fmt: skip
+    gains = finite_numbers(
+        kp=kp,
+        kd=kd,
+        rotational_kp=rotational_kp,
+        rotational_kd=rotational_kd,
+        force_damping=force_damping,
+        regularisation=regularisation,
+    )
+    return _core.operational_space(model, frame, q, v, p, r, *six, second, list(directions), *gains)
 
 
 class Admittance:

@@ -164,11 +164,8 @@ class Pid:
         max_force: ArrayLike = np.inf,
         max_integral: ArrayLike = np.inf,
     ) -> None:
-        self.gains = [np.asarray(given, np.float64) for given in (kp, ki, kd, max_integral, max_force)]
-        if any(np.isnan(given).any() for given in self.gains):
-            raise ValueError("a gain or limit of the PID is NaN")
-        if (self.gains[3] < 0).any() or (self.gains[4] < 0).any():
-            raise ValueError("max_force and max_integral must be 0 or more")
+        self.gains = [finite_rows(name, given) for name, given in (("kp", kp), ("ki", ki), ("kd", kd))]
+        self.gains += [_limits("max_integral", max_integral), _limits("max_force", max_force)]
         self.dt = positive("dt", dt)
         self.reset()
 
@@ -188,14 +185,17 @@ class Pid:
 
 def limited(force: ArrayLike, most: ArrayLike) -> FloatArray:
     """The forces within [-most, most]."""
-    return np.clip(force, -np.asarray(most), most)
+    (forces,) = _finite_arrays(force=force)
+    limits = _limits("most", most)
+    return np.clip(forces, -limits, limits).astype(forces.dtype, copy=False)
 
 
 def rate_limited(force: ArrayLike, last: ArrayLike, most_rate: ArrayLike, dt: float) -> FloatArray:
     """The forces, but no farther from the last ones than most_rate dt: what a drive that has a limited rate [N m/s or
     N/s] makes of them."""
-    change = np.asarray(most_rate) * dt
-    return np.clip(force, np.asarray(last) - change, np.asarray(last) + change)
+    forces, before = _finite_arrays(force=force, last=last)
+    change = _limits("most_rate", most_rate) * positive("dt", dt)
+    return np.clip(forces, before - change, before + change).astype(forces.dtype, copy=False)
 
 
 def gain_rows(model: Model, like: FloatArray, **gains: ArrayLike) -> list[FloatArray]:
@@ -207,6 +207,28 @@ def positive(name: str, value: float) -> float:
     if not (np.isfinite(value) and value > 0):
         raise ValueError(f"{name} is {value}; expected a finite number above 0")
     return float(value)
+
+
+def finite_numbers(**values: float) -> list[float]:
+    """The values of single numbers. Raises ValueError on NaN and infinities."""
+    for name, value in values.items():
+        if not np.isfinite(value):
+            raise ValueError(f"{name} is {value}; expected a finite number")
+    return list(values.values())
+
+
+def _finite_arrays(**inputs: ArrayLike) -> list[FloatArray]:
+    for name, values in inputs.items():
+        finite_rows(name, values)
+    return float_arrays(**inputs)
+
+
+def _limits(name: str, values: ArrayLike) -> Array:
+    """Numbers that bound others: infinite ones do not."""
+    array = np.asarray(values, np.float64)
+    if not (array >= 0).all():
+        raise ValueError(f"{name} is {array}; expected 0 or more")
+    return array
 
 
 def _gain(name: str, given: ArrayLike, nv: int, like: FloatArray) -> FloatArray:

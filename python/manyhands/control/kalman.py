@@ -44,7 +44,8 @@ class KalmanFilter:
         """
         measured = finite_rows("q", q, np.shape(q)[-1])
         n, h = measured.shape[-1], positive("dt", dt)
-        a, noise = (np.broadcast_to(np.asarray(given, float), (n,)) for given in (acceleration_noise, position_noise))
+        given = {"acceleration_noise": acceleration_noise, "position_noise": position_noise}
+        a, noise = (np.broadcast_to(finite_rows(*named), (n,)) for named in given.items())
         one, none = np.eye(n), np.zeros((n, n))
         push = np.vstack([h * h / 2 * one, h * one]) * a
         return cls(

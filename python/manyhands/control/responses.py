@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from manyhands._core import control as _control
 from manyhands.arguments import finite_rows
+from manyhands.control.joints import finite_numbers
 
 _core: Any = _control  # its rows are unpacked, which overloads do not take
 
@@ -38,7 +39,8 @@ def step_response(
     if t.ndim != 1 or x.ndim != 1:
         raise ValueError(f"time has shape {t.shape} and response {x.shape}; expected (n,) both")
     begin = float(x[0]) if start is None and len(x) else float(start or 0.0)
-    return StepResponse(*_core.step_response(t, x, float(set_point), begin, float(tolerance)))
+    numbers = finite_numbers(set_point=set_point, start=begin, tolerance=tolerance)
+    return StepResponse(*_core.step_response(t, x, *numbers))
 
 
 class StabilityMargins(NamedTuple):
@@ -67,7 +69,7 @@ def stability_margins(numerator: ArrayLike, denominator: ArrayLike, *, delay: fl
     polynomials = [
         np.atleast_1d(finite_rows(*named)) for named in (("numerator", numerator), ("denominator", denominator))
     ]
-    return StabilityMargins(*_core.stability_margins(*polynomials, float(delay)))
+    return StabilityMargins(*_core.stability_margins(*polynomials, *finite_numbers(delay=delay)))
 
 
 class PidGains(NamedTuple):

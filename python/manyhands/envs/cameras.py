@@ -1,19 +1,19 @@
 """What environments show: the pictures of `render`, and those of cameras in the observation."""
 
 import math
-import re
 from collections.abc import Mapping, Sequence
 from typing import Any, cast
 
 import numpy as np
 from gymnasium import spaces
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core.envs import EnvBatch, EnvBodies, EnvPictures, Eye, PictureVariation
 from manyhands._core.render import Camera, Look
 from manyhands.arguments import whole_number
 from manyhands.envs.parts import hand_of
 from manyhands.envs.spaces import CameraOptions, EnvOptions
+from manyhands.refusals import signatures_of
 
 RENDER_MODES = ("rgb_array", "depth_array")
 FINE: dict[str, Any] = {"antialiasing": 2, "shadow_rays": 6, "sun_size": 0.05}
@@ -62,6 +62,7 @@ class EnvCameras:
             options.get("render_roll", 0),
         )
         orbit_camera(*self._size, *self._orbit)
+        self._floor = _colour("render_floor", options.get("render_floor"))
         self._observed = {
             name: _observed(name, given, options) for name, given in (options.get("cameras") or {}).items()
         }
@@ -119,7 +120,14 @@ class EnvCameras:
             return None
         camera = orbit_camera(width or self._size[0], height or self._size[1], *self._orbit)
         is_depth = self._mode == "depth_array"
-        picture = self._load().take(camera, worlds=list(worlds), look=Look(**FINE), colour=not is_depth, depth=is_depth)
+        picture = self._load().take(
+            camera,
+            worlds=list(worlds),
+            look=Look(**FINE),
+            colour=not is_depth,
+            depth=is_depth,
+            floor=self._floor,
+        )
         return picture.depth if is_depth else picture.colour
 
     def keep_final(self, worlds: list[int]) -> None:
@@ -176,6 +184,16 @@ def _observed(name: str, given: CameraOptions | Camera, env: EnvOptions) -> tupl
     return camera.look_at(eye, target, up, options.get("frame", "")), options
 
 
+def _colour(name: str, given: ArrayLike | None) -> list[float] | None:
+    """Red, green and blue. Raises ValueError unless each is from 0 to 1."""
+    if given is None:
+        return None
+    colour = np.asarray(given, np.float64)
+    if not ((colour >= 0) & (colour <= 1)).all():
+        raise ValueError(f"{name} is {given}, expected red, green and blue, each from 0 to 1")
+    return colour.tolist()
+
+
 def _require_frames(batch: EnvBatch, frames: Mapping[str, str]) -> None:
     """Raises KeyError unless what cameras are mounted on, by their names, is there."""
     if not any(frames.values()):
@@ -192,7 +210,8 @@ def _variation(name: str, options: CameraOptions) -> PictureVariation:
     try:
         return PictureVariation(**options.get("vary", {}))
     except TypeError as reason:
-        known = re.findall(r"(\w+): ", (PictureVariation.__init__.__doc__ or "").partition("->")[0])
+        (signature,) = signatures_of(PictureVariation.__init__)
+        known = [parameter for parameter in signature.parameters if parameter != "self"]
         raise ValueError(
             f"cameras: {name!r} varies {options.get('vary')!r}; what can vary is {', '.join(known)}"
         ) from reason

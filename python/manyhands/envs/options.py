@@ -49,6 +49,7 @@ _KINDS: dict[str, _Kind] = {
     "render_yaw": _NUMBER,
     "render_pitch": _NUMBER,
     "render_roll": _NUMBER,
+    "render_floor": ("three numbers or None", _is_place),
     "cameras": (
         "a dict of names and options, for example {'front': {}}",
         lambda value: value is None or isinstance(value, Mapping),

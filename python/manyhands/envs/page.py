@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 from numpy.typing import ArrayLike
 
 from manyhands.viewer import view
-from manyhands.viewer.notebook import has_screen, is_notebook, show_in_cell
+from manyhands.viewer.notebook import is_notebook, show_in_cell
 
 if TYPE_CHECKING:
     from manyhands.viewer import Viewer
@@ -25,9 +25,8 @@ class Page:
         """After each step of what is shown: waits for real time, and while the page is paused. Raises
         ModuleNotFoundError without the extra `viewer`."""
         if self._viewer is None or self._viewer.is_closed:
-            in_notebook = is_notebook()
-            self._viewer = view(shown, open_browser=has_screen() and not in_notebook)
-            if in_notebook:
+            self._viewer = view(shown)
+            if is_notebook():
                 show_in_cell(self._viewer)
             if self._camera is not None:
                 self._viewer.look(*self._camera)

@@ -32,7 +32,7 @@ class ArmSpec:
     fingers: Sequence[str] = ()
     closed: Sequence[float] = ()  # of each finger, where the hand's width is 0; default: 0 [rad or m]
     opening: Sequence[float] = ()  # of each: the hand's width per unit; default: 1, of fingers that slide [m/rad or 1]
-    hand: str  # the link between the finger tips; its z axis points away from the hand
+    hand: str  # the link between the finger tips; z points away from the hand, x along the world's x when held down
     neutral: Sequence[float]  # where episodes start: of the joints, then of the fingers [rad or m]
     max_force: Sequence[float]  # of the motors: of the joints, then of the fingers [N m or N]
     position: Sequence[float] = (-0.6, 0.0, 0.0)  # of the base [m]
@@ -56,7 +56,9 @@ class ArmSpec:
         flange: of a model, the link or frame where the gripper goes, z outwards.
         position: of the base (3,) [m]; None: behind the table's middle, at most 0.6 m, where the hand reaches all
         places of the tasks.
-        start: where the hand is when episodes begin (3,) [m]; it points down, closed.
+        start: where the hand is when episodes begin (3,) [m]; it points down, closed, and its yaw is fixed: x of `hand`
+        along the world's x, so that fingers that close along y of it do so along the world's y. It is no choice of this
+        function: control of the hand's position holds it so, in every environment.
         posture: of the arm's joints, as it shall bend there, about [rad or m]; default: where the model starts, which
         is home for those that ship.
         Raises ValueError on unknown names, and where the hand cannot be at `start` or, without a position, reach.

@@ -43,6 +43,7 @@ class EnvOptions(TypedDict, total=False):
     render_yaw: float  # [degrees]: 45
     render_pitch: float  # [degrees]: -30, down
     render_roll: float  # [degrees]: 0
+    render_floor: ArrayLike | None  # red, green and blue of the floor there (3), 0 to 1: its own
     cameras: Mapping[str, "CameraOptions | Camera"] | None  # pictures in the observation: docs/cameras.md
 
 

@@ -28,7 +28,6 @@ Array = NDArray[np.float64]
 Frame = Literal["space", "body"]
 
 _core: Any = _kinematics  # its arrays are all of one type
-_AXIS, _NOWHERE, _NO_POSTURE = (0.0, 0.0, 1.0), np.zeros((1, 3)), np.zeros(0)
 
 __all__ = ["SerialManipulator", "TracIKSolver", "trac_ik_solve"]
 
@@ -262,27 +261,12 @@ class SerialManipulator:
         which take longer than a solve from nearby."""
         if goal.shape != (4, 4) or not np.isfinite(goal).all():
             raise ValueError(f"T_desired must be a finite pose (4, 4), but is {goal}")
-        q, success, far, turned = _core.search(
-            self.model,
-            TIP,
-            "",
-            goal[None, :3, 3],
-            _core.quaternions(goal[:3, :3].reshape(1, 9)),
-            _NOWHERE,
-            np.asarray(start, np.float64),
-            orientation="full",
-            axis=_AXIS,
-            position_weight=position,
-            rotation_weight=rotation,
-            posture=_NO_POSTURE,
-            restarts=restarts,
-            seed=0,
-            respect_limits=True,
-            position_tolerance=ev,
-            rotation_tolerance=eomg,
-            avoid=None,
-        )
-        return q[0], bool(success[0]), float(turned[0]), float(far[0])
+        parts = goal[:3, 3] if position > 0 else None, _core.quaternions(goal[:3, :3].reshape(1, 9))[0], None, None
+        q, success, far, turned = _core.inverse(
+            self.model, TIP, *parts, None, None, position if position > 0 else 1.0, rotation, "", None,
+            np.asarray(start, np.float64), restarts, 0, True, ev, eomg,
+        )  # fmt: skip
+        return q, success, turned, far
 
     def _within(self, theta: ArrayLike) -> Array:
         """Angles within the limits."""

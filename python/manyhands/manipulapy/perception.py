@@ -57,7 +57,7 @@ class Perception:
     def compute_stereo_disparity(self, left_img: ArrayLike, right_img: ArrayLike) -> Array:
         """Of two pictures; see `Vision.compute_disparity`."""
         if not self.vision.stereo_enabled:
-            raise RuntimeError("stereo is off: pictures of two cameras are not matched here")
+            raise RuntimeError("stereo is off: give Vision stereo_configs")
         left, right = self.vision.rectify_stereo_images(left_img, right_img)
         return self.vision.compute_disparity(left, right)
 

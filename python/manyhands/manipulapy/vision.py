@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 import manyhands.pybullet as p
 from manyhands.manipulapy import sim
 from manyhands.manipulapy.sim.sliders import Sliders
+from manyhands.manipulapy.stereo import Stereo
 from manyhands.manipulapy.utils import euler_to_rotation_matrix
 
 OPENCV_AVAILABLE = find_spec("cv2") is not None
@@ -37,12 +38,13 @@ _SLIDERS = {
 __all__ = ["OPENCV_AVAILABLE", "ULTRALYTICS_AVAILABLE", "Vision", "clear_yolo_cache", "detect_objects"]
 
 
-class Vision:
+class Vision(Stereo):
     """Cameras of a client, by default of the newest `Simulation` that is open, else client 0.
 
     camera_configs: dictionaries of name, translation (3,) [m], rotation (roll, pitch, yaw) [degrees], fov [degrees, up
     and down], near, far [m], intrinsic_matrix (3, 3), distortion_coeffs. A camera looks along its z axis, x to the
     right and y down; one without a rotation looks at (0, 0, 0.5). Without any there is one at (2, 0, 1).
+    stereo_configs: two more, left and right, for pictures that the program has; see `Stereo`.
     use_pybullet_debug: the first camera goes where sliders say.
     """
 
@@ -58,10 +60,8 @@ class Vision:
         del show_plot
         self.logger, self.yolo_model = logging.getLogger(logger_name), None
         self.physics_client = sim.newest_client() if physics_client is None else physics_client
-        self.use_pybullet_debug, self.stereo_enabled = use_pybullet_debug, False
-        if stereo_configs is not None:
-            _check_stereo(stereo_configs)
-            _no_stereo()
+        self.use_pybullet_debug = use_pybullet_debug
+        super().__init__(stereo_configs)
         given = camera_configs if camera_configs is not None else [{"name": "camera", "translation": [2.0, 0.0, 1.0]}]
         self.cameras = {k: _camera(config) for k, config in enumerate(given)}
         self._last: dict[int, dict[str, Any]] = {}
@@ -179,42 +179,8 @@ class Vision:
                 found.append(body)
         return found
 
-    # ---- stereo ------------------------------------------------------------------------------------------------
-
-    def compute_stereo_rectification_maps(self, image_size: tuple[int, int] = (640, 480)) -> None:
-        """A warning: stereo is off."""
-        del image_size
-        self.logger.warning("stereo is off")
-
-    def rectify_stereo_images(self, left_img: ArrayLike, right_img: ArrayLike) -> Any:
-        del left_img, right_img
-        _no_stereo()
-
-    def compute_disparity(self, left_rectified: ArrayLike, right_rectified: ArrayLike) -> Any:
-        del left_rectified, right_rectified
-        _no_stereo()
-
-    def disparity_to_pointcloud(self, disparity: ArrayLike) -> NoReturn:
-        del disparity
-        _no_stereo()
-
-    def get_stereo_point_cloud(self, left_img: ArrayLike, right_img: ArrayLike) -> NoReturn:
-        del left_img, right_img
-        _no_stereo()
-
     def release(self) -> None:
         """Lets the cameras go: rendered ones hold nothing."""
-
-
-def _check_stereo(configs: Sequence[dict[str, Any]]) -> None:
-    for config in configs:
-        for key in ("intrinsic_matrix", "distortion_coeffs", "translation", "rotation"):
-            if key not in config:
-                raise ValueError(f"a stereo camera has no {key!r}")
-
-
-def _no_stereo() -> NoReturn:
-    raise RuntimeError("stereo is off: this module renders depth itself, and has no stereo matching")
 
 
 def detect_objects(image: ArrayLike, model_path: str | None = None) -> NoReturn:

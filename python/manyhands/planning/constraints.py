@@ -7,7 +7,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from manyhands.arguments import finite_rows
+from manyhands.arguments import finite_row
 from manyhands.rigid_motions import unit_quaternions
 
 _UP = (0.0, 0.0, 1.0)
@@ -57,23 +57,17 @@ def as_rows(keep: PathConstraint | Sequence[PathConstraint]) -> tuple[list[Any],
     positions: list[Any] = []
     for one in [keep] if isinstance(keep, AxisConstraint | PositionConstraint) else keep:
         if isinstance(one, AxisConstraint):
-            axes.append((one.frame, _vector("axis", one.axis), _vector("direction", one.direction), float(one.within)))
+            vectors = (finite_row(name, getattr(one, name), 3) for name in ("axis", "direction"))
+            axes.append((one.frame, *vectors, float(one.within)))
         elif isinstance(one, PositionConstraint):
             bounds = [_bounds(name, getattr(one, name)) for name in ("lower", "upper")]
             turn = unit_quaternions("quaternion", one.quaternion)
             if turn.ndim != 1:
                 raise ValueError(f"quaternion has shape {turn.shape}; expected (4,)")
-            positions.append((one.frame, _vector("position", one.position), turn, *bounds))
+            positions.append((one.frame, finite_row("position", one.position, 3), turn, *bounds))
         else:
             raise TypeError(f"keep holds a {type(one).__name__}; expected AxisConstraint or PositionConstraint")
     return axes, positions
-
-
-def _vector(name: str, values: ArrayLike) -> Any:
-    row = finite_rows(name, values, 3)
-    if row.ndim != 1:
-        raise ValueError(f"{name} has shape {row.shape}; expected (3,)")
-    return row
 
 
 def _bounds(name: str, values: ArrayLike) -> Any:

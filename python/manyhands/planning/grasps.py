@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import Model, World
 from manyhands._core import planning as _core
-from manyhands.arguments import finite_rows, whole_number
+from manyhands.arguments import finite_row, finite_rows, whole_number
 from manyhands.collision import Shape
 from manyhands.planning.scene import names, state_of
 
@@ -174,10 +174,8 @@ def _gripper(gripper: ParallelGripper | None) -> Any:
 
 
 def _three(name: str, values: ArrayLike) -> tuple[float, float, float]:
-    row = finite_rows(name, values, 3)
-    if row.ndim != 1:
-        raise ValueError(f"{name} has shape {row.shape}; expected (3,)")
-    return (float(row[0]), float(row[1]), float(row[2]))
+    x, y, z = finite_row(name, values, 3).tolist()
+    return x, y, z
 
 
 def _not_negative(name: str, values: ArrayLike, count: int) -> Array:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from manyhands.arguments import finite_rows
+from manyhands.arguments import finite_row
 from manyhands.extras import needs
 from manyhands.planning.trajectories import Sample, Trajectory, limit_row
 
@@ -91,9 +91,7 @@ class Follower:
     def __init__(
         self, start: ArrayLike, dt: float, *, velocity: ArrayLike, acceleration: ArrayLike, jerk: ArrayLike
     ) -> None:
-        q = finite_rows("start", start)
-        if q.ndim != 1 or len(q) == 0:
-            raise ValueError(f"start has shape {q.shape}; expected (n,)")
+        q = finite_row("start", start)
         if not (0 < dt < np.inf):
             raise ValueError(f"dt is {dt}; expected a number above 0")
         self._given, self._found = ruckig.InputParameter(len(q)), ruckig.OutputParameter(len(q))
@@ -136,9 +134,7 @@ def _request(
     acceleration: ArrayLike,
     jerk: ArrayLike,
 ) -> Any:
-    q = finite_rows("start", start)
-    if q.ndim != 1 or len(q) == 0:
-        raise ValueError(f"start has shape {q.shape}; expected (n,)")
+    q = finite_row("start", start)
     given = ruckig.InputParameter(len(q))
     _set_limits(given, velocity, acceleration, jerk)
     given.current_position = q.tolist()
@@ -155,10 +151,7 @@ def _calculate(given: Any) -> Any:
 
 
 def _state(name: str, values: ArrayLike | None, n: int) -> list[float]:
-    row = np.zeros(n) if values is None else finite_rows(name, values, n)
-    if row.ndim != 1:
-        raise ValueError(f"{name} has shape {row.shape}; expected ({n},)")
-    return row.tolist()
+    return [0.0] * n if values is None else finite_row(name, values, n).tolist()
 
 
 def _set_goal(given: Any, goal: ArrayLike, velocity: ArrayLike | None, acceleration: ArrayLike | None) -> None:

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import Model, World
 from manyhands._core import planning as _core
-from manyhands.arguments import finite_rows, whole_number
+from manyhands.arguments import finite_row, finite_rows, whole_number
 from manyhands.planning.constraints import PathConstraint, as_rows
 from manyhands.planning.scene import names, state_of
 from manyhands.planning.timing import time_optimal
@@ -132,7 +132,7 @@ class Planner:
         cloud: ArrayLike | None = None,
         cloud_radius: float = 0.01,
         margin: float = 0.0,
-        overshoot: float = 0.0125,
+        overshoot: float = 0.02,
     ) -> None:
         model, now, mocap = state_of(scene, q)
         chosen = names(joints)
@@ -197,7 +197,8 @@ class Planner:
         self, motion: Trajectory, start: float = 0.0, *, keep: PathConstraint | Sequence[PathConstraint] = ()
     ) -> float:
         """The time [s] up to which a motion of the planned joints is free all along from `start` on, within limits and
-        what `keep` asks: its duration if it is to the end. To a millisecond, and rather too early."""
+        what `keep` asks: its duration if it is to the end. To a millisecond, and rather too early: what passes within
+        half a millimetre of an obstacle may count as blocked."""
         return self._core.free_until(motion._motion, start, *as_rows(keep))
 
     def with_cloud(self, points: ArrayLike, radius: float = 0.01) -> "Planner":
@@ -272,10 +273,7 @@ class Planner:
         return np.asarray(rows), status, message
 
     def _row(self, name: str, values: ArrayLike) -> Array:
-        row = finite_rows(name, values, len(self.joints))
-        if row.ndim != 1:
-            raise ValueError(f"{name} has shape {row.shape}; expected ({len(self.joints)},)")
-        return np.ascontiguousarray(row)
+        return np.ascontiguousarray(finite_row(name, values, len(self.joints)))
 
 
 def plan(scene: World | Model, frame: str, goal: ArrayLike | None = None, **options: Any) -> Plan:

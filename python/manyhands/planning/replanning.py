@@ -25,8 +25,9 @@ __all__ = ["Replan", "ReplanStatus", "replan"]
 Array = NDArray[np.float64]
 ReplanStatus: TypeAlias = Literal["solved", "stopping", "collision ahead"]
 
-_JOINS = 24  # points of the new motion that are tried
-_FOR_SEARCH = 0.6  # of the time limit; the rest is for limits of the motion and for joining it
+_JOINS = 16  # points of the new motion that are tried
+_FOR_SEARCH = 0.5  # of the time limit; then limits of the motion are looked to
+_FOR_LINKS = 0.8  # of the time limit, until which points to join it are tried
 _MOMENT = 1e-3  # [s]
 
 
@@ -118,7 +119,7 @@ def replan(
     new = plan.trajectory(velocity=limits["velocity"], acceleration=limits["acceleration"])
     link, at = halt, 0.0
     for duration, time_there, make in _soonest_first(state, new, limits):
-        if duration > halt.duration + new.duration or time.perf_counter() - began > time_limit:
+        if duration > halt.duration + new.duration or time.perf_counter() - began > _FOR_LINKS * time_limit:
             break
         if is_free(motion_there := make()):
             link, at = motion_there, time_there

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import Model, World
-from manyhands.arguments import finite_rows
+from manyhands.arguments import finite_row
 
 Array = NDArray[np.float64]
 
@@ -22,9 +22,7 @@ def state_of(scene: World | Model, q: ArrayLike | None) -> tuple[Model, Array, A
         raise TypeError(
             f"scene is of type {type(scene).__name__}; expected a World or a Model (World.from_file reads a file)"
         )
-    row = finite_rows("q", scene.initial_configuration() if q is None else q, scene.nq)
-    if row.ndim != 1:
-        raise ValueError(f"q has shape {row.shape}; expected ({scene.nq},)")
+    row = finite_row("q", scene.initial_configuration() if q is None else q, scene.nq)
     return scene, np.ascontiguousarray(row), np.zeros(0)
 
 

@@ -1,6 +1,7 @@
 """Evaluates policy files on fresh episodes."""
 
 import json
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -39,6 +40,8 @@ class PolicyFile:
             raise ValueError(f"there is no file {path}{held}")
         import onnxruntime
 
+        if has_loop(path):
+            raise ValueError(f"{path} has a Loop, which need not end; a policy is a function without any")
         options = onnxruntime.SessionOptions()
         options.intra_op_num_threads = 1  # the networks are small, and the worlds have the cores
         try:
@@ -54,8 +57,10 @@ class PolicyFile:
         own = sorted(shapes.keys() - self.cameras.keys())
         if own != (["observation"] if self.cameras else ["achieved_goal", "desired_goal", "observation"]):
             raise ValueError(f"{path} is no goal policy: its inputs are {self.inputs}")
-        self._stacks = FrameStacks({name: shapes[name][1] for name in self.cameras})
         rows = [*self._session.get_inputs(), *self._session.get_outputs()]
+        if odd := [one.name for one in rows if not one.shape or len(one.shape) < 2]:
+            raise ValueError(f"{path} is no goal policy: {', '.join(odd)} should have a row for each world")
+        self._stacks = FrameStacks({name: shapes[name][1] for name in self.cameras})
         self._sizes = {one.name: one.shape[-1] for one in rows if one.name not in self.cameras}
 
     def require_fit(self, spec: EnvSpec) -> None:
@@ -91,6 +96,22 @@ class PolicyFile:
                 given[name] = np.asarray(observation[name], np.float32)[:, : self._sizes[name]]
         actions = np.asarray(self._session.run(None, given)[0])
         return actions if actions.ndim == 2 else actions[:, 0]
+
+
+def has_loop(path: Path) -> bool:
+    """Whether an ONNX file may go on for ever; nothing but the end of the program would stop it. False of a file that
+    is no ONNX."""
+    import onnx
+
+    try:
+        model = onnx.load(path, load_external_data=False)
+    except Exception:  # protobuf's errors have no common base but this
+        return False
+
+    def loops(nodes: Iterable[onnx.NodeProto]) -> bool:
+        return any(node.op_type == "Loop" or any(loops(one.g.node) for one in node.attribute) for node in nodes)
+
+    return loops(model.graph.node) or any(loops(function.node) for function in model.functions)
 
 
 class FrameStacks:

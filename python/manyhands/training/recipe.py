@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from manyhands._core.envs import make_env_batch
+from manyhands.arguments import as_whole
 from manyhands.env_names import resolve_env_id
 from manyhands.envs.cameras import eyes
 from manyhands.simple_yaml import Entry, read_yaml
@@ -207,8 +208,8 @@ class _Block:
         value = self._left.pop(name).value
         if kind is float and type(value) is int:
             value = float(value)
-        if kind is int and isinstance(value, float) and value.is_integer():  # 1e4
-            value = int(value)
+        if kind is int:
+            value = as_whole(value)  # 1e4
         if type(value) is not kind:
             raise self.error(name, f"{name} is {value!r}, expected {KINDS[kind]}")
         return value

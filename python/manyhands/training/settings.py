@@ -8,7 +8,7 @@ from typing import Any
 
 from manyhands._core.envs import expert_ids
 from manyhands._core.learn import TrainerConfig
-from manyhands.arguments import whole_number
+from manyhands.arguments import as_whole, whole_number
 from manyhands.envs.spaces import as_range
 
 KINDS = {bool: "true or false", int: "a whole number", float: "a number", str: "a text", list: "a list in brackets"}
@@ -50,8 +50,7 @@ def parse_overrides(assignments: Sequence[str]) -> dict[str, Any]:
 def override(config: TrainerConfig, name: str, value: Any) -> None:
     """Sets one trainer setting; whole numbers may be written as 1e4. Raises ValueError on another type."""
     kind = type(getattr(config, name))
-    whole = kind is int and isinstance(value, float) and value.is_integer()
-    given = int(value) if whole else value
+    given = as_whole(value) if kind is int else value
     try:
         setattr(config, name, given)
     except TypeError as error:

@@ -1,5 +1,7 @@
 """The tab with pictures of cameras in the scene."""
 
+import math
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -17,6 +19,7 @@ Picture = Callable[[], NDArray[np.uint8] | None]
 
 _NOTHING = "none"
 _WIDTH, _HEIGHT, _FOV = 320, 240, 0.9
+_EVERY = 0.4  # [s] between two pictures, which cost up to 20 ms each
 _LOOK = Look(antialiasing=2, shadow_rays=1)
 
 
@@ -24,15 +27,16 @@ class CameraPanel:
     """One picture at a time, taken only while it is chosen."""
 
     def __init__(self, viewer: Host, tabs: viser.GuiTabGroupHandle) -> None:
-        self._viewer, self._waits = viewer, False
+        self._viewer, self._waits, self._last = viewer, False, -math.inf
         self._eye = _Eye(viewer.source)
         self._cameras: dict[str, Picture] = {
             name: self._eye.through(camera) for name, camera in self._usual(viewer).items()
         }
         gui = viewer.server.gui
         with tabs.add_tab("Cameras"):
-            self._choice: Any = gui.add_dropdown("Camera", (_NOTHING, *self._cameras))
-            self._image = gui.add_image(np.full((3, 4, 3), 235, np.uint8))
+            first = next(name for name in ("hand", "front") if name in self._cameras)
+            self._choice: Any = gui.add_dropdown("Camera", (_NOTHING, *self._cameras), initial_value=first)
+            self._image = gui.add_image(np.full((_HEIGHT, _WIDTH, 3), 235, np.uint8))
 
     def add(self, name: str, camera: Camera | Picture) -> None:
         """Offers what a camera sees, or pictures (h, w, 3) that come from elsewhere."""
@@ -53,11 +57,11 @@ class CameraPanel:
         return cameras
 
     def refresh(self, _: Frame) -> None:
-        """Asks for the next picture, unless the last one is still being taken."""
-        picture = self._cameras.get(self._choice.value)
-        if picture is None or self._waits:
+        """Asks for the next picture, unless the last one is still being taken, or nobody has the page open."""
+        picture, now = self._cameras.get(self._choice.value), time.perf_counter()
+        if picture is None or self._waits or now - self._last < _EVERY or not self._viewer.server.get_clients():
             return
-        self._waits = True
+        self._waits, self._last = True, now
 
         def take() -> None:
             try:

@@ -19,6 +19,8 @@ from viser import _messages as messages
 from websockets.datastructures import Headers, MultipleValuesError
 from websockets.http11 import Request, Response
 
+from manyhands.viewer.face import Face
+
 _REFUSAL = b"manyhands: this page needs its token: open the address that was printed when it started.\n"
 _making = threading.Lock()
 
@@ -89,7 +91,7 @@ def serve(host: str, port: int, title: str, gate: Gate) -> viser.ViserServer:
 
     Raises RuntimeError if this version of viser opens its socket in another way: an open door is no option.
     """
-    with _making, _before_requests(gate) as doors, quiet():
+    with _making, _before_requests(gate, Face(title)) as doors, quiet():
         server = viser.ViserServer(host, port, label=title, verbose=False)
         if not doors:
             server.stop()
@@ -110,7 +112,7 @@ def quiet() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _before_requests(gate: Gate) -> Iterator[list[bool]]:
+def _before_requests(gate: Gate, face: Face) -> Iterator[list[bool]]:
     """viser has no hook for requests, but hands websockets one of its own: ours goes before it."""
     module, doors = websockets.asyncio.server, []
     original = module.serve
@@ -122,6 +124,7 @@ def _before_requests(gate: Gate) -> Iterator[list[bool]]:
                 return Response(http.HTTPStatus.FORBIDDEN, "Forbidden", headers, _REFUSAL)
             response = process_request(connection, request)
             if response is not None:
+                face.put_on(response)
                 gate.mark(request, response)
             return response
 

@@ -14,6 +14,7 @@ from manyhands.viewer.host import Host
 from manyhands.viewer.player import Frame
 
 _NOTHING = "none"
+_FIRST = ("Hand position", "Energy", "Joint positions")  # what is plotted until something is chosen
 _LENGTH = 600  # frames that a plot shows
 _COLORS = ("#2670a8", "#e0722c", "#2f9e62", "#c23b54", "#7d5ac9", "#8a6d3b", "#d264ac", "#5f6b76", "#a3a52a", "#22a3b8")
 
@@ -36,8 +37,11 @@ class GraphPanel:
         self._plot: Any = None
         self._tab = tabs.add_tab("Plots")
         with self._tab:
-            self._choice = self._gui.add_dropdown("Quantity", (_NOTHING, *self._known()))
+            known = self._known()
+            first = next((name for name in _FIRST if name in known), _NOTHING)
+            self._choice = self._gui.add_dropdown("Quantity", (_NOTHING, *known), initial_value=first)
             self._choice.on_update(lambda _: self._choose())
+        self._choose()
 
     def add(self, name: str, measure: Callable[[], ArrayLike]) -> None:
         """Offers another quantity."""
@@ -50,10 +54,10 @@ class GraphPanel:
         joints = joints_of(model)
         names = [name.rpartition("/")[2] for name in joints.names]
         if names:
-            known["Joint positions"] = Quantity("rad, m", names, lambda: source.q[joints.iq])
+            known["Joint positions"] = Quantity("°, m", names, lambda: joints.in_degrees * source.q[joints.iq])
         if world is not None:
             if names:
-                known["Joint velocities"] = Quantity("rad/s, m/s", names, lambda: world.v[joints.iv])
+                known["Joint velocities"] = Quantity("°/s, m/s", names, lambda: joints.in_degrees * world.v[joints.iv])
                 known["Joint forces"] = Quantity("N m, N", names, lambda: joint_forces(world))
             known["Contact force"] = Quantity(
                 "N", ["largest on a link"], lambda: max(contact_forces(world).values(), default=0.0)

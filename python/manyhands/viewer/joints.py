@@ -32,6 +32,8 @@ class Knob(NamedTuple):
     """The position actuator that drives it; -1: a motor of the page's."""
     gear: float
     is_finger: bool
+    follows: str
+    """The joint that it mimics, which alone has a slider; empty if none."""
 
 
 class JointDrive:
@@ -139,16 +141,15 @@ class JointDrive:
         self._targets = dict(targets)
 
     def _coupled(self, targets: dict[str, float]) -> dict[str, float]:
-        """With those of the joints that loops couple to them."""
-        model, wanted = self._world.model, dict(targets)
-        for equality in model.equalities:
-            if equality.type != "joint" or equality.ratio == 0:
-                continue
-            a, b = model.joints[equality.joint_a].name, model.joints[equality.joint_b].name
-            if a in targets and b in self._knobs:
-                wanted[b] = equality.ratio * targets[a] + equality.offset
-            elif b in targets and a in self._knobs:
-                wanted[a] = (targets[b] - equality.offset) / equality.ratio
+        """With those of the joints that mimic them, or that they mimic, and so on."""
+        wanted, known, couplings = dict(targets), dict(targets), _couplings(self._world.model)
+        while known:
+            name, value = known.popitem()
+            for leader, follower, ratio, offset in couplings:
+                if name == leader and follower in self._knobs and follower not in wanted:
+                    wanted[follower] = known[follower] = ratio * value + offset
+                elif name == follower and leader in self._knobs and leader not in wanted:
+                    wanted[leader] = known[leader] = (value - offset) / ratio
         return wanted
 
     def _send(self) -> None:
@@ -178,11 +179,22 @@ class JointDrive:
         self._targets = {name: target for name, target in self._targets.items() if name in self._knobs}
 
 
+def _couplings(model: Model) -> list[tuple[str, str, float, float]]:
+    """Joints a, and b that mimic them: b = ratio a + offset."""
+    joints = model.joints
+    return [
+        (joints[equality.joint_a].name, joints[equality.joint_b].name, equality.ratio, equality.offset)
+        for equality in model.equalities
+        if equality.type == "joint" and equality.ratio != 0
+    ]
+
+
 def _knobs(model: Model) -> list[Knob]:
     drives: dict[int, Any] = {}
     for index, actuator in enumerate(model.actuators):
         drives.setdefault(actuator.joint, (index, actuator))
     knobs = []
+    leaders = {follower: leader for leader, follower, _, _ in _couplings(model)}
     for index, joint in enumerate(model.joints):
         if joint.nv != 1:
             continue
@@ -199,5 +211,18 @@ def _knobs(model: Model) -> list[Knob]:
         gear = 1.0 if drive is None else drive.gear
         names = (joint.name, model.links[joint.child].name)
         is_finger = any(word in name.lower() for word in _FINGERS for name in names)
-        knobs.append(Knob(joint.name, joint.iq, joint.iv, lower, upper, force, number, gear, is_finger))
+        knobs.append(
+            Knob(
+                joint.name,
+                joint.iq,
+                joint.iv,
+                lower,
+                upper,
+                force,
+                number,
+                gear,
+                is_finger,
+                leaders.get(joint.name, ""),
+            )
+        )
     return knobs

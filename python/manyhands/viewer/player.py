@@ -59,6 +59,8 @@ class Player:
         self.playing = False
         self.problem = ""
         """Why the last step failed; empty if it did not."""
+        self.before_step: Callable[[], None] = lambda: None
+        """What drives the source, before each step."""
         self.watched: dict[str, Callable[[], Any]] = {}
         """What frames are to measure besides: names, and what gives a number or an array (k)."""
         self.wants_contacts = False
@@ -170,6 +172,7 @@ class Player:
             self._is_syncing = True
             try:
                 self.source.tick()
+                self.before_step()
                 if self._last_sync == -math.inf:
                     self.playing = True
                 self._work()
@@ -251,6 +254,7 @@ class Player:
         self._owed = self._owed + self.speed / self.fps if self.playing else 0.0
         while (self._steps_wanted > 0 or self._owed >= self.source.dt) and not self.problem:
             try:
+                self.before_step()
                 self.source.step()
             except Exception as reason:  # policies and tasks are other people's
                 self._fail(reason)

@@ -1,4 +1,4 @@
-"""The tab with joints: sliders, the hand's gizmo and the gripper."""
+"""The tab with joints: sliders, the hand's gizmo, plans and the gripper."""
 
 import time
 from itertools import takewhile
@@ -10,7 +10,8 @@ import viser
 from manyhands.measures import chain, hand_of
 from manyhands.viewer.controls import SharedSlider
 from manyhands.viewer.host import Host
-from manyhands.viewer.joints import JointDrive
+from manyhands.viewer.joints import JointDrive, Knob
+from manyhands.viewer.plan_panel import PlanPanel
 from manyhands.viewer.player import Frame
 from manyhands.viewer.teleop_panel import TeleopPanel
 
@@ -34,8 +35,9 @@ class RobotPanel:
         self._viewer, self._player, self._teleop = viewer, viewer.player, teleop
         assert viewer.source.joints is not None
         self._drive: JointDrive = viewer.source.joints
-        self._sliders: dict[str, SharedSlider] = {}
+        self.sliders: dict[str, SharedSlider] = {}
         self._gizmo: Any = None
+        self.plan: PlanPanel | None = None
         self._dragging = -np.inf
         self._tab = tabs.add_tab("Robot")
         self._folder: Any = None
@@ -48,6 +50,9 @@ class RobotPanel:
         if self._gizmo is not None:
             self._gizmo.remove()
             self._gizmo = None
+        if self.plan is not None:
+            self.plan.close()
+            self.plan = None
         model = self._viewer.source.model
         links = [link.name for link in model.links if len(chain(model, link.name)) > 1]
         with self._tab:
@@ -69,6 +74,7 @@ class RobotPanel:
             self._handle.on_update(lambda _: self._show_gizmo(self._handle.value))
             self._hand = gui.add_dropdown("Hand", links, initial_value=hand)
             self._hand.on_update(lambda _: self._show_gizmo(self._handle.value))
+            self.plan = PlanPanel(self._viewer, self._drive, lambda: self.hand, self._hand_over)
         if self._drive.opening is not None:
             grip = gui.add_slider("Gripper", 0.0, 1.0, 0.01, float(np.clip(self._drive.opening, 0, 1)))
             self._grip = SharedSlider(grip, self._move_grip)
@@ -79,15 +85,31 @@ class RobotPanel:
         pull.on_update(lambda _: setattr(self._viewer, "pull", float(pull.value)))
 
     def _make_sliders(self) -> None:
-        gui, self._sliders = self._viewer.server.gui, {}
-        knobs = self._drive.knobs
+        gui, self.sliders = self._viewer.server.gui, {}
+        knobs, joints = [k for k in self._drive.knobs if not k.follows], self._viewer.source.model.joints
+        slides = {joint.name for joint in joints if joint.type == "prismatic"}
+        self._units = {knob.name: 1e3 if knob.name in slides else float(np.degrees(1.0)) for knob in knobs}
         for knob, label in zip(knobs, labels([knob.name for knob in knobs]), strict=True):
-            value = float(np.clip(self._drive.value(knob), knob.lower, knob.upper))
-            slider = gui.add_slider(label, round(knob.lower, 4), round(knob.upper, 4), 0.001, round(value, 3))
-            self._sliders[knob.name] = SharedSlider(slider, lambda value, name=knob.name: self._move(name, value))
+            unit = self._units[knob.name]
+            slider = gui.add_slider(
+                f"{label} [{'mm' if knob.name in slides else '°'}]", round(unit * knob.lower, 1),
+                round(unit * knob.upper, 1), 0.1, self._shown(knob, self._drive.value(knob)),
+            )  # fmt: skip
+            self.sliders[knob.name] = SharedSlider(
+                slider, lambda value, name=knob.name, unit=unit: self._move(name, value / unit)
+            )
+
+    def _shown(self, knob: Knob, value: float) -> float:
+        """What a slider says of a joint's place [degrees or mm]."""
+        return round(self._units[knob.name] * float(np.clip(value, knob.lower, knob.upper)), 1)
 
     def take_over(self) -> None:
-        """In an environment: hands, not a policy, move the joints from now on."""
+        """Hands move the joints from now on, not a plan, and in an environment not a policy."""
+        if self.plan is not None:
+            self.plan.stop()
+        self._hand_over()
+
+    def _hand_over(self) -> None:
         if self._teleop is not None:
             self._teleop.choose_sliders()
 
@@ -102,9 +124,9 @@ class RobotPanel:
     def refresh(self, _: Frame) -> None:
         """Sliders follow the joints, or what drives them."""
         for knob in self._drive.knobs:
-            slider = self._sliders.get(knob.name)
+            slider = self.sliders.get(knob.name)
             if slider is not None:
-                slider.show(round(float(np.clip(self._drive.target(knob.name), knob.lower, knob.upper)), 3))
+                slider.show(self._shown(knob, self._drive.target(knob.name)))
         opening = self._drive.opening
         if self._grip is not None and opening is not None:
             self._grip.show(round(float(np.clip(opening, 0, 1)), 2), tolerance=0.005)

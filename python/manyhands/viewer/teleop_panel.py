@@ -14,26 +14,17 @@ from manyhands.experts import Expert
 from manyhands.viewer.environments import EnvSource, Outcome
 from manyhands.viewer.episodes import EpisodeWriter
 from manyhands.viewer.host import Host
+from manyhands.viewer.pad import add_pad, hand_moves, joint_moves
 from manyhands.viewer.player import Frame
 
 _HELD_FOR = 0.15  # [s] that a key acts: longer than a keyboard takes to repeat it
 _HANDS, _SLIDERS, _STILL, _RANDOM = "keys and buttons", "sliders and gizmo", "nobody", "random actions"
 _EXPERT = "scripted expert"
+_RED = (188, 62, 62)
 _BY_HAND = (_HANDS, _SLIDERS)  # they take the time they want
 
 Act = Callable[[Any], Any]
 """Gives an action for an observation."""
-
-# Keys, what they say on the page, and the direction of the action: the camera has W A S D and the arrows.
-_MOVES = (
-    ("I", "Forward", 0, 1.0), ("K", "Back", 0, -1.0), ("J", "Left", 1, 1.0), ("L", "Right", 1, -1.0),
-    ("U", "Up", 2, 1.0), ("O", "Down", 2, -1.0),
-)  # fmt: skip
-_TURNS = (
-    ("1", "Roll +", 3, 1.0), ("2", "Roll -", 3, -1.0), ("3", "Pitch +", 4, 1.0), ("4", "Pitch -", 4, -1.0),
-    ("5", "Yaw +", 5, 1.0), ("6", "Yaw -", 5, -1.0),
-)  # fmt: skip
-_JOINT_KEYS = (("I", "K"), ("J", "L"), ("U", "O"), ("1", "2"), ("3", "4"), ("5", "6"), ("7", "8"), ("9", "0"))
 
 
 class TeleopPanel:
@@ -50,7 +41,8 @@ class TeleopPanel:
         with tabs.add_tab("Drive"):
             self._actors = self._usual()
             hands = [_HANDS, *((_SLIDERS,) if self._source.joints is not None else ())]
-            self._actor: Any = gui.add_dropdown("Who acts", [*hands, *self._actors], initial_value=_HANDS)
+            first = _EXPERT if _EXPERT in self._actors else _HANDS
+            self._actor: Any = gui.add_dropdown("Who acts", [*hands, *self._actors], initial_value=first)
             self._actor.on_update(lambda _: self._choose())
             self._status = gui.add_markdown("")
             ends = gui.add_checkbox(
@@ -59,11 +51,12 @@ class TeleopPanel:
                 "then another one begins",
             )  # fmt: skip
             ends.on_update(lambda _: setattr(self._source, "ends", ends.value))
-            self._strength = gui.add_slider("Strength", 0.05, 1.0, 0.05, 0.6, hint="Of an action by key or button")
-            self._add_buttons(gui)
-            self._add_grip(gui)
+            with gui.add_folder("By hand"):
+                self._add_buttons(gui)
+                self._strength = gui.add_slider("Strength", 0.05, 1.0, 0.05, 0.6, hint="Of an action by key or button")
+                self._add_grip(gui)
             self._keep = gui.add_button(
-                "Record episodes", icon=viser.Icon.PLAYER_RECORD, hint="Every step from now on (key B)"
+                "Record episodes", icon=viser.Icon.PLAYER_RECORD, color=_RED, hint="Every step from now on (key B)"
             )
             self._keep.on_click(lambda _: self._record())
             gui.add_command("Record episodes", hotkey="B").on_trigger(lambda _: self._record())
@@ -102,7 +95,10 @@ class TeleopPanel:
         actor = self._actor.value
 
         def choose() -> None:
-            self._source.limit = None if actor in _BY_HAND else self._source.max_steps
+            by_hand = actor in _BY_HAND
+            self._source.limit = None if by_hand else self._source.max_steps
+            if not (by_hand or self._viewer.player.is_driven) and self._source.outcome.length:
+                self._source.reset()  # an episode that somebody else began would count as theirs
             self._source.count_anew()
             self._renew()
             if actor != _SLIDERS and self._source.joints is not None:
@@ -124,6 +120,12 @@ class TeleopPanel:
     def press(self, axis: int, sign: float) -> None:
         """A key or button is held: it acts a little longer than the next such call takes to come."""
         self._until[axis, sign] = time.perf_counter() + _HELD_FOR
+        self._take_over()
+
+    def _take_over(self) -> None:
+        """Hands act from now on, and time passes."""
+        if self._actor.value != _HANDS:
+            self._actor.value = _HANDS
         if not self._viewer.player.playing and not self._viewer.player.problem:
             self._viewer.play()
 
@@ -138,22 +140,10 @@ class TeleopPanel:
         return action
 
     def _add_buttons(self, gui: viser.GuiApi) -> None:
-        size = self._source.action_size
         self._has_grip = self._source.has_grip
-        if self._source.control_type.startswith("joint"):
-            arm = size - self._has_grip
-            moves = [
-                (key, f"Joint {joint + 1} {sign}", joint, 1.0 if sign == "+" else -1.0)
-                for joint, keys in zip(range(arm), _JOINT_KEYS, strict=False)
-                for key, sign in zip(keys, "+-", strict=True)
-            ]
-        else:
-            moves = [*_MOVES, *_TURNS][: 2 * min(6, size - self._has_grip)]
-        for key, label, axis, sign in moves:
-            button = gui.add_button(f"{label}  ({key})")
-            button.on_hold(callback_hz=20.0)(lambda _, axis=axis, sign=sign: self.press(axis, sign))
-            command = gui.add_command(label, hotkey=key)  # pyright: ignore[reportArgumentType]
-            command.on_trigger(lambda _, axis=axis, sign=sign: self.press(axis, sign))
+        size = self._source.action_size - self._has_grip
+        rows = joint_moves(size) if self._source.control_type.startswith("joint") else hand_moves(size)
+        add_pad(gui, rows, self.press)
 
     def _add_grip(self, gui: viser.GuiApi) -> None:
         if not self._has_grip:
@@ -164,8 +154,7 @@ class TeleopPanel:
 
     def _toggle_grip(self) -> None:
         self._grip = -1.0 if self._grip > 0 else 1.0
-        if not self._viewer.player.playing and not self._viewer.player.problem:
-            self._viewer.play()
+        self._take_over()
 
     # ---- episodes ------------------------------------------------------------------------------------------------
 

@@ -23,7 +23,7 @@ from manyhands.measures import rotate
 from manyhands.viewer.batches import source_of_worlds
 from manyhands.viewer.environments import EnvSource, source_of_environment
 from manyhands.viewer.gate import Gate, is_loopback, quiet, serve
-from manyhands.viewer.notebook import page_in_cell
+from manyhands.viewer.notebook import has_screen, is_notebook, page_in_cell
 from manyhands.viewer.overlays import Overlays
 from manyhands.viewer.panel import Panel
 from manyhands.viewer.player import Frame, Player
@@ -58,15 +58,16 @@ class Viewer:
         token: str | None = None,
         title: str = "",
         fps: float = 30.0,
-        open_browser: bool = False,
+        open_browser: bool | None = None,
         announce: bool = True,
     ) -> None:
         """shown: a `World`, or an environment of this package made by `gymnasium.make` or `gymnasium.make_vec`.
 
         host: the address to listen on. Any that is not this machine's own needs a token in the page's address: the one
-        given, or one drawn at random. port: the first to try. fps: frames a second, at most. announce: whether the
-        page's address is printed. Raises TypeError on things of another kind, ValueError on a rate or port that makes
-        no sense.
+        given, or one drawn at random. port: the first to try. fps: frames a second, at most. open_browser: whether this
+        machine's browser opens the page; by default where there is a screen, except in notebooks, which show the page
+        themselves. announce: whether the page's address is printed. Raises TypeError on things of another kind,
+        ValueError on a rate or port that makes no sense.
         """
         if not 1 <= fps <= 120:
             raise ValueError(f"fps is {fps}; expected 1 to 120")
@@ -99,6 +100,8 @@ class Viewer:
         if announce:
             moved = f" (port {port} is taken)" if port not in (0, self.server.get_port()) else ""
             print(f"manyhands: {self.source.title} is on {self.url}{moved}", flush=True)
+        if open_browser is None:
+            open_browser = has_screen() and not is_notebook()
         if open_browser:  # some of them let whoever opens them wait
             threading.Thread(target=webbrowser.open, args=(self.url,), daemon=True).start()
 

@@ -130,6 +130,39 @@ TEST(EnergyBalance, GravityDoesNoMoreThanItsFall) {
   EXPECT_THROW(world.step(50), SimulationError);
 }
 
+/// The pendulum, drawn by a spring that rests at a length of 2 m.
+ModelPointer drawn(const std::string& stiffness) {
+  const std::string rod = "<geom type='capsule' size='.02' fromto='0 0 0 .3 0 0' contype='0'/>";
+  return scene("<site name='anchor' pos='.1 .2 .4'/><body><joint name='shoulder' axis='0 1 0'/>" + rod +
+                   "<body pos='.3 0 0'><joint name='elbow' axis='0 1 0'/>" + rod +
+                   "<site name='tip' pos='.3 0 0'/></body></body>",
+               "<tendon><spatial stiffness='" + stiffness +
+                   "' springlength='2'><site site='anchor'/><site site='tip'/></spatial></tendon>");
+}
+
+/// One that flings the rods around its anchor in a step meets them where it had not pushed: what it holds then is
+/// named.
+TEST(EnergyBalance, ASpringThatAStepPassesIsNamed) {
+  World world(drawn("1e10"), 0.002);
+  const std::uint64_t hash = world.state_hash();
+  try {
+    for (int i = 0; i < 300; ++i) world.step();
+    FAIL() << "no error";
+  } catch (const SimulationError& error) {
+    EXPECT_NE(std::string(error.what()).find("its tree's"), std::string::npos) << error.what();
+  }
+  EXPECT_EQ(world.state_hash(), hash);
+}
+
+/// One that a step can follow gives what it holds, and takes it back.
+TEST(EnergyBalance, ASpringInReasonIsNoneOfIt) {
+  World world(drawn("10"), 0.0005);
+  const auto total = [&] { return world.energy().kinetic + world.energy().potential; };
+  const double before = total();
+  world.step(2000);
+  EXPECT_NEAR(total() / before, 1, 0.02);
+}
+
 TEST(EnergyBalance, ABatchFlagsIt) {
   Batch batch(pendulum(), 3, 0.002, {.num_threads = 1});
   batch.set_v(std::vector<float>{0, 0, 2000, -3000, 1, 1});

@@ -232,6 +232,26 @@ TEST(WorldBodies, AreSetAndRead) {
   EXPECT_THROW((void)world.body_pose("nobody"), std::out_of_range);
 }
 
+TEST(WorldErrors, AStepThatFailsLeavesContactsAsTheyWereWhereverTheyAreFrom) {
+  World world(stack(2));
+  world.step(20);
+  const auto fails_and_returns = [&] {
+    const std::uint64_t hash = world.state_hash();
+    world.apply_force("cube1", {1e308, 0, 0});
+    EXPECT_THROW(world.step(), SimulationError);
+    EXPECT_EQ(world.state_hash(), hash);
+  };
+  fails_and_returns();  // contacts of the last step
+  fails_and_returns();  // of the step before one that failed
+  world.step();
+  world.restore(world.snapshot());
+  fails_and_returns();  // of a snapshot
+  world.step();
+  world.set_collision("cube0", "cube1", false);
+  fails_and_returns();  // of pairs that were others
+  world.step(20);
+}
+
 TEST(WorldErrors, NumbersBeyondReasonEndInAnErrorThatNamesTheJoint) {
   World world(stack(2));
   world.step(20);

@@ -1,7 +1,9 @@
 """Controllers over rows; estimation, responses and refusals."""
 
 import math
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -159,6 +161,73 @@ def test_nonsense_is_refused(panda: mh.Model) -> None:
         control.ziegler_nichols(1, 0)
     with pytest.raises(ValueError, match="rise"):
         control.step_response([1, 0], [0, 0], 1)
+
+
+STATE = ("q", "v", "q_desired", "v_desired", "a_desired")
+POSED = ("q", "v", "position", "quaternion")
+NUMBERS: dict[str, tuple[Callable[..., Any], tuple[str, ...], tuple[str, ...]]] = {
+    "gravity_torque": (control.gravity_torque, ("q",), ()),
+    "pd_gravity": (control.pd_gravity, STATE[:4], ("kp", "kd")),
+    "pd_feedforward": (control.pd_feedforward, STATE, ("kp", "kd")),
+    "computed_torque": (control.computed_torque, (*STATE, "integral"), ("kp", "kd", "ki")),
+    "sliding_mode": (control.sliding_mode, STATE, ("slope", "kd", "robust", "boundary")),
+    "impedance": (control.impedance, POSED, ("stiffness", "damping", "rotational_stiffness", "rotational_damping")),
+    "operational_space": (
+        control.operational_space,
+        (*POSED, "velocity", "acceleration", "force", "posture"),
+        ("kp", "kd", "rotational_kp", "rotational_kd", "force_damping", "regularisation"),
+    ),
+}
+"""Controllers of a model, and the names of their arrays and of their gains."""
+
+
+@pytest.mark.parametrize("kind", [np.float32, np.float64])
+@pytest.mark.parametrize("name", NUMBERS)
+def test_the_input_that_is_nan_is_named(panda: mh.Model, name: str, kind: type) -> None:
+    controller, arrays, gains = NUMBERS[name]
+    framed = ("panda_hand",) if "position" in arrays else ()
+    widths = {"position": 3, "quaternion": 4, "velocity": 6, "acceleration": 6, "force": 6}
+    good: dict[str, Any] = {array: np.ones((3, widths.get(array, panda.nv)), kind) for array in arrays}
+    good |= dict.fromkeys(gains, 1.0)
+    assert np.isfinite(controller(panda, *framed, **good)).all()
+    for array in arrays:
+        bad = good[array].copy()
+        bad[1, 2] = np.nan
+        with pytest.raises(ValueError, match=rf"^{array} is -?nan at index 2, row 1"):
+            controller(panda, *framed, **(good | {array: bad}))
+    for gain in gains:
+        with pytest.raises(ValueError, match=rf"^{gain} is -?nan"):
+            controller(panda, *framed, **(good | {gain: np.nan}))
+
+
+def test_nan_in_laws_without_a_model_is_named() -> None:
+    nan = [0.0, np.nan]
+    with pytest.raises(ValueError, match="kd"):
+        control.Pid(1, kd=nan, dt=0.1)
+    with pytest.raises(ValueError, match="max_force"):
+        control.Pid(1, dt=0.1, max_force=np.nan)
+    with pytest.raises(ValueError, match="rate"):
+        control.Pid(1, dt=0.1).force([1, 1], nan)
+    with pytest.raises(ValueError, match="force"):
+        control.limited(nan, 1)
+    with pytest.raises(ValueError, match="most"):
+        control.limited([0, 1], nan)
+    with pytest.raises(ValueError, match="last"):
+        control.rate_limited([0, 1], nan, 1, 0.1)
+    with pytest.raises(ValueError, match="position_noise"):
+        control.KalmanFilter.of_joints([0, 0], dt=0.1, acceleration_noise=1, position_noise=nan)
+    with pytest.raises(ValueError, match="z must be finite"):
+        control.KalmanFilter.of_joints([0, 0], dt=0.1, acceleration_noise=1, position_noise=1).update(nan)
+    with pytest.raises(ValueError, match="set_point"):
+        control.step_response([0, 1], [0, 1], np.nan)
+    with pytest.raises(ValueError, match="delay"):
+        control.stability_margins([1], [1, 1], delay=np.nan)
+
+
+def test_a_quaternion_without_a_direction_is_refused(panda: mh.Model) -> None:
+    q = np.zeros(panda.nq)
+    with pytest.raises(ValueError, match="direction"):
+        control.impedance(panda, "panda_hand", q, q, [0, 0, 0], [0, 0, 0, 0])
 
 
 def test_a_ball_joint_is_refused() -> None:

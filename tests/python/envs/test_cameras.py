@@ -38,6 +38,25 @@ def test_render_has_panda_gyms_arguments() -> None:
         ArmEnv(render_mode="rgb_array", render_width=0)
 
 
+def test_the_floor_of_pictures_has_the_colour_that_is_asked_for() -> None:
+    """Videos show it lighter than panda-gym has it; all else, and what cameras observe, stays."""
+    options: Any = {"render_mode": "rgb_array", "render_width": 96, "render_height": 64}
+    pictures = []
+    for floor in (None, (0.9, 0.1, 0.1)):
+        env = ArmEnv("PandaPush", cameras={"front": {}}, render_floor=floor, **options)
+        observation, _ = env.reset(seed=0)
+        pictures.append((env.render(), observation["front"]))
+    (plain, seen), (red, seen_too) = pictures
+    assert np.array_equal(seen, seen_too)
+    corner, middle = (slice(-8, None), slice(0, 8)), (slice(28, 36), slice(44, 52))
+    assert plain[corner].mean() < 80
+    assert (red[corner][..., 0] > red[corner][..., 1] + 50).all()
+    assert np.array_equal(red[middle], plain[middle])
+    for floor in ((1, 1), (0, 0, 2), (np.nan, 0, 0)):
+        with pytest.raises((TypeError, ValueError), match="render_floor is"):
+            ArmEnv(render_floor=floor, **options)
+
+
 def test_depth_of_the_table_is_where_the_table_is() -> None:
     options = {"render_width": 90, "render_height": 60, "render_target_position": [0.2, -0.2, 0]}
     env = ArmEnv(render_mode="depth_array", **options)  # pyright: ignore[reportArgumentType]

@@ -23,7 +23,7 @@ MODULES = [
     "manyhands", "manyhands.collision", "manyhands.control", "manyhands.demos", "manyhands.dynamics", "manyhands.envs",
     "manyhands.experts", "manyhands.kinematics", "manyhands.learn", "manyhands.perception", "manyhands.planning",
     "manyhands.planning.online", "manyhands.plots", "manyhands.policies", "manyhands.recording", "manyhands.textures",
-    "manyhands.video", "manyhands.viewer", "manyhands.world_envs",
+    "manyhands.video", "manyhands.viewer", "manyhands.vision", "manyhands.world_envs",
 ]  # fmt: skip
 # What compiled functions and named tuples say of themselves where nobody else did.
 BY_THEMSELVES = re.compile(r"\(self\) -> .*|Alias for field number \d+|Initialize self\..*|(\w+)\(.*\)( -> .*)?")

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from manyhands import planning
+import manyhands as mh
+from manyhands import kinematics, planning
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 
@@ -38,10 +39,22 @@ def test_an_arm_puts_into_a_bin_what_a_camera_sees() -> None:
     things = sorted((seen.body_pose(f"thing{k}")[0] for k in range(2)), key=lambda p: -p[1])
     for thing, name in zip(things, ("brick", "can"), strict=True):
         np.testing.assert_allclose(thing, world.body_pose(name)[0], atol=5e-3)
+    _, down, away = example["plan_pick"](seen)
+    assert least_distance_of_held(world, example["TOOL"], down, away) > 0.8 * example["MARGIN"]
     example["clear"](world)
     for name in ("brick", "can"):
         assert (np.abs(world.body_pose(name)[0] - [0, 0.52, 0.103]) < [0.2, 0.15, 0.103]).all()
     assert example["plan_pick"](example["see"](world)) == []
+
+
+def least_distance_of_held(world: mh.World, tool: str, down: planning.Plan, away: planning.Plan) -> float:
+    """Of the thing as it is, not as it is seen, and of the arm that carries it, from all else but the floor."""
+    q = planning.Planner(world, tool).configuration(down.waypoints[-1])
+    at, _ = kinematics.forward(world.model, q, tool)
+    name = min(("brick", "can"), key=lambda name: float(np.linalg.norm(world.body_pose(name)[0] - at)))
+    held, allowed = {name: "arm/gripper/palm"}, [(name, "floor")]
+    carrier = planning.Planner(world.model, tool, q=q, attached=held, allowed=allowed)
+    return carrier.least_distance(away.waypoints).distance
 
 
 def test_a_cup_is_carried_upright() -> None:

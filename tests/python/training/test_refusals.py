@@ -45,7 +45,29 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for node in model.graph.node:
         node.input[:] = ["picture" if name == "observation" else name for name in node.input]
     onnx.save(model, folder / "other.onnx")
+    true = onnx.helper.make_tensor("", onnx.TensorProto.BOOL, [], [True])
+    ends = {
+        "one_number.onnx": [onnx.helper.make_node("ReduceSum", ["action"], ["end"], keepdims=0)],
+        "endless.onnx": [
+            onnx.helper.make_node("Constant", [], ["always"], value=true),
+            onnx.helper.make_node("Loop", ["", "always", "action"], ["end"], body=_body()),
+        ],
+    }
+    for name, nodes in ends.items():
+        model = onnx.load(folder / "run" / "policy.onnx")
+        model.graph.node.extend(nodes)
+        del model.graph.output[:]
+        model.graph.output.append(onnx.helper.make_tensor_value_info("end", onnx.TensorProto.FLOAT, None))
+        onnx.save(model, folder / name)
     return folder
+
+
+def _body() -> onnx.GraphProto:
+    """Of a loop that never ends."""
+    info, bools, floats = onnx.helper.make_tensor_value_info, onnx.TensorProto.BOOL, onnx.TensorProto.FLOAT
+    nodes = [onnx.helper.make_node("Identity", [a], [b]) for a, b in (("again", "still"), ("x", "y"))]
+    inputs = [info("i", onnx.TensorProto.INT64, []), info("again", bools, []), info("x", floats, None)]
+    return onnx.helper.make_graph(nodes, "body", inputs, [info("still", bools, []), info("y", floats, None)])
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -77,6 +99,8 @@ REQUESTS = [
     ("record PandaPush --policy run", "does not fit PandaPush-v3"),
     ("demos PandaPush --policy run", "does not fit PandaPush-v3"),
     ("evaluate other.onnx --env PandaReach", "is no goal policy"),
+    ("evaluate one_number.onnx --env PandaReach", "end should have a row for each world"),
+    ("evaluate endless.onnx --env PandaReach", "endless.onnx has a Loop, which need not end"),
     ("evaluate garbage.onnx --env PandaReach", "garbage.onnx"),
     ("view PandaReach --policy garbage.onnx", "garbage.onnx"),
     ("record PandaReach --policy garbage.onnx", "garbage.onnx"),

@@ -355,6 +355,24 @@ sys.exit(main())
     assert (process.returncode, process.stdout, process.stderr) == (130, "", "")
 
 
+@pytest.mark.parametrize("error", ["KeyboardInterrupt", "ImportError('failed') from KeyboardInterrupt()"])
+def test_ctrl_c_while_the_module_is_imported_ends_silently(error: str, tmp_path: Path) -> None:
+    """`python -m manyhands` imports the package before any of its own code can run."""
+    (tmp_path / "sitecustomize.py").write_text(f"""
+import sys
+class Struck:
+    def find_spec(self, name, path=None, target=None):
+        if name == "numpy":
+            raise {error}
+sys.meta_path.insert(0, Struck())
+""")
+    process = subprocess.run(
+        [sys.executable, "-m", "manyhands", "envs"], capture_output=True, text=True,
+        env=os.environ | {"PYTHONPATH": str(tmp_path)},
+    )  # fmt: skip
+    assert (process.returncode, process.stdout, process.stderr) == (130, "", "")
+
+
 @pytest.mark.parametrize("threads", ["0", "-1", "1025", "99999"])
 def test_numbers_of_threads_that_make_no_sense_are_refused(
     threads: str, reach: RunFolder, capsys: pytest.CaptureFixture[str]

@@ -1,5 +1,6 @@
 """Environments on a page: who acts, how episodes end, and what `manyhands view` is asked for."""
 
+import webbrowser
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -7,6 +8,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
+from viewed import until
 
 from manyhands import cli, robots
 from manyhands.cli import view
@@ -131,6 +133,8 @@ def test_the_page_offers_who_may_act(page: Viewer) -> None:
     assert panel._actor.options == (
         "keys and buttons", "sliders and gizmo", "nobody", "random actions", "scripted expert"
     )  # fmt: skip
+    assert panel._actor.value == "scripted expert"  # whoever opens the page sees something happen
+    panel._actor.value = "keys and buttons"
     source = told(page)
     assert source.limit is None  # hands take their time
     panel._actor.value = "nobody"
@@ -172,6 +176,33 @@ def test_an_expert_begins_anew_with_each_episode(page: Viewer) -> None:
     assert told(page).policy is not before
 
 
+def test_what_hands_began_does_not_count_as_the_experts(page: Viewer) -> None:
+    """Their episode was longer than those of experts may be, and ended at once, as a failure of the expert's."""
+    panel = page.panel.teleop
+    assert panel is not None
+    panel._actor.value = "keys and buttons"
+    source = told(page)
+    while source.outcome.length <= 50 or source.outcome.success:
+        source.step()
+    panel._actor.value = "scripted expert"
+    source = told(page)
+    while source.outcome.episodes < 3:
+        source.step()
+    assert source.outcome.successes == source.outcome.episodes
+
+
+def test_a_key_takes_over_from_whoever_acts(page: Viewer) -> None:
+    panel = page.panel.teleop
+    assert panel is not None
+    panel._actor.value = "scripted expert"
+    told(page)
+    try:
+        panel.press(2, 1.0)
+        assert panel._actor.value == "keys and buttons" and page.player.playing
+    finally:
+        page.pause()
+
+
 def test_experts_are_offered_where_they_can_act() -> None:
     for options, offered in (({}, True), ({"robot": "arm6"}, True), ({"control_type": "ee_pose"}, False)):
         env = ArmEnv("PandaReach", **options)
@@ -198,6 +229,25 @@ def test_a_loop_of_the_programs_is_said_to_act(page: Viewer) -> None:
 
 def shown(*arguments: str) -> Viewer:
     return view.shown(cli._parser().parse_args(["view", *arguments, "--port", "18460"]))
+
+
+def test_an_environment_opens_with_its_expert_moving() -> None:
+    for arguments, plays in ((["PandaPickAndPlace"], True), (["PandaPush", "--no-play"], False), (["panda"], False)):
+        with shown(*arguments) as viewer:
+            assert viewer.player.playing == plays
+            if viewer.panel.teleop is not None:
+                assert viewer.panel.teleop._actor.value == "scripted expert"
+
+
+def test_the_browser_opens_where_somebody_would_see_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[str] = []
+    monkeypatch.setattr(webbrowser, "open", asked.append)
+    for screen, arguments, opens in (("", [], 0), (":0", [], 1), (":0", ["--no-open"], 0), ("", ["--open"], 1)):
+        asked.clear()
+        monkeypatch.setenv("DISPLAY", screen)
+        with shown("table", *arguments) as viewer:
+            until(lambda opens=opens: len(asked) == opens)
+            assert all(address == viewer.url for address in asked)
 
 
 def test_a_learned_policy_reaches_on_the_page(reach_policy: Path) -> None:

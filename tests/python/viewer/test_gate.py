@@ -1,6 +1,8 @@
 """Who may come in."""
 
+import gzip
 import http.client
+import urllib.request
 from collections.abc import Iterator
 
 import pytest
@@ -34,6 +36,21 @@ def _viser_version() -> str:
 def guarded() -> Iterator[Viewer]:
     with Viewer(falling_ball(), port=18420, token="open sesame!", announce=False) as viewer:
         yield viewer
+
+
+@pytest.mark.parametrize("packed", [False, True])
+def test_the_page_has_a_name_and_an_icon_of_its_own(here: Viewer, packed: bool) -> None:
+    """viser's page says "Viser", and shows its logo."""
+    address = f"http://127.0.0.1:{here.server.get_port()}/"
+    asked = urllib.request.Request(address, headers={"Accept-Encoding": "gzip"} if packed else {})
+    for _ in range(2):
+        with urllib.request.urlopen(asked, timeout=5) as response:
+            body = response.read()
+            assert int(response.headers["Content-Length"]) == len(body)
+        page = gzip.decompress(body) if packed else body
+        assert b"<title>world \xc2\xb7 manyhands</title>" in page and b"<title>Viser" not in page
+        assert page.count(b'rel="icon"') == 1 and b"%23266ea0" in page
+        assert page.rstrip().endswith(b"</html>")
 
 
 def test_this_machine_needs_no_token(here: Viewer) -> None:

@@ -88,22 +88,41 @@ def test_moving_a_slider_moves_the_robot(arm: Viewer, page: Any) -> None:
     assert world is not None
     before, _ = world.body_pose("panda_grasptarget")
     page.get_by_role("tab", name="Robot").click()
-    box = number_box(page, "joint1")
-    box.fill("0.8")
+    box = number_box(page, "joint1 [°]")
+    box.fill("45")
     box.press("Enter")
-    until(lambda: abs(world.q[0] - 0.8) < 1e-6)
+    until(lambda: abs(world.q[0] - np.pi / 4) < 1e-6)
     after, _ = world.body_pose("panda_grasptarget")
-    assert np.allclose(after[:2], np.hypot(*before[:2]) * np.array([np.cos(0.8), np.sin(0.8)]), atol=1e-6)
+    assert np.allclose(after[:2], np.hypot(*before[:2]) * np.sqrt([0.5, 0.5]), atol=1e-6)
     assert world.time == 0  # it stands still: the joint was put there
 
     page.get_by_role("button", name="Play", exact=True).click()
     until(lambda: world.time > 0)
-    box = number_box(page, "joint1")
-    box.fill("0.2")
+    box = number_box(page, "joint1 [°]")
+    box.fill("12")
     box.press("Enter")
-    until(lambda: abs(world.q[0] - 0.2) < 5e-3)  # driven there, by its motor
+    until(lambda: abs(world.q[0] - np.pi / 15) < 5e-3)  # driven there, by its motor
     page.get_by_role("button", name="Pause", exact=True).click()
     until(lambda: not arm.player.playing)
+
+
+def test_a_goal_is_shown_and_gone_to(arm: Viewer, page: Any) -> None:
+    opened(page, arm)
+    assert arm.panel.robot is not None and arm.panel.robot.plan is not None
+    plan = arm.panel.robot.plan
+    page.get_by_role("tab", name="Robot").click()
+    page.get_by_label("Drag a goal").click()
+    until(lambda: plan.goal is not None)
+    position, quaternion = plan.goal or (np.zeros(3), np.zeros(4))
+    wanted = position + np.array([0, 0.1, 0.05])
+    plan.show_goal(True, (wanted, quaternion))
+    page.get_by_role("button", name="Plan and go").click()
+    page.get_by_text("found in").wait_for()
+    world = arm.source.world
+    assert world is not None
+    until(lambda: np.linalg.norm(world.body_pose("panda_grasptarget")[0] - wanted) < 5e-3)
+    plan.show_goal(False)
+    arm.pause()
 
 
 def test_pause_step_and_reset(arm: Viewer, page: Any) -> None:

@@ -102,12 +102,16 @@ def test_axes_trails_and_plots_are_chosen(here: Viewer) -> None:
     assert not here.player.problem
 
 
-def test_cameras_see_the_scene(here: Viewer) -> None:
+def test_cameras_see_the_scene_while_somebody_has_the_page_open(here: Viewer, monkeypatch: pytest.MonkeyPatch) -> None:
     cameras = here.panel.cameras
     assert cameras is not None
     cameras._choice.value = "front"
-    until(lambda: cameras._image.image.shape == (240, 320, 3), 20.0)
-    assert cameras._image.image.std() > 5
+    cameras.refresh(None)  # pyright: ignore[reportArgumentType]
+    assert here.player.do(lambda: None, wait=5.0)
+    assert cameras._image.image.std() == 0
+    monkeypatch.setattr(here.server, "get_clients", lambda: {0: object()})
+    until(lambda: cameras._image.image.std() > 5, 20.0)
+    assert cameras._image.image.shape == (240, 320, 3)
     cameras._choice.value = "none"
 
 

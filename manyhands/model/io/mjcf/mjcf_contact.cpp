@@ -1,5 +1,6 @@
 // Which geoms may touch: contype and conaffinity, <contact>'s pairs and exclusions, and MuJoCo's rules for neighbours.
 #include <algorithm>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -174,39 +175,106 @@ SurfaceMaterial surface_between(const MjcfGeom& a, const MjcfGeom& b) {
   return surface;
 }
 
+/// Whether filters and the larger friction of both surfaces say here what MuJoCo has for two geoms.
+bool is_usual(const MjcfGeom& a, const MjcfGeom& b) {
+  const SurfaceMaterial theirs = surface_between(a, b);
+  const SurfaceMaterial own_a = surface_of(a.friction, a.condim), own_b = surface_of(b.friction, b.condim);
+  const bool is_largest = theirs.lateral_friction == std::max(own_a.lateral_friction, own_b.lateral_friction) &&
+                          theirs.spinning_friction == std::max(own_a.spinning_friction, own_b.spinning_friction) &&
+                          theirs.rolling_friction == std::max(own_a.rolling_friction, own_b.rolling_friction);
+  return is_largest && (a.priority == b.priority || (!a.compliance && !b.compliance));
+}
+
+/// Whether geoms that are not filtered in MuJoCo may be filtered here, for their bodies lie next to each other.
+bool is_filtered_here(const MjcfScene& scene, const MjcfGeom& a, const MjcfGeom& b) {
+  const auto moving = [&](const MjcfGeom& geom) {
+    return scene.bodies[static_cast<std::size_t>(geom.body)].first_moving;
+  };
+  return is_on_base(scene, a, b) || is_on_base(scene, b, a) || are_neighbours(scene, moving(a), moving(b));
+}
+
+/// The geoms that were not left out, by what they have in common: indices into the scene's, rising.
+struct GeomGroups {
+  std::vector<std::vector<std::size_t>> by_surface;  ///< alike in all that `is_usual` asks for
+  std::map<int, std::vector<std::size_t>> by_body, by_first_moving;
+};
+
+GeomGroups group_geoms(const MjcfScene& scene) {
+  GeomGroups groups;
+  const auto is_alike = [](const MjcfGeom& a, const MjcfGeom& b) {
+    return a.friction == b.friction && a.condim == b.condim && a.priority == b.priority && a.compliance == b.compliance;
+  };
+  std::map<std::array<double, 5>, std::vector<std::size_t>> found;  // groups by numbers; few differ by compliance alone
+  for (std::size_t i = 0; i < scene.geoms.size(); ++i) {
+    const MjcfGeom& geom = scene.geoms[i];
+    if (!geom.id) continue;
+    groups.by_body[geom.body].push_back(i);
+    groups.by_first_moving[scene.bodies[static_cast<std::size_t>(geom.body)].first_moving].push_back(i);
+    const auto& f = geom.friction;
+    std::vector<std::size_t>& candidates =
+        found[{f[0], f[1], f[2], static_cast<double>(geom.condim), static_cast<double>(geom.priority)}];
+    const auto group = std::ranges::find_if(
+        candidates, [&](std::size_t number) { return is_alike(scene.geoms[groups.by_surface[number].front()], geom); });
+    if (group != candidates.end()) {
+      groups.by_surface[*group].push_back(i);
+    } else {
+      candidates.push_back(groups.by_surface.size());
+      groups.by_surface.push_back({i});
+    }
+  }
+  return groups;
+}
+
+/// Calls visit(index, index) for all pairs of geoms that are not usual, and for all that may be filtered here; for some
+/// twice, for some that are neither.
+template <class Visit>
+void visit_special_pairs(const MjcfScene& scene, Visit&& visit) {
+  const GeomGroups groups = group_geoms(scene);
+  for (std::size_t n = 0; n < groups.by_surface.size(); ++n) {
+    for (std::size_t m = 0; m <= n; ++m) {
+      const std::vector<std::size_t>&some = groups.by_surface[n], &others = groups.by_surface[m];
+      if (is_usual(scene.geoms[some.front()], scene.geoms[others.front()])) continue;
+      for (const std::size_t i : some) {
+        for (const std::size_t k : others) visit(i, k);
+      }
+    }
+  }
+  for (const auto& [moving, geoms] : groups.by_first_moving) {
+    const int parent = moving == 0 ? 0 : scene.bodies[static_cast<std::size_t>(moving)].parent;
+    if (parent == 0) continue;
+    const int around = scene.bodies[static_cast<std::size_t>(parent)].first_moving;
+    const auto& near = around == 0 ? groups.by_body : groups.by_first_moving;
+    const auto others = near.find(around == 0 ? parent : around);
+    if (others == near.end()) continue;
+    for (const std::size_t i : geoms) {
+      for (const std::size_t k : others->second) visit(i, k);
+    }
+  }
+}
+
 /// The file's pairs and those that say what filters and the larger friction of two surfaces cannot, in the order of
 /// their geoms.
 void add_pairs(MjcfScene& scene) {
+  constexpr std::size_t kMostPairs = 1'000'000;
   std::map<std::pair<GeomId, GeomId>, std::optional<SurfaceMaterial>> pairs;
   for (const auto& [geoms, surface] : scene.pairs) pairs.emplace(geoms, surface);
-  for (std::size_t i = 0; i < scene.geoms.size(); ++i) {
-    for (std::size_t k = 0; k < i; ++k) {
-      const MjcfGeom &a = scene.geoms[k], &b = scene.geoms[i];
-      if (!a.id || !b.id) continue;
-      const SurfaceMaterial theirs = surface_between(a, b);
-      const SurfaceMaterial own_a = surface_of(a.friction, a.condim), own_b = surface_of(b.friction, b.condim);
-      const bool is_largest = theirs.lateral_friction == std::max(own_a.lateral_friction, own_b.lateral_friction) &&
-                              theirs.spinning_friction == std::max(own_a.spinning_friction, own_b.spinning_friction) &&
-                              theirs.rolling_friction == std::max(own_a.rolling_friction, own_b.rolling_friction);
-      const auto moving = [&](const MjcfGeom& geom) {
-        return scene.bodies[static_cast<std::size_t>(geom.body)].first_moving;
-      };
-      const bool is_filtered_here =
-          is_on_base(scene, a, b) || is_on_base(scene, b, a) || are_neighbours(scene, moving(a), moving(b));
-      const bool is_usual = is_largest && (a.priority == b.priority || (!a.compliance && !b.compliance));
-      if (is_usual && !is_filtered_here) continue;
-      if (scene.pairs.contains({*a.id, *b.id}) || !may_touch(scene, a, b)) continue;
-      pairs.emplace(std::pair{*a.id, *b.id}, is_usual ? std::nullopt : std::optional(theirs));
+  visit_special_pairs(scene, [&](std::size_t i, std::size_t k) {
+    if (i == k) return;
+    const MjcfGeom &a = scene.geoms[std::min(i, k)], &b = scene.geoms[std::max(i, k)];
+    const bool usual = is_usual(a, b);
+    if (usual && !is_filtered_here(scene, a, b)) return;
+    if (scene.pairs.contains({*a.id, *b.id}) || !may_touch(scene, a, b)) return;
+    pairs.emplace(std::pair{*a.id, *b.id}, usual ? std::nullopt : std::optional(surface_between(a, b)));
+    if (pairs.size() > kMostPairs) {
+      scene.root.fail(
+          "geoms of several frictions, condims or solrefs make more than 1,000,000 pairs with a surface of "
+          "their own; give them the same, or contype and conaffinity so that fewer may touch");
     }
-  }
+  });
   for (const auto& [geoms, surface] : pairs) {
     scene.builder.add_contact_pair({.a = geoms.first, .b = geoms.second, .surface = surface});
   }
 }
-
-}  // namespace
-
-namespace {
 
 /// Bullet has filters, and no pairs.
 void set_bullets_rules(MjcfScene& scene) {

@@ -112,6 +112,14 @@ double SdfElement::positive_or(const char* tag, double value) const {
   return 0;
 }
 
+double SdfElement::restitution_or(const char* tag, double value) const {
+  const double number = positive_or(tag, value);
+  if (number <= 1) return number;
+  const SdfElement found = child(tag);
+  found.note_serious(LoadAction::kRepaired, found.holds() + ", which would make energy; 1 taken");
+  return 1;
+}
+
 Vec3<double> SdfElement::vec3_or(const char* tag, const Vec3<double>& value) const {
   const SdfElement found = child(tag);
   if (!found) return value;

@@ -66,6 +66,8 @@ class SdfElement {
   [[nodiscard]] double limit_or(const char* tag, double value) const;
   /// The same, 0 or more; what is negative is repaired to 0.
   [[nodiscard]] double positive_or(const char* tag, double value) const;
+  /// The same, 0 to 1; what is above is repaired to 1.
+  [[nodiscard]] double restitution_or(const char* tag, double value) const;
   [[nodiscard]] Vec3<double> vec3_or(const char* tag, const Vec3<double>& value) const;
   [[nodiscard]] bool flag_or(const char* tag, bool value) const;
   [[nodiscard]] std::string text_or(const char* tag, const std::string& value) const;

@@ -137,7 +137,7 @@ SurfaceMaterial read_surface(const SdfElement& collision) {
   }
   if (const SdfElement bounce = surface.child("bounce")) {
     bounce.expect({"restitution_coefficient", "threshold"});
-    result.restitution = bounce.positive_or("restitution_coefficient", 0);
+    result.restitution = bounce.restitution_or("restitution_coefficient", 0);
   }
   if (const SdfElement contact = surface.child("contact")) contact.expect({"collide_bitmask"});
   return result;

@@ -42,7 +42,7 @@ void read_contact(const SdfElement& contact, SurfaceMaterial& surface) {
   surface.lateral_friction = contact.positive_or("lateral_friction", surface.lateral_friction);
   surface.spinning_friction = contact.positive_or("spinning_friction", surface.spinning_friction);
   surface.rolling_friction = contact.positive_or("rolling_friction", surface.rolling_friction);
-  surface.restitution = contact.positive_or("restitution", surface.restitution);
+  surface.restitution = contact.restitution_or("restitution", surface.restitution);
   if (contact.has("stiffness")) surface.stiffness = contact.positive_or("stiffness", 0);
   if (contact.has("damping")) surface.damping = contact.positive_or("damping", 0);
 }

@@ -1,4 +1,6 @@
 // The robot element, its materials and its links' mass and surface.
+#include <limits>
+
 #include "manyhands/model/io/inertia_repair.h"
 #include "manyhands/model/io/text_numbers.h"
 #include "manyhands/model/io/urdf/urdf_parts.h"
@@ -215,20 +217,23 @@ SurfaceMaterial read_contact(const UrdfElement& link) {
   if (!contact) return surface;
   contact.expect({}, {"lateral_friction", "spinning_friction", "rolling_friction", "restitution", "stiffness",
                       "damping", link.is_bullet() ? "inertia_scaling" : "damping"});
-  const auto read = [&](const char* tag) -> std::optional<double> {
+  const auto read = [&](const char* tag,
+                        double most = std::numeric_limits<double>::infinity()) -> std::optional<double> {
     const UrdfElement element = contact.child(tag);
     if (!element) return std::nullopt;
     element.expect({"value"});
     const double value = element.number("value");
-    if (value >= 0) return value;
-    element.note_serious(LoadAction::kRepaired,
-                         "<" + std::string(tag) + "> " + format_number(value) + " is negative; 0 taken");
-    return 0.0;
+    if (value >= 0 && value <= most) return value;
+    const double taken = value < 0 ? 0.0 : most;
+    element.note_serious(LoadAction::kRepaired, "<" + std::string(tag) + "> " + format_number(value) +
+                                                    (value < 0 ? " is negative; " : " would make energy; ") +
+                                                    format_number(taken) + " taken");
+    return taken;
   };
   surface.lateral_friction = read("lateral_friction").value_or(surface.lateral_friction);
   surface.spinning_friction = read("spinning_friction").value_or(0.0);
   surface.rolling_friction = read("rolling_friction").value_or(0.0);
-  surface.restitution = read("restitution").value_or(0.0);
+  surface.restitution = read("restitution", 1).value_or(0.0);
   surface.stiffness = read("stiffness");
   surface.damping = read("damping");
   return surface;

@@ -6,6 +6,7 @@
 
 #include "manyhands/base/assert.h"
 #include "manyhands/physics/collision/queries/ray_cast.h"
+#include "manyhands/physics/dynamics/kinematics.h"
 
 namespace manyhands {
 namespace {
@@ -80,7 +81,7 @@ void sweep(const PlacedGeoms& geoms, double d, Visit&& visit) {
 void GeomPlaces::extend(const Colliders<double>& colliders, const Params<double>& params, const Workspace<double>& ws) {
   for (std::size_t i = X_WG.size(); i < colliders.geoms.size(); ++i) {
     const Collider<double>& geom = colliders.geoms[i];
-    const Transform<double> X_WB{ws.R_WB[geom.body], ws.p_OB[geom.body] + ws.p_WO[geom.body]};
+    const Transform<double> X_WB = body_pose(geom.body, ws);
     X_WG.push_back(X_WB * geom.X_BG);
     radius.push_back(bounding_radius(geom, params.geom_size[geom.geom]));
   }

@@ -1,0 +1,113 @@
+"""A camera's numbers, from pictures of a chessboard (Zhang, 2000), through OpenCV; and such boards for worlds."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from manyhands._core.render import Texture
+from manyhands.arguments import whole_number
+from manyhands.vision.stereo import Lens, opencv
+
+Array = NDArray[np.float64]
+
+_PIXELS = 32  # of a square's side in the texture
+_MARGIN = 1  # squares of white around
+
+
+class Chessboard:
+    """A board with `columns` x `rows` corners between its squares, of `side` [m], white around. Its frame is at its
+    middle, x along the columns' count, y along the rows', and z out of it. Raises ValueError unless one of both is odd
+    and the other even: else it looks the same upside down."""
+
+    def __init__(self, columns: int = 9, rows: int = 6, side: float = 0.03) -> None:
+        whole_number("columns", columns, 3)
+        whole_number("rows", rows, 3)
+        if not (np.isfinite(side) and side > 0):
+            raise ValueError(f"side is {side}; expected a finite number above 0")
+        if (columns + rows) % 2 == 0:
+            raise ValueError(f"a board of {columns} x {rows} corners looks the same upside down; make one of them odd")
+        self.columns, self.rows, self.side = columns, rows, float(side)
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """Along x and y [m]."""
+        x, y = (count + 1 + 2 * _MARGIN for count in (self.columns, self.rows))
+        return x * self.side, y * self.side
+
+    @property
+    def corners(self) -> Array:
+        """(columns rows, 3) in the board's frame [m], row by row from its upper left, where y is largest."""
+        x = (np.arange(self.columns) - (self.columns - 1) / 2) * self.side
+        y = ((self.rows - 1) / 2 - np.arange(self.rows)) * self.side
+        columns, rows = np.meshgrid(x, y)
+        return np.array([columns, rows, np.zeros_like(rows)], np.float64).reshape(3, -1).T.copy()
+
+    def texture(self) -> Texture:
+        """For the upper side of a box of half extents (size[0] / 2, size[1] / 2, anything)."""
+        squares = np.full((self.rows + 1 + 2 * _MARGIN, self.columns + 1 + 2 * _MARGIN), 255, np.uint8)
+        inside = squares[_MARGIN:-_MARGIN, _MARGIN:-_MARGIN]
+        inside[(np.add.outer(np.arange(self.rows + 1), np.arange(self.columns + 1)) % 2) == 0] = 0
+        return Texture(np.repeat(squares.repeat(_PIXELS, 0).repeat(_PIXELS, 1)[..., None], 3, axis=2))
+
+    def find(self, picture: ArrayLike) -> Array | None:
+        """Where the corners are in a picture (columns rows, 2) [pixels], in the order of `corners`; None if the board
+        is not seen whole."""
+        cv2 = opencv()
+        grey = _grey(picture)
+        found, corners = cv2.findChessboardCorners(grey, (self.columns, self.rows))
+        if not found:
+            return None
+        end = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_MAX_ITER, 50, 1e-4)
+        at = cv2.cornerSubPix(grey, corners, (5, 5), (-1, -1), end).reshape(self.rows, self.columns, 2)
+        outer = at[0, 0] + 0.5 * (at[0, 0] - at[1, 1])  # of the first square: black, unless the board is upside down
+        inner = 0.5 * (at[0, 0] + at[0, 1]) + 0.5 * (at[0, 0] - at[1, 0])  # of its white neighbour
+        height, width = grey.shape
+        (x0, y0), (x1, y1) = (np.clip(np.round(p), 0, (width - 1, height - 1)).astype(int) for p in (outer, inner))
+        if grey[y0, x0] > grey[y1, x1]:
+            at = at[::-1, ::-1]
+        return at.reshape(-1, 2).astype(np.float64) + 0.5
+
+
+class Calibration(NamedTuple):
+    """A camera's numbers."""
+
+    lens: Lens
+    """its K and distortion; X is where the board was in the first picture's stead: the camera's pose in the board"""
+    X: Array
+    """(pictures, 4, 4) poses of the camera in the board's frame"""
+    error: float
+    """root mean square of what is left at the corners [pixels]"""
+
+
+def calibrate(board: Chessboard, pictures: Sequence[ArrayLike]) -> Calibration:
+    """K, distortion and poses from pictures of one size in which a board is seen from many sides, three or more.
+    Raises ValueError where that is not so."""
+    cv2 = opencv()
+    found = [board.find(picture) for picture in pictures]
+    seen = [np.asarray(at - 0.5, np.float32)[:, None] for at in found if at is not None]
+    if len(seen) < 3:
+        raise ValueError(f"the board is seen whole in {len(seen)} of {len(found)} pictures; expected 3 or more")
+    sizes = {np.shape(picture)[:2] for picture in pictures}
+    if len(sizes) > 1:
+        raise ValueError(f"the pictures have shapes {sorted(sizes)}; expected one size")
+    height, width = sizes.pop()
+    places = board.corners.astype(np.float32)[:, None]
+    error, K, distortion, turns, shifts = cv2.calibrateCamera([places] * len(seen), seen, (width, height), None, None)
+    poses = np.array([_pose(cv2.Rodrigues(turn)[0], shift) for turn, shift in zip(turns, shifts, strict=True)])
+    return Calibration(Lens.of_opencv((width, height), K, poses[0], distortion.ravel()), poses, float(error))
+
+
+def _pose(R: Array, p: Array) -> Array:
+    """Of the camera in the board, from the board's in the camera."""
+    X = np.eye(4)
+    X[:3, :3], X[:3, 3] = R.T, -R.T @ p.ravel()
+    return X
+
+
+def _grey(picture: ArrayLike) -> NDArray[np.uint8]:
+    given = np.asarray(picture)
+    if given.dtype != np.uint8 or given.ndim not in (2, 3):
+        raise ValueError(f"the picture is {given.dtype} of shape {given.shape}; expected uint8 of (height, width, 3)")
+    return given if given.ndim == 2 else np.ascontiguousarray(given[..., :3].mean(-1).round().astype(np.uint8))
