@@ -11,6 +11,6 @@ apt=(apt-get -qq -o APT::Architecture=arm64 -o APT::Architectures=arm64 -o Dir::
   -o Dir::Etc::sourceparts=/dev/null -o Dir::State::lists="$PWD/apt/lists" -o Dir::State::status="$PWD/apt/status"
   -o Dir::Cache="$PWD/apt" -o APT::Sandbox::User="$(id -un)")
 "${apt[@]}" update
-(cd apt/archives && "${apt[@]}" download libembree-dev libembree3-3 libtbb12 libpugixml-dev libpugixml1v5 libqhull-dev \
+(cd apt/archives && "${apt[@]}" download libpugixml-dev libpugixml1v5 libqhull-dev \
   libqhull-r8.0 libqhull8.0 libqhullcpp8.0 libpng-dev libpng16-16 zlib1g-dev zlib1g libgtest-dev libeigen3-dev)
 for package in apt/archives/*.deb; do dpkg-deb -x "$package" .; done
