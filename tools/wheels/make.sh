@@ -48,7 +48,8 @@ add_kernels() { # add_kernels ISA VENV PACKAGE
   fi
   rm -rf "$build/package"
   mapfile -t given < <(definitions "$1" -D)
-  cmake -S . -B "$build" "${given[@]}" -DCMAKE_BUILD_TYPE=Release \
+  # What it found of another Python is forgotten.
+  cmake -S . -B "$build" -U '*Python*' "${given[@]}" -DCMAKE_BUILD_TYPE=Release \
     -DMANYHANDS_PYTHON=ON -DMANYHANDS_UNITY=ON -DSKBUILD=ON -DPython_EXECUTABLE="$python" "${stable[@]}" >"$work/$1.log"
   cmake --build "$build" --target _core >>"$work/$1.log"
   install -D -t "$3/manyhands/$1" "$build"/package/manyhands/_core.*
