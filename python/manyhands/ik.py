@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import Model
 from manyhands._core import kinematics as _kinematics
-from manyhands.arguments import whole_number
+from manyhands.arguments import instance, whole_number
 
 if TYPE_CHECKING:
     from manyhands.planning.planner import Planner
@@ -75,8 +75,12 @@ def inverse(
     two orientations, a joint of several degrees of freedom between the world and the frame, or a planner that does not
     fit.
     """
-    if start is None and posture is None and avoid is not None:
-        start = avoid.configuration(avoid.start)
+    if avoid is not None:
+        from manyhands.planning.planner import Planner
+
+        instance("avoid", avoid, Planner)
+        if start is None and posture is None:
+            start = avoid.configuration(avoid.start)
     found: Any = _core.inverse(
         model,
         frame,
@@ -88,7 +92,7 @@ def inverse(
         posture,
         position_weight,
         rotation_weight,
-        relative_to or "",
+        "" if relative_to is None else relative_to,
         None if avoid is None else avoid._core,
         start,
         whole_number("restarts", restarts, 0, 2**31 - 1),
@@ -116,9 +120,10 @@ def inverse_kinematics(
     """Configurations that bring `frame` to the poses `position` (3,) or (n, 3) [m], `quaternion` (4,) or (n, 4) xyzw.
 
     The first attempt begins at `start` (nq,), by default the neutral configuration within the limits; `restarts` more
-    begin at random ones. The joints that move the frame lie within their limits unless `respect_limits` is False; all
-    other coordinates stay as in `start`, wherever that is. An unreachable pose gives success False and the errors that
-    remain. Quaternions are normalised. Tolerances in [m] and [rad]. The same arguments give the same bits.
+    begin at random ones. All joints of one degree of freedom lie within their limits unless `respect_limits` is False;
+    those that do not move the frame stay as near to `start` as these allow. An unreachable pose gives success False and
+    the errors that remain. Quaternions are normalised. Tolerances in [m] and [rad]. The same arguments give the same
+    bits.
 
     Damped least squares (Sugihara, IEEE T-RO 27(5), 2011), in SIMD lanes and finished in float64.
     Raises KeyError for an unknown frame; ValueError for a wrong shape or number, or a joint of several degrees of
@@ -145,9 +150,9 @@ def inverse_kinematics(
 def inverse_all(
     model: Model, frame: str, position: ArrayLike, quaternion: ArrayLike, *, start: ArrayLike | None = None
 ) -> Array:
-    """All configurations (k, nq) within the limits that bring `frame` to a pose, position (3,) [m] and quaternion (4,)
-    xyzw, in closed form: at most eight, exact to rounding, those nearest to `start` (nq,), by default the neutral
-    configuration, first; k is 0 where there is none.
+    """All configurations (k, nq), each once, within the limits that bring `frame` to a pose, position (3,) [m] and
+    quaternion (4,) xyzw, in closed form: at most eight, exact to rounding, those nearest to `start` (nq,), by default
+    the neutral configuration, first; k is 0 where there is none.
 
     Of six-axis arms whose second and third axes are parallel and whose last three axes meet in a point, or whose fourth
     axis is parallel to these, too, and whose last two meet. Angles differ from `start` by as few whole turns as limits

@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import control as _control
-from manyhands.arguments import finite_rows
-from manyhands.control.joints import positive
+from manyhands.arguments import bounded, finite_rows, number, together
 
 _core: Any = _control  # its rows are unpacked, which overloads do not take
 
@@ -39,13 +38,17 @@ class KalmanFilter:
         """Of positions and velocities, x = (q, v), of joints whose positions q (..., nq) are measured every dt [s].
 
         acceleration_noise: standard deviation of what a model does not know [rad/s² or m/s²]; position_noise: of a
-        measurement [rad or m]; one number or (nq,) each. Give `predict` the accelerations that a model says, times
-        (dt²/2, dt).
+        measurement [rad or m]; one number of 0 or more, or (nq,), each. Give `predict` the accelerations that a model
+        says, times (dt²/2, dt).
         """
-        measured = finite_rows("q", q, np.shape(q)[-1])
-        n, h = measured.shape[-1], positive("dt", dt)
-        given = {"acceleration_noise": acceleration_noise, "position_noise": position_noise}
-        a, noise = (np.broadcast_to(finite_rows(*named), (n,)) for named in given.items())
+        measured, h = finite_rows("q", q), number("dt", dt, above=0)
+        if measured.ndim == 0 or measured.shape[-1] == 0:
+            raise ValueError(f"q has shape {measured.shape}; expected (..., nq)")
+        n = measured.shape[-1]
+        a, noise = (
+            bounded(name, given, n, least=0)
+            for name, given in (("acceleration_noise", acceleration_noise), ("position_noise", position_noise))
+        )
         one, none = np.eye(n), np.zeros((n, n))
         push = np.vstack([h * h / 2 * one, h * one]) * a
         return cls(
@@ -58,7 +61,7 @@ class KalmanFilter:
 
     def predict(self, push: ArrayLike = 0.0) -> Array:
         """x := F x + push (..., k), and P with it."""
-        self.x = self.x @ self.F.T + finite_rows("push", push)
+        self.x = np.add(*together(x=self.x @ self.F.T, push=finite_rows("push", push)))
         k = self.x.shape[-1]
         P = np.ascontiguousarray(self.P.reshape(-1, k, k))
         self.P = _core.kalman_predict(self.F, self.Q, P).reshape(self.P.shape)

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from manyhands.arguments import rate
+from manyhands.arguments import instance, rate, whole_number
 from manyhands.extras import needs
 
 Array = NDArray[np.float32]
@@ -62,9 +62,16 @@ class Detector:
         with needs("vision", "detection by a network"):
             import onnxruntime
         self.threshold, self.overlap = rate("threshold", threshold), rate("overlap", overlap)
-        self._session: Any = onnxruntime.InferenceSession(
-            network if isinstance(network, bytes) else str(network), providers=["CPUExecutionProvider"]
-        )
+        given = instance("network", network, str, Path, bytes)
+        if not isinstance(given, bytes) and not Path(given).is_file():
+            raise FileNotFoundError(f"there is no file {str(given)!r} with a network; export one as ONNX")
+        try:
+            self._session: Any = onnxruntime.InferenceSession(
+                given if isinstance(given, bytes) else str(given), providers=["CPUExecutionProvider"]
+            )
+        except Exception as error:  # onnxruntime's have no common base
+            what = "the network" if isinstance(given, bytes) else repr(str(given))
+            raise ValueError(f"{what} is no ONNX model that onnxruntime reads: {error}") from error
         inputs = self._session.get_inputs()
         shape = inputs[0].shape
         if len(inputs) != 1 or len(shape) != 4 or shape[1] != 3 or inputs[0].type != "tensor(float)":
@@ -73,7 +80,12 @@ class Detector:
         fixed = [length if isinstance(length, int) else None for length in (shape[3], shape[2])]
         if size is None and None in fixed:
             raise ValueError("the network leaves its input's size open; give size=(width, height)")
-        self.size: tuple[int, int] = tuple(size or fixed)  # type: ignore[assignment]
+        width, height = fixed if size is None else size
+        self.size = whole_number("width", width, 1), whole_number("height", height, 1)
+        if any(length not in (None, mine) for length, mine in zip(fixed, self.size, strict=True)):
+            raise ValueError(f"size is {self.size}; the network's input is fixed at {tuple(fixed)}")
+        if decode is not None and not callable(decode):
+            raise TypeError(f"decode is {decode!r}; expected a function of the network's outputs")
         self._input, self._decode = inputs[0].name, decode or _decode
 
     def detect(self, picture: ArrayLike) -> Detections:

@@ -281,7 +281,7 @@ def test_bad_scenes_are_refused() -> None:
     with pytest.raises(ValueError, match="or joints alone"):
         planning.Planner(world, HAND, joints=["panda_joint1"])
     assert planning.Planner(world, joints="panda_joint1").joints == ("panda_joint1",)
-    with pytest.raises(TypeError, match="str; expected a World or a Model"):
+    with pytest.raises(TypeError, match="expected Model, or a World"):
         planning.Planner("panda.urdf", HAND)  # type: ignore[arg-type]
     world.add_box("loose", (0.1, 0.1, 0.1), position=(1, 1, 1))
     joint = next(joint.name for joint in world.model.joints if joint.type == "floating")

@@ -136,7 +136,7 @@ def test_parts_and_joined_trajectories_are_the_same_motion() -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"time_limit": 0.0}, "time_limit 0"),
+        ({"time_limit": 0.0}, "time_limit is 0"),
         ({"jerk": 0.0}, "jerk"),
         ({"goal": np.full(7, np.nan)}, "goal must be finite"),
         ({"now": np.nan}, "now is nan"),
