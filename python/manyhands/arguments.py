@@ -19,7 +19,7 @@ FloatArray = NDArray[Any]
 
 def float_arrays(**inputs: ArrayLike) -> list[FloatArray]:
     """The inputs as C-contiguous arrays of one type: float32 if all are, else float64."""
-    arrays = [_real(name, values) for name, values in inputs.items()]
+    arrays = [real_array(name, values) for name, values in inputs.items()]
     single = all(array.dtype == np.float32 for array in arrays)
     # Not ascontiguousarray: it turns scalars into rows.
     return [np.asarray(array, np.float32 if single else np.float64, order="C") for array in arrays]
@@ -27,7 +27,7 @@ def float_arrays(**inputs: ArrayLike) -> list[FloatArray]:
 
 def finite_rows(name: str, values: ArrayLike, *shape: int) -> NDArray[np.float64]:
     """Values as a float64 array (..., *shape). Raises ValueError on another shape, on NaN and on infinities."""
-    array = _real(name, values).astype(np.float64, copy=False)
+    array = real_array(name, values).astype(np.float64, copy=False)
     if array.ndim < len(shape) or array.shape[array.ndim - len(shape) :] != shape:
         text = ", ".join(map(str, shape))
         raise ValueError(f"{name} has shape {array.shape}; expected ({text}{',' * (len(shape) == 1)}) or (..., {text})")
@@ -38,7 +38,7 @@ def finite_rows(name: str, values: ArrayLike, *shape: int) -> NDArray[np.float64
 
 def cloud_rows(name: str, values: ArrayLike) -> NDArray[np.float64]:
     """Points as a float64 array (m, 3), finite or not; an empty list is none. Raises ValueError on other shapes."""
-    points = _real(name, values).astype(np.float64, order="C", copy=False)
+    points = real_array(name, values).astype(np.float64, order="C", copy=False)
     if points.shape == (0,):
         return points.reshape(0, 3)
     if points.ndim != 2 or points.shape[1] != 3:
@@ -61,7 +61,8 @@ def all_finite(array: NDArray[Any]) -> bool:
     return bool(np.isfinite(array).all())
 
 
-def _real(name: str, values: ArrayLike) -> NDArray[Any]:
+def real_array(name: str, values: ArrayLike) -> NDArray[Any]:
+    """Values as an array of real numbers, of their own type. Raises ValueError on anything else."""
     try:
         array = np.asarray(values)
     except ValueError:
@@ -83,7 +84,7 @@ def bounded(
 ) -> NDArray[np.float64]:
     """One number for all, or (n,) of them, as a float64 array (n,); without n of any shape, as they are. Raises
     ValueError on another shape, on NaN, beyond the bounds, and on infinity unless that is let through."""
-    array = _real(name, values).astype(np.float64, copy=False)
+    array = real_array(name, values).astype(np.float64, copy=False)
     if n is not None and array.shape not in ((), (n,)):
         raise ValueError(f"{name} has shape {array.shape}; expected one number, or ({n},)")
     fits = (array > above) & (array >= least) & (array < np.inf if not infinite else True)
@@ -144,9 +145,11 @@ def instance(name: str, value: Any, *kinds: type[T], hint: str = "") -> T:
 
 def choice(name: str, value: Any, *allowed: T) -> T:
     """`value`. Raises ValueError unless it is one of those allowed."""
-    if isinstance(value, str) and value in allowed:
-        return value
-    raise ValueError(f"{name} is {brief(value)}; expected one of {', '.join(map(repr, allowed))}")
+    for one in allowed:
+        if isinstance(value, str) and one == value:
+            return one
+    *others, last = map(repr, allowed)
+    raise ValueError(f"{name} is {brief(value)}; expected {', '.join(others)} or {last}")
 
 
 def listed(name: str, values: Iterable[T], *kinds: type[T]) -> list[T]:

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import Model
 from manyhands._core import kinematics as _kinematics
-from manyhands.arguments import instance, whole_number
+from manyhands.arguments import instance, real_array, whole_number
 
 if TYPE_CHECKING:
     from manyhands.planning.planner import Planner
@@ -129,15 +129,14 @@ def inverse_kinematics(
     Raises KeyError for an unknown frame; ValueError for a wrong shape or number, or a joint of several degrees of
     freedom between the world and the frame.
     """
-    if np.shape(position)[:-1] != np.shape(quaternion)[:-1]:
-        raise ValueError(
-            f"position has shape {np.shape(position)} and quaternion {np.shape(quaternion)}; expected as many rows"
-        )
+    p, r = real_array("position", position), real_array("quaternion", quaternion)
+    if p.shape[:-1] != r.shape[:-1]:
+        raise ValueError(f"position has shape {p.shape} and quaternion {r.shape}; expected as many rows")
     return inverse(
         model,
         frame,
-        position=position,
-        quaternion=quaternion,
+        position=p,
+        quaternion=r,
         start=start,
         restarts=restarts,
         seed=seed,

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import Model
 from manyhands._core import kinematics as _core
-from manyhands.arguments import FloatArray, choice, finite_rows, float_arrays, instance, number
+from manyhands.arguments import FloatArray, choice, finite_row, finite_rows, float_arrays, instance, number
 from manyhands.ik import IkResult, inverse, inverse_all, inverse_kinematics
 from manyhands.rigid_motions import ad, adjoint, exp3, exp6, log3, log6, matrix, pose, unit_quaternions
 from manyhands.workspace import Workspace, workspace
@@ -119,16 +119,9 @@ class ScrewAxes(NamedTuple):
     """"space" or "body\""""
 
 
-def _configuration(model: Model, name: str, q: ArrayLike | None) -> NDArray[np.float64]:
-    nq = instance("model", model, Model).nq
-    return finite_rows(name, model.neutral_configuration() if q is None else q, nq)
-
-
 def _home(model: Model, q0: ArrayLike | None) -> NDArray[np.float64]:
-    home = _configuration(model, "q0", q0)
-    if home.ndim == 1:
-        return home
-    raise ValueError(f"q0 has shape {home.shape}; expected ({model.nq},)")
+    nq = instance("model", model, Model).nq
+    return finite_row("q0", model.neutral_configuration() if q0 is None else q0, nq)
 
 
 def screw_axes(
@@ -143,8 +136,9 @@ def screw_axes(
 def screw_coordinates(model: Model, q: ArrayLike, q0: ArrayLike | None = None) -> NDArray[np.float64]:
     """How far each screw turns from q0 (nq,) to q (..., nq): (..., nv). Of joints with one degree of freedom that is
     q - q0, of others the logarithm of the joint's displacement."""
-    rows = _configuration(model, "q", q)
-    found: Any = _core.screw_coordinates(model, np.atleast_2d(rows.reshape(-1, model.nq)), _home(model, q0))
+    home = _home(model, q0)
+    rows = finite_rows("q", q, model.nq)
+    found: Any = _core.screw_coordinates(model, np.atleast_2d(rows.reshape(-1, model.nq)), home)
     return found.reshape(*rows.shape[:-1], model.nv)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import perception as _core
-from manyhands.arguments import bounded, cloud_rows, number, rate, whole
+from manyhands.arguments import bounded, cloud_rows, number, rate, real_array, whole
 
 __all__ = ["OrientedBox", "Plane", "by_colour", "dbscan", "find_plane", "nearest", "oriented_box"]
 
@@ -83,7 +83,7 @@ def nearest(points: ArrayLike, queries: ArrayLike) -> tuple[NDArray[np.intp], Ar
 def by_colour(rgb: ArrayLike, colour: ArrayLike, tolerance: float = 0.15) -> NDArray[np.bool_]:
     """Where a picture (height, width, 3 or 4), bytes or numbers of 0 to 1, has a colour (3,) of 0 to 1: what is
     brighter or darker counts, too. tolerance: of chromaticities, which are shares of red, green and blue."""
-    given = np.asarray(rgb)
+    given = real_array("rgb", rgb)
     if given.ndim != 3 or given.shape[2] not in (3, 4):
         raise ValueError(f"rgb has shape {given.shape}; expected (height, width, 3) or (height, width, 4)")
     picture = given[..., :3].astype(np.float64) / (255.0 if given.dtype == np.uint8 else 1.0)

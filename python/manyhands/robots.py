@@ -95,7 +95,9 @@ def load(name: str, *, gripper: str | None = None, fixed_base: bool = True) -> M
     'gripper/part', so its tool is 'gripper/tool'. fixed_base: False lets the robot float: a bin that can be carried.
     Raises ValueError on an unknown name, two grippers, and a gripper where there is no flange.
     """
-    name, named = split(name)
+    name, named = split(instance("name", name, str))
+    if gripper is not None:
+        instance("gripper", gripper, str)
     if named and gripper is not None:
         raise ValueError(f"both {named!r} and {gripper!r} are to go on the flange of {name}; name one gripper")
     gripper = gripper or named
@@ -142,7 +144,8 @@ class Arm:
     """
 
     def __init__(self, world: World, hand: str | None = None) -> None:
-        hand = hand_of(instance("world", world, World).model) if hand is None else hand
+        instance("world", world, World)
+        hand = hand_of(world.model) if hand is None else hand
         if hand is None:
             raise ValueError("nothing in this world looks like a hand; name the link that is to go somewhere")
         world.model.link(hand)

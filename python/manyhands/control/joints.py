@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import Model
 from manyhands._core import control as _control
-from manyhands.arguments import FloatArray, bounded, finite_rows, float_arrays, instance, number, together
+from manyhands.arguments import FloatArray, bounded, finite_rows, float_arrays, instance, number, real_array, together
 
 _core: Any = _control  # its rows are unpacked, which overloads do not take
 
@@ -217,7 +217,7 @@ def _finite_arrays(**inputs: ArrayLike) -> list[FloatArray]:
 
 
 def _or_zeros(given: ArrayLike | None, like: ArrayLike) -> Any:
-    return np.zeros_like(like) if given is None else given
+    return np.zeros_like(real_array("v", like)) if given is None else given
 
 
 def _motion(

@@ -24,8 +24,10 @@ class KalmanFilter:
     def __init__(
         self, F: ArrayLike, H: ArrayLike, Q: ArrayLike, R: ArrayLike, *, x: ArrayLike, P: ArrayLike | None = None
     ) -> None:
-        self.x = finite_rows("x", x, np.shape(x)[-1] if np.ndim(x) else 1)
-        k, m = self.x.shape[-1], np.shape(H)[0] if np.ndim(H) == 2 else 0
+        self.x, measured = finite_rows("x", x), finite_rows("H", H)
+        if self.x.ndim == 0:
+            raise ValueError("x has shape (); expected (..., k)")
+        k, m = self.x.shape[-1], measured.shape[0] if measured.ndim == 2 else 0
         self.F, self.H = _matrix("F", F, k, k), _matrix("H", H, m, k)
         self.Q, self.R = _covariance("Q", Q, k), _covariance("R", R, m)
         begin = np.eye(k) if P is None else _covariance("P", P, k)

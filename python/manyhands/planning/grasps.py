@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import Model, World
 from manyhands._core import planning as _core
-from manyhands.arguments import bounded, finite_row, finite_rows, instance, number, whole_number
+from manyhands.arguments import bounded, finite_row, finite_rows, instance, number, real_array, whole_number
 from manyhands.collision import Shape
 from manyhands.planning.scene import names, state_of
 
@@ -65,7 +65,7 @@ class Grasps(NamedTuple):
 
     def only(self, chosen: ArrayLike) -> "Grasps":
         """Those at indices, or where a mask (n,) is true. Raises ValueError on anything else."""
-        picked, n = np.asarray(chosen), len(self.width)
+        picked, n = real_array("chosen", chosen), len(self.width)
         is_mask = picked.dtype.kind == "b" and picked.shape == (n,)
         if not is_mask and not (
             picked.size == 0 or (picked.dtype.kind in "iu" and -n <= picked.min() <= picked.max() < n)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core.render import Texture
-from manyhands.arguments import instance, listed, number, whole_number
+from manyhands.arguments import instance, listed, number, real_array, whole_number
 from manyhands.vision.stereo import Lens, opencv
 
 Array = NDArray[np.float64]
@@ -137,7 +137,7 @@ def _pose(R: Array, p: Array) -> Array:
 
 
 def _grey(picture: ArrayLike) -> NDArray[np.uint8]:
-    given = np.asarray(picture)
+    given = real_array("picture", picture)
     if given.dtype != np.uint8 or given.ndim not in (2, 3):
         raise ValueError(f"the picture is {given.dtype} of shape {given.shape}; expected uint8 of (height, width, 3)")
     return given if given.ndim == 2 else np.ascontiguousarray(given[..., :3].mean(-1).round().astype(np.uint8))

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from manyhands.arguments import instance, rate, whole_number
+from manyhands.arguments import instance, rate, real_array, whole_number
 from manyhands.extras import needs
 
 Array = NDArray[np.float32]
@@ -30,7 +30,7 @@ class Detections(NamedTuple):
 def things(segmentation: ArrayLike) -> dict[int, tuple[int, int, int, int]]:
     """The box of pixels (left, upper, right, lower, the last two excluded) of every number of 0 or more in a picture
     (height, width), such as `Picture.segmentation` or `Picture.bodies`."""
-    numbers = np.asarray(segmentation)
+    numbers = real_array("segmentation", segmentation)
     if numbers.ndim != 2 or numbers.dtype.kind not in "iu":
         raise ValueError(f"segmentation is {numbers.dtype} of shape {numbers.shape}; expected integers (height, width)")
     found: dict[int, tuple[int, int, int, int]] = {}
@@ -90,7 +90,7 @@ class Detector:
 
     def detect(self, picture: ArrayLike) -> Detections:
         """What a picture (height, width, 3) of uint8 shows."""
-        given = np.asarray(picture)
+        given = real_array("picture", picture)
         if given.dtype != np.uint8 or given.ndim != 3 or given.shape[2] < 3 or 0 in given.shape:
             raise ValueError(
                 f"the picture is {given.dtype} of shape {given.shape}; expected uint8 of (height, width, 3)"

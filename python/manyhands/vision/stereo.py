@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core.render import Camera
-from manyhands.arguments import finite_row, finite_rows, float_arrays, instance, whole_number
+from manyhands.arguments import finite_row, finite_rows, float_arrays, instance, real_array, whole, whole_number
 from manyhands.extras import needs
-from manyhands.rigid_motions import matrix, pose
+from manyhands.rigid_motions import matrix, rigid_matrices
 
 Array = NDArray[np.float64]
 
@@ -39,14 +39,15 @@ class Lens:
     """k1, k2, p1, p2, k3 and so on, as OpenCV counts them"""
 
     def __post_init__(self) -> None:
-        if np.shape(self.size) != (2,):
+        if len(sides := finite_row("size", self.size)) != 2:
             raise ValueError(f"size is {self.size}; expected (width, height)")
-        for name, pixels in zip(("width", "height"), self.size, strict=True):
-            whole_number(name, pixels, 1)
+        for name, pixels in zip(("width", "height"), sides.tolist(), strict=True):
+            whole(name, pixels, 1)
         K = finite_rows("K", self.K, 3, 3)
         if K.shape != (3, 3) or not (K[0, 0] > 0 < K[1, 1]) or K[2].tolist() != [0, 0, 1]:
             raise ValueError(f"K is {K}; expected focal lengths above 0 on its diagonal, and 0 0 1 as its last row")
-        finite_row("X", pose(self.X)[0], 3)
+        if (X := rigid_matrices("X", self.X)).ndim != 2:
+            raise ValueError(f"X has shape {X.shape}; expected (4, 4)")
         if (count := len(finite_row("distortion", self.distortion))) not in _DISTORTIONS:
             raise ValueError(f"distortion has {count} numbers; expected {', '.join(map(str, _DISTORTIONS))}")
 
@@ -149,7 +150,7 @@ class StereoRig:
         return apart.astype(np.float32)
 
     def _picture(self, name: str, given: ArrayLike) -> NDArray[np.uint8]:
-        picture = np.asarray(given)
+        picture = real_array(name, given)
         width, height = self.left.size
         if picture.dtype != np.uint8 or picture.shape not in ((height, width, 3), (height, width)):
             raise ValueError(
