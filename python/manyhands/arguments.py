@@ -87,8 +87,8 @@ def bounded(
     array = real_array(name, values).astype(np.float64, copy=False)
     if n is not None and array.shape not in ((), (n,)):
         raise ValueError(f"{name} has shape {array.shape}; expected one number, or ({n},)")
-    fits = (array > above) & (array >= least) & (array < np.inf if not infinite else True)
-    if not np.all(fits):
+    fits = ~np.isnan(array) if infinite else np.isfinite(array)
+    if not np.all(fits & (array >= least) & ((array > above) | (above == -math.inf))):
         what = "numbers" if infinite else "finite numbers"
         raise ValueError(f"{name} is {array}; expected {_expected(what, above, least, math.inf)}")
     return array if n is None else np.ascontiguousarray(np.broadcast_to(array, (n,)))

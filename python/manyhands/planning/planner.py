@@ -143,7 +143,7 @@ class Planner:
         model, now, mocap = state_of(scene, q)
         chosen = names("joints", joints)
         if frame is None and not chosen:
-            raise ValueError("nothing is planned; name the frame that is to go somewhere, or joints")
+            raise ValueError("no joints are planned; name the frame that is to go somewhere, or joints")
         if frame is not None and chosen:
             raise ValueError(
                 f"frame is {frame!r} and joints are {chosen}; give the frame to plan all joints that move it, "

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import planning as _core
-from manyhands.arguments import bounded, choice, finite_rows, listed, number, whole_number
+from manyhands.arguments import choice, finite_rows, listed, number, real_array, whole_number
 from manyhands.rigid_motions import unit_quaternions
 
 Array = NDArray[np.float64]
@@ -206,8 +206,11 @@ def cartesian(
 
 
 def limit_row(name: str, values: ArrayLike, n: int) -> Array:
-    """Limits (n,) above 0, or one for all; infinite ones are none."""
-    return bounded(name, values, n, above=0, infinite=True)
+    """Limits (n,), or one for all; infinite ones are none. The extension checks that they are above 0."""
+    row = real_array(name, values).astype(np.float64, copy=False)
+    if row.shape not in ((), (n,)):
+        raise ValueError(f"{name} has shape {row.shape}; expected one number, or ({n},)")
+    return np.ascontiguousarray(np.broadcast_to(row, (n,)))
 
 
 def _array(name: str, values: ArrayLike, dimensions: int) -> Array:
