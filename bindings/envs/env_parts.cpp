@@ -72,7 +72,8 @@ void bind_env_parts(nb::module_& m) {
           },
           "Where every joint is as episodes start [rad or m], by name.");
   m.def("arm_spec", &arm_spec, "name"_a,
-        "The arms that ship with the environments, \"panda\" and \"arm6\". Raises ValueError, which lists them, on others.");
+        "The arms that ship with the environments, \"panda\" and \"arm6\". Raises ValueError, which lists them, on "
+        "others.");
   nb::class_<Obstacle>(m, "Obstacle", "What stands in the way; see manyhands.envs.Obstacle.")
       .def(
           "__init__",

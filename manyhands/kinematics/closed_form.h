@@ -28,9 +28,9 @@ class ClosedForm {
   /// The dofs of the joints, from the base out.
   [[nodiscard]] std::span<const std::size_t> dofs() const { return dofs_; }
 
-  /// At most eight configurations, each once, with the frame at X_WF [rad, each in (-pi, pi]], whatever the limits; none out of
-  /// reach. Of the many that lead to a singular pose those are given whose fourth joint, of a spherical wrist, or else
-  /// sixth joint is at 0, as far as that is in reach.
+  /// At most eight configurations, each once, with the frame at X_WF [rad, each in (-pi, pi]], whatever the limits;
+  /// none out of reach. Of the many that lead to a singular pose those are given whose fourth joint, of a spherical
+  /// wrist, or else sixth joint is at 0, as far as that is in reach.
   [[nodiscard]] std::vector<Angles> solve(const Transform<double>& X_WF) const;
 
   /// Those of them within the joints' limits, as configurations (nq): angles by whole turns as near to `start` (nq) as

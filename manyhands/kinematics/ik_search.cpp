@@ -139,8 +139,8 @@ IkSolutions IkSearch::find(const IkGoal& goal, std::span<const IkTarget<double>>
                            const IkSearchSettings& settings, const IkFilter& accepts) {
   Parts& own = *parts_;
   check(static_cast<std::size_t>(own.tree.nq), goal, given);
-  const std::vector<double> start = settings.ik.respect_limits ? within_limits(own.model, given)
-                                                               : std::vector<double>(given.begin(), given.end());
+  const std::vector<double> start =
+      settings.ik.respect_limits ? within_limits(own.model, given) : std::vector<double>(given.begin(), given.end());
   IkSolutions found = prepare(targets.size(), start, settings.restarts + 1);
   std::vector<double> nearest(targets.size(), std::numeric_limits<double>::infinity());
   const IkQuestion question{own.tree, own.params, own.chain,     goal,    settings_of_attempts(settings),

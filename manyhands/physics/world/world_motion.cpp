@@ -20,9 +20,8 @@ void World::move(std::span<const JointTarget> targets, double kp, double kd, std
     const JointLimits& limits = model.joint(id).limits;
     constexpr double kOver = 1e-3;  // [rad or m]: bodies that press a joint against its limit push it over
     if (target.q < limits.lower - kOver || target.q > limits.upper + kOver) {
-      throw std::invalid_argument(what + " is to go to " + std::to_string(target.q) +
-                                  ", beyond its limits " + std::to_string(limits.lower) + " and " +
-                                  std::to_string(limits.upper));
+      throw std::invalid_argument(what + " is to go to " + std::to_string(target.q) + ", beyond its limits " +
+                                  std::to_string(limits.lower) + " and " + std::to_string(limits.upper));
     }
     const double force = max_force.value_or(limits.effort);
     if (!std::isfinite(force) && !max_force) {

@@ -238,7 +238,7 @@ def test_an_arm_is_named_with_its_gripper() -> None:
         assert [link.name for link in mh.robots.load(name).links] == expected
     with pytest.raises(ValueError, match="name one gripper"):
         mh.robots.load("six_axis+parallel", gripper="vacuum")
-    with pytest.raises(ValueError, match="kind is 'hand', expected one of arm, gripper, furniture"):
+    with pytest.raises(ValueError, match="kind is 'hand'; expected 'arm', 'gripper' or 'furniture'"):
         mh.robots.names("hand")
 
 
