@@ -124,6 +124,28 @@ class Planning {
     return plan_;
   }
 
+  Plan optimize(Rows goals) {
+    if (!is_good(start_, kStart) || !take_goals(goals)) return plan_;
+    if (std::ranges::equal(start_, Rows(goals_).first(start_.size()))) {
+      succeed();
+      plan_.waypoints.assign(start_.begin(), start_.end());
+      return plan_;
+    }
+    const Clock::time_point begin = Clock::now();
+    OptimizedPaths found = optimized_paths(scene_, check_, start_, goals_, settings_.optimization, deadline_);
+    plan_.search_time = since(begin);
+    if (found.best) {
+      take(std::move(*found.best));
+    } else if (deadline_.has_passed()) {
+      plan_.message = "the time limit of " + as_text(settings_.time_limit) + " s passed before a path was free";
+    } else {
+      plan_.status = PlanStatus::kSeedsBlocked;
+      plan_.message = "none of " + std::to_string(settings_.optimization.seeds) + " paths that were optimised is free" +
+                      in_the_way(found.in_the_way) + "; more seeds may help, or a search";
+    }
+    return plan_;
+  }
+
  private:
   using Clock = std::chrono::steady_clock;
 
@@ -160,10 +182,34 @@ class Planning {
     const std::size_t n = scene_.size();
     if (settings_.shorten) rows = shortened(check_, std::move(rows), n, settings_.shortening, deadline_);
     set_waypoints(rows);
-    if (plan_.waypoints.size() > n) plan_.curve = blended(check_, plan_.waypoints, n, settings_.blend, deadline_);
+    succeed();
+    if (plan_.waypoints.size() > n && !smooth())
+      plan_.curve = blended(check_, plan_.waypoints, n, settings_.blend, deadline_);
     plan_.shorten_time = since(begin);
+  }
+
+  /// Whether the waypoints became a smooth curve.
+  bool smooth() {
+    if (!settings_.smooth) return false;
+    std::optional<OptimizedPath> found = smoothed(scene_, check_, plan_.waypoints, settings_.optimization, deadline_);
+    if (found) take(std::move(*found));
+    return found.has_value();
+  }
+
+  void take(OptimizedPath path) {
+    succeed();
+    plan_.waypoints = std::move(path.waypoints);
+    plan_.curve = std::move(path.curve);
+    plan_.cost = path.cost;
+  }
+
+  void succeed() {
     plan_.status = PlanStatus::kSolved;
     plan_.message = "solved";
+  }
+
+  [[nodiscard]] static std::string in_the_way(const std::optional<Encounter>& found) {
+    return found ? ": on the best of them '" + found->a + "' and '" + found->b + "' are in each other's way" : "";
   }
 
   /// The rows without repetitions, with the ends as they were given in double.
@@ -200,10 +246,8 @@ void require(bool holds, const std::string& otherwise) {
   if (!holds) throw std::invalid_argument(otherwise);
 }
 
-}  // namespace
-
-Plan find_plan(const PlanningScene& scene, ConfigurationCheck& check, std::span<const double> start,
-               std::span<const double> goals, const PlanSettings& settings) {
+void check_arguments(const PlanningScene& scene, std::span<const double> start, std::span<const double> goals,
+                     const PlanSettings& settings) {
   const std::size_t n = scene.size();
   require_rows("start", start, 1, n);
   require(!goals.empty() && goals.size() % n == 0,
@@ -214,7 +258,21 @@ Plan find_plan(const PlanningScene& scene, ConfigurationCheck& check, std::span<
           "range is " + as_text(settings.rrt.range) + "; expected more than 0");
   require(settings.blend >= 0 && std::isfinite(settings.blend),
           "blend is " + as_text(settings.blend) + "; expected 0 or more");
+  require(settings.optimization.seeds > 0, "seeds is 0; expected 1 or more");
+}
+
+}  // namespace
+
+Plan find_plan(const PlanningScene& scene, ConfigurationCheck& check, std::span<const double> start,
+               std::span<const double> goals, const PlanSettings& settings) {
+  check_arguments(scene, start, goals, settings);
   return Planning(scene, check, start, settings).plan(goals);
+}
+
+Plan optimize_plan(const PlanningScene& scene, ConfigurationCheck& check, std::span<const double> start,
+                   std::span<const double> goals, const PlanSettings& settings) {
+  check_arguments(scene, start, goals, settings);
+  return Planning(scene, check, start, settings).optimize(goals);
 }
 
 GoalConfigurations goal_configurations(const Model& model, const PlanningScene& scene, ConfigurationCheck& check,

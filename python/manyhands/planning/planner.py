@@ -1,7 +1,7 @@
 """Ways among obstacles: what is free, and plans from a configuration to a goal."""
 
 import copy
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
@@ -26,6 +26,7 @@ PlanStatus: TypeAlias = Literal[
     "start breaks constraint",
     "goal breaks constraint",
     "goal unreachable",
+    "seeds blocked",
     "time limit",
 ]
 
@@ -48,6 +49,7 @@ class Plan:
 
     __slots__ = (
         "_limits",
+        "cost",
         "curve",
         "iterations",
         "joints",
@@ -75,12 +77,14 @@ class Plan:
     search_time: float
     """[s] of the search alone"""
     shorten_time: float
-    """[s] of shortcuts and blends"""
+    """[s] of shortcuts, and of blends or smoothing"""
+    cost: float | None
+    """what an optimised curve costs: its smoothness, and what is near it; None of others"""
 
     def __init__(self, joints: tuple[str, ...], velocity: Array, found: tuple[Any, ...]) -> None:
         self.joints, self._limits = joints, velocity
         self.status, self.message, self.waypoints, curve = found[:4]
-        self.nodes, self.iterations, self.search_time, self.shorten_time = found[4:]
+        self.nodes, self.iterations, self.search_time, self.shorten_time, self.cost = found[4:]
         self.curve = None if curve is None else Trajectory._of(curve)
 
     @property
@@ -240,6 +244,7 @@ class Planner:
         time_limit: float = 1.0,
         seed: int = 0,
         shorten: bool = True,
+        smooth: bool = False,
         blend: float = 0.5,
         range: float = 2.0,
     ) -> Plan:
@@ -248,24 +253,67 @@ class Planner:
         goal: planned joints (n,), or several goals (m, n) of which one is to be reached. Or position (3,) and
         quaternion (4,) xyzw of the planner's frame. keep: constraints that hold all along the way, as `upright("cup")`,
         start and goal included. time_limit [s]: kept. seed: the same seed gives the same plan, unless time runs out.
-        shorten: cut corners. blend: how far from a corner the curve may leave it [rad or m].
-        range: the longest edge of the search.
+        shorten: cut corners. smooth: make the curve one that is twice continuously differentiable, by optimisation;
+        where none of what comes of it is free, corners are blended. blend: how far from a corner the curve may leave it
+        [rad or m]. range: the longest edge of the search.
 
         What cannot be solved is said by the plan's `status` and `message`. Ctrl-C ends the search. Raises ValueError on
         arrays that do not fit and NaN.
         """
+        constraints = as_rows(keep)
+        corner, longest = number("blend", blend, least=0), number("range", range, above=0)
+
+        def search(begin: Array, goals: Array, drawn: int) -> tuple[Any, ...]:
+            return self._core.plan(begin, goals, time_limit, shorten, smooth, corner, longest, drawn, *constraints)
+
+        return self._plan(search, goal, position, quaternion, start, time_limit, seed)
+
+    def optimize(
+        self,
+        goal: ArrayLike | None = None,
+        *,
+        position: ArrayLike | None = None,
+        quaternion: ArrayLike | None = None,
+        start: ArrayLike | None = None,
+        seeds: int = 16,
+        clearance: float = 0.02,
+        time_limit: float = 1.0,
+        seed: int = 0,
+    ) -> Plan:
+        """A smooth way by optimisation, without a search: `seeds` paths, the first straight to each goal, the others
+        along arcs past random configurations, slide to where they cost least, all at once. Of those that are proven
+        free the best is taken. Its `curve` is a cubic spline, and `waypoints` are points of it.
+
+        clearance: from where on it costs to be near an obstacle [m]; less is free, too. All else as of `plan`. Where
+        the status is "seeds blocked" no path is free, and `plan(smooth=True)` may find one.
+        """
+        count, kept = whole_number("seeds", seeds, 1, 4096), number("clearance", clearance, above=0)
+
+        def descend(begin: Array, goals: Array, drawn: int) -> tuple[Any, ...]:
+            return self._core.optimize(begin, goals, time_limit, count, kept, drawn)
+
+        return self._plan(descend, goal, position, quaternion, start, time_limit, seed)
+
+    def _plan(
+        self,
+        find: Callable[[Array, Array, int], tuple[Any, ...]],
+        goal: Any,
+        position: Any,
+        quaternion: Any,
+        start: ArrayLike | None,
+        time_limit: float,
+        seed: int,
+    ) -> Plan:
         begin = self.start if start is None else self._row("start", start)
         drawn = whole_number("seed", seed, 0, _LARGEST_SEED)
         seconds = number("time_limit", time_limit, least=0, infinite=True)
-        corner, longest = number("blend", blend, least=0), number("range", range, above=0)
-        constraints = as_rows(keep)
         goals, pose = self._goal_of(goal, position, quaternion)
         status = message = ""
         if pose is not None:
             goals, status, message = self._core.goals(self.frame, *pose, begin, _GOALS, drawn, seconds)
-        found: Any = (status, message, goals, None, 0, 0, 0.0, 0.0)
+        found: Any = (status, message, goals, None, 0, 0, 0.0, 0.0, None)
         if len(goals) > 0:
-            found = self._core.plan(begin, goals, seconds, shorten, corner, longest, drawn, *constraints)
+            found = find(begin, goals, drawn)
         return Plan(self.joints, self.velocity, found)
 
     def _goal_of(
@@ -290,7 +338,7 @@ class Planner:
 
 def plan(scene: World | Model, frame: str, goal: ArrayLike | None = None, **options: Any) -> Plan:
     """`Planner.plan` of a planner that is used once: options are those of both."""
-    of_plan = ("position", "quaternion", "start", "keep", "time_limit", "seed", "shorten", "blend", "range")
+    of_plan = ("position", "quaternion", "start", "keep", "time_limit", "seed", "shorten", "smooth", "blend", "range")
     chosen = {name: options.pop(name) for name in of_plan if name in options}
     return Planner(scene, frame, **options).plan(goal, **chosen)
 
