@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
-.PHONY: help train policies test asan tsan bench accuracy realfiles scripted absurd interop docs wheels lint format build clean
+.PHONY: help train policies test asan tsan bench accuracy realfiles scripted absurd interop docs wheels platforms lint format build clean
 
 TASK ?= PandaReach
 SEED ?= 0
@@ -61,8 +61,12 @@ interop: $(VENV)/.core $(VENV)/.installed  ## Stable-Baselines3, RL Zoo, panda-g
 docs: $(VENV)/.docs $(VENV)/.installed  ## The documentation as a site, links checked: build/docs/html (EXTERNAL=1 for others' pages too)
 	python -m tools.site $(if $(EXTERNAL),--external)
 
-wheels: $(VENV)/.core $(VENV)/.wheels  ## Wheels for Linux on x86-64, into dist/: Python 3.10, 3.11, and one from 3.12 on
+wheels: $(VENV)/.core $(VENV)/.wheels  ## Wheels for Linux on this processor, into dist/: Python 3.10, 3.11, and one from 3.12 on
 	tools/wheels/make.sh
+
+platforms: $(VENV)/.core $(VENV)/.wheels  ## Golden hashes with Clang and on ARM (qemu); the library compiled for macOS, Windows
+	tools/cross/compile.sh
+	tools/cross/goldens.sh
 
 lint: $(VENV)/.test $(VENV)/.installed  ## All checks that run no program, with clang-tidy (slow)
 	tools/lint.sh --tidy

@@ -49,7 +49,6 @@ struct IkPool {
 namespace {
 
 using bindings::copied;
-using bindings::Numbers;
 
 /// Targets between two looks for Ctrl-C.
 constexpr std::size_t kPiece = 1024;
@@ -83,7 +82,7 @@ class Part {
  private:
   const char* name_;
   std::size_t width_;
-  std::optional<Numbers> numbers_{};
+  std::optional<bindings::Numbers> numbers_{};
 };
 
 Vec3<double> unit(const char* name, const Vec3<double>& v) {
@@ -151,7 +150,7 @@ struct Goal {
 /// Empty for None.
 std::vector<double> configuration(const char* name, nb::handle given, int nq) {
   if (given.is_none()) return {};
-  const Numbers q(name, given);
+  const bindings::Numbers q(name, given);
   if (q.ndim() != 1 || q.shape(0) != bindings::size(nq))
     throw std::invalid_argument(std::string(name) + " has shape " + bindings::shape_of(q) + "; expected (" +
                                 std::to_string(nq) + ",)");

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The wheels for Linux on x86-64, into dist/: for Python 3.10, 3.11, and 3.12 with all that follow it. An interpreter of
-# each is needed, as python3.10 on the PATH or in pyenv; what there is none of is left out, and said.
+# The wheels for Linux on this machine's processor, into dist/: for Python 3.10, 3.11, and 3.12 with all that follow it.
+# An interpreter of each is needed, as python3.10 on the PATH or in pyenv; what there is none of is left out, and said.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 root=$PWD
@@ -9,6 +9,10 @@ libraries=$work/libraries
 export PATH="$root/.venv/bin:$PATH" PIP_DISABLE_PIP_VERSION_CHECK=1 CMAKE_GENERATOR=Ninja
 export CMAKE_BUILD_PARALLEL_LEVEL=${JOBS:-$(nproc)}
 if command -v ccache >/dev/null; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache CCACHE_COMPILERTYPE=clang; fi
+machine=$(uname -m)
+isas=(x86-64-v3 x86-64-v4)
+if [ "$machine" = aarch64 ]; then isas=(armv8); fi
+export ZIG_TARGET=$machine-linux-gnu.2.28
 
 mkdir -p "$work"
 
@@ -29,11 +33,11 @@ definitions() { # definitions ISA PREFIX
 }
 
 # The package with the kernels of one instruction set.
-build_package() { # build_package VENV
+build_package() { # build_package ISA VENV
   local settings
-  mapfile -t settings < <(definitions x86-64-v3 --config-settings=cmake.define.)
-  "$1/bin/pip" wheel --quiet --no-deps --no-build-isolation --wheel-dir "$work/new" \
-    --config-settings=build-dir="$work/x86-64-v3" "${settings[@]}" .
+  mapfile -t settings < <(definitions "$1" --config-settings=cmake.define.)
+  "$2/bin/pip" wheel --quiet --no-deps --no-build-isolation --wheel-dir "$work/new" \
+    --config-settings=build-dir="$work/$1" "${settings[@]}" .
 }
 
 # The extension alone for another, put into the package.
@@ -44,14 +48,15 @@ add_kernels() { # add_kernels ISA VENV PACKAGE
   fi
   rm -rf "$build/package"
   mapfile -t given < <(definitions "$1" -D)
-  cmake -S . -B "$build" "${given[@]}" -DCMAKE_BUILD_TYPE=Release \
+  # What it found of another Python is forgotten.
+  cmake -S . -B "$build" -U '*Python*' "${given[@]}" -DCMAKE_BUILD_TYPE=Release \
     -DMANYHANDS_PYTHON=ON -DMANYHANDS_UNITY=ON -DSKBUILD=ON -DPython_EXECUTABLE="$python" "${stable[@]}" >"$work/$1.log"
   cmake --build "$build" --target _core >>"$work/$1.log"
   install -D -t "$3/manyhands/$1" "$build"/package/manyhands/_core.*
 }
 
 make_wheel() { # make_wheel 3.10
-  local python venv=$work/python$1 unpacked
+  local python venv=$work/python$1 isa unpacked
   python=$(interpreter "$1") || { say "There is no python$1 here, so no wheel for it"; return 0; }
   say "Python $1: $python"
   if [ ! -x "$venv/bin/pip" ]; then
@@ -59,13 +64,13 @@ make_wheel() { # make_wheel 3.10
     .venv/bin/python tools/requirements.py build | "$venv/bin/pip" install --quiet -r /dev/stdin
   fi
   rm -rf "$work/new"
-  build_package "$venv"
+  build_package "${isas[0]}" "$venv"
   python -m wheel unpack --dest "$work/new" "$work"/new/*.whl
   rm "$work"/new/*.whl
   unpacked=$(echo "$work"/new/*/)
-  add_kernels x86-64-v4 "$venv" "$unpacked"
+  for isa in "${isas[@]:1}"; do add_kernels "$isa" "$venv" "$unpacked"; done
   python -m wheel pack --dest-dir "$work/new" "$unpacked"
-  auditwheel repair --plat manylinux_2_28_x86_64 --wheel-dir dist "$work"/new/*.whl
+  auditwheel repair --plat "manylinux_2_28_$machine" --wheel-dir dist "$work"/new/*.whl
 }
 
 if [ ! -e "$libraries/done" ]; then
