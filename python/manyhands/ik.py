@@ -117,9 +117,9 @@ def inverse_kinematics(
 ) -> IkResult:
     """Configurations that bring `frame` to the poses `position` (3,) or (n, 3) [m], `quaternion` (4,) or (n, 4) xyzw.
 
-    The first attempt begins at `start` (nq,), by default as `inverse` says; `restarts` more near the pose, then at random
-    ones. The joints that move the frame lie within their limits unless `respect_limits` is False; all
-    other coordinates stay as in `start`, wherever that is. An unreachable pose gives success False and the errors that
+    The first attempt begins at `start` (nq,), by default as `inverse` says; `restarts` more near the pose, then at
+    random. The joints that move the frame lie within their limits unless `respect_limits` is False; all other
+    coordinates stay as in `start`, wherever that is. An unreachable pose gives success False and the errors that
     remain. Quaternions are normalised. Tolerances in [m] and [rad]. The same arguments give the same bits.
 
     Damped least squares (Sugihara, IEEE T-RO 27(5), 2011), in SIMD lanes and finished in float64.
