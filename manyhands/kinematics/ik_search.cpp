@@ -143,9 +143,11 @@ IkSolutions IkSearch::find(const IkGoal& goal, std::span<const IkTarget<double>>
       settings.ik.respect_limits ? within_limits(own.model, given) : std::vector<double>(given.begin(), given.end());
   IkSolutions found = prepare(targets.size(), start, settings.restarts + 1);
   std::vector<double> nearest(targets.size(), std::numeric_limits<double>::infinity());
-  const IkQuestion question{own.tree, own.params, own.chain,     goal,    settings_of_attempts(settings),
-                            targets,  start,      settings.seed, accepts, own.seeds,
-                            found,    nearest};
+  constexpr std::size_t kNeeded = 6;  // with no more dofs the start does as well, and costs less
+  const bool from_start = settings.from_start || own.chain.dofs.size() <= kNeeded || goal.position_weight == 0;
+  const IkQuestion question{own.tree,  own.params, own.chain,     goal,       settings_of_attempts(settings),
+                            targets,   start,      settings.seed, from_start, accepts,
+                            own.seeds, found,      nearest};
   search(question, settings.restarts, own.ws, own.lanes);
   IkRefinement(own.wide_tree, own.wide_params, own.wide_ws, own.wide_lanes, own.chain, goal, settings.ik)
       .finish(targets, found);

@@ -16,6 +16,8 @@ namespace manyhands {
 struct IkSearchSettings {
   IkSettings ik{};         ///< of one attempt
   int restarts = 100;      ///< attempts after the first: from near the target, if it has a position, then at random
+  bool from_start = true;  ///< whether the first attempt begins at the start; if not, that of a chain of more than six
+                           ///< dofs begins near the target, if it has a position: half the iterations of the Panda's
   std::uint64_t seed = 0;  ///< of those
 };
 

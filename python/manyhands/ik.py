@@ -61,6 +61,8 @@ def inverse(
     direction: (3,), of any length: along it lies the frame's `axis` (3,), the spin about which is free.
     look_at: (3,) [m], a point of the world through which that axis passes, from the frame's origin.
     posture: (nq,) to stay near where the goal leaves room. The first attempt begins there unless `start` is given.
+    start: (nq,) where the first attempt begins, and what other coordinates keep within limits; by default neutral.
+    Where none is given, and no posture, attempts of arms of more than six joints begin near the position at once.
     position_weight, rotation_weight: of a metre and a radian, in what remains of a goal that cannot be reached.
     relative_to: another frame. The goal is then one in its axes and from its origin, and the joints that move only one
     of both frames are solved for: those of two arms.
@@ -119,11 +121,10 @@ def inverse_kinematics(
 ) -> IkResult:
     """Configurations that bring `frame` to the poses `position` (3,) or (n, 3) [m], `quaternion` (4,) or (n, 4) xyzw.
 
-    The first attempt begins at `start` (nq,), by default the neutral configuration within the limits; `restarts` more
-    begin at random ones. All joints of one degree of freedom lie within their limits unless `respect_limits` is False;
-    those that do not move the frame stay as near to `start` as these allow. An unreachable pose gives success False and
-    the errors that remain. Quaternions are normalised. Tolerances in [m] and [rad]. The same arguments give the same
-    bits.
+    The first attempt begins at `start` (nq,), by default as `inverse` says; `restarts` more near the pose, then at
+    random. All joints of one degree of freedom lie within their limits unless `respect_limits` is False; those that do
+    not move the frame stay as near to `start` as these allow. An unreachable pose gives success False and the errors
+    that remain. Quaternions are normalised. Tolerances in [m] and [rad]. The same arguments give the same bits.
 
     Damped least squares (Sugihara, IEEE T-RO 27(5), 2011), in SIMD lanes and finished in float64.
     Raises KeyError for an unknown frame; ValueError for a wrong shape or number, or a joint of several degrees of
