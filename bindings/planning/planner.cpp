@@ -157,6 +157,7 @@ nb::object balls(const Planner& self, const Array<double, 1>& q) {
 }  // namespace
 
 void bindings::bind_planner(nb::module_& planning) {
+  planning.def("check_path_constraints", &bindings::check_path_constraints, "axes"_a, "positions"_a);
   nb::class_<Planner>(planning, "Planner")
       .def(
           "__init__",

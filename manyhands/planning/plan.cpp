@@ -40,6 +40,31 @@ std::string broken_constraint(ConfigurationCheck& check, Rows q) {
   return constraints == nullptr ? std::string() : constraints->broken_at(q);
 }
 
+/// An end of a plan, and what is said of one that is not good.
+struct End {
+  const char* name;
+  PlanStatus outside_limits, breaks_constraint, collides;
+};
+constexpr End kStart{"the start", PlanStatus::kStartOutsideLimits, PlanStatus::kStartBreaksConstraint,
+                     PlanStatus::kStartCollides};
+constexpr End kGoal{"the goal", PlanStatus::kGoalOutsideLimits, PlanStatus::kGoalBreaksConstraint,
+                    PlanStatus::kGoalCollides};
+
+struct Fault {
+  PlanStatus status;
+  std::string message;
+};
+
+/// What is wrong with an end, if something is.
+std::optional<Fault> fault_of(const PlanningScene& scene, ConfigurationCheck& check, Rows q, const End& end) {
+  if (const std::string limits = outside_limits(scene, q); !limits.empty())
+    return Fault{end.outside_limits, end.name + (" is outside of limits: " + limits)};
+  if (const std::string broken = broken_constraint(check, q); !broken.empty())
+    return Fault{end.breaks_constraint, end.name + (" breaks a constraint: " + broken)};
+  if (check.are_free(q)[0] != 0) return {};
+  return Fault{end.collides, end.name + (" collides: " + collision_in_words(scene, check, q))};
+}
+
 /// Moves joints without limits by whole turns to where they are nearest to the start.
 void unwind(const PlanningScene& scene, Rows start, std::span<double> goal) {
   constexpr double kTurn = 2 * std::numbers::pi;
@@ -114,9 +139,9 @@ class Planning {
     } else if (deadline_.has_passed()) {
       plan_.message = "the time limit of " + as_text(settings_.time_limit) + " s passed before a path was free";
     } else {
-      refuse(PlanStatus::kSeedsBlocked, "none of " + std::to_string(settings_.optimization.seeds) +
-                                            " paths that were optimised is free" + in_the_way(found.in_the_way) +
-                                            "; more seeds may help, or a search");
+      plan_.status = PlanStatus::kSeedsBlocked;
+      plan_.message = "none of " + std::to_string(settings_.optimization.seeds) + " paths that were optimised is free" +
+                      in_the_way(found.in_the_way) + "; more seeds may help, or a search";
     }
     return plan_;
   }
@@ -126,33 +151,14 @@ class Planning {
 
   static double since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
-  bool refuse(PlanStatus status, const std::string& message) {
-    plan_.status = status;
-    plan_.message = message;
-    return false;
-  }
-
-  /// An end of the plan, and what is said of one that is not good.
-  struct End {
-    const char* name;
-    PlanStatus outside_limits, breaks_constraint, collides;
-  };
-  static constexpr End kStart{"the start", PlanStatus::kStartOutsideLimits, PlanStatus::kStartBreaksConstraint,
-                              PlanStatus::kStartCollides};
-  static constexpr End kGoal{"the goal", PlanStatus::kGoalOutsideLimits, PlanStatus::kGoalBreaksConstraint,
-                             PlanStatus::kGoalCollides};
-
   /// Says what is wrong with an end, if no other had something wrong.
   bool is_good(Rows q, const End& end) {
-    const auto refuse_first = [&](PlanStatus status, const std::string& what) {
-      return plan_.message.empty() ? refuse(status, end.name + what) : false;
-    };
-    if (const std::string limits = outside_limits(scene_, q); !limits.empty())
-      return refuse_first(end.outside_limits, " is outside of limits: " + limits);
-    if (const std::string broken = broken_constraint(check_, q); !broken.empty())
-      return refuse_first(end.breaks_constraint, " breaks a constraint: " + broken);
-    if (check_.are_free(q)[0] != 0) return true;
-    return refuse_first(end.collides, " collides: " + collision_in_words(scene_, check_, q));
+    const std::optional<Fault> fault = fault_of(scene_, check_, q, end);
+    if (fault && plan_.message.empty()) {
+      plan_.status = fault->status;
+      plan_.message = fault->message;
+    }
+    return !fault;
   }
 
   /// Keeps the goals that are good; says what is wrong with the first if none is.
@@ -275,6 +281,8 @@ GoalConfigurations goal_configurations(const Model& model, const PlanningScene& 
   constexpr std::size_t kStarts = 40;
   constexpr double kSame = 1e-3;  // [rad or m]
   const std::size_t n = scene.size();
+  if (const std::optional<Fault> fault = fault_of(scene, check, start, kStart))
+    return {.status = fault->status, .message = fault->message};
   const std::string name = "'" + model.frame(frame).name + "'";
   IkSearch search(model, frame);
   const IkTarget<double> target{X_WF, Vec3<double>::zero()};

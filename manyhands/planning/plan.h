@@ -60,7 +60,8 @@ struct GoalConfigurations {
 };
 
 /// Those that bring a frame, which only planned joints move, to X_WF, within limits and free: of those found from
-/// `start` (n) and from random configurations the `count` nearest to the start. Ends when time runs out.
+/// `start` (n) and from random configurations the `count` nearest to the start. None if the start itself is not good.
+/// Ends when time runs out.
 [[nodiscard]] GoalConfigurations goal_configurations(const Model& model, const PlanningScene& scene,
                                                      ConfigurationCheck& check, FrameId frame,
                                                      const Transform<double>& X_WF, std::span<const double> start,
