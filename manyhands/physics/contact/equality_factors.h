@@ -54,9 +54,9 @@ MANYHANDS_INLINE void visit_closing(const ContactProblem<T>& problem, Body&& bod
 }
 
 /// What joints cannot do of the closing velocities c in `velocities`: (R (K + R)^-1)^passes c, with R a part of the
-/// mobility in any direction (iterated Tikhonov regularisation: Engl, Hanke and Neubauer 1996, section 5.1); all of
-/// it where something stands far open, which may be out of reach. To hold a velocity never costs energy, however
-/// singular the joints are; to close an error may ask for any. Before K is factored.
+/// mobility in any direction (iterated Tikhonov regularisation: Engl, Hanke and Neubauer 1996, section 5.1); a
+/// larger one where something stands far open, which may be out of reach. To hold a velocity never costs energy,
+/// however singular the joints are; to close an error may ask for any. Before K is factored.
 template <Number T>
 MANYHANDS_INLINE void damp_closing(const ContactProblem<T>& problem, std::vector<T>& velocities, Factors<T>& factors) {
   const std::size_t n = problem.num_equality_rows;

@@ -100,7 +100,7 @@ inline constexpr double kMaxClosing = 1;
 /// that close: where joints move much less, as at a singular arm, or while something holds them, errors shrink more
 /// slowly, by what joints can do without racing. What stands open by more than so many steps close may be out of
 /// reach: there an arm at its limit would whirl.
-inline constexpr double kOpeningYields = 0.1, kClosingYields = 0.01, kFarClosingYields = 1, kFarSteps = 10;
+inline constexpr double kOpeningYields = 0.1, kClosingYields = 0.01, kFarClosingYields = 0.1, kFarSteps = 10;
 /// How often what equality constraints leave open is looked at again: of a free body's error 1e-7 stays.
 inline constexpr int kClosingPasses = 6;
 

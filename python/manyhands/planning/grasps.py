@@ -173,8 +173,10 @@ def _settings(
 
 def _gripper(gripper: ParallelGripper | None) -> Any:
     given = ParallelGripper() if gripper is None else instance("gripper", gripper, ParallelGripper)
-    lengths = [number(name, getattr(given, name)) for name in ("opening", "depth", "reach", "width", "thickness")]
-    return _core.Gripper(*lengths, _three("the gripper's palm", given.palm))
+    opening, depth, reach, width, thickness = (
+        number(name, getattr(given, name)) for name in ("opening", "depth", "reach", "width", "thickness")
+    )
+    return _core.Gripper(opening, depth, reach, width, thickness, _three("the gripper's palm", given.palm))
 
 
 def _three(name: str, values: ArrayLike) -> tuple[float, float, float]:

@@ -167,7 +167,7 @@ def _state(name: str, values: ArrayLike | None, n: int) -> list[float]:
 
 def _set_goal(given: Any, goal: ArrayLike, velocity: ArrayLike | None, acceleration: ArrayLike | None) -> None:
     n = given.degrees_of_freedom
-    given.target_position = _state("goal", goal, n)
+    given.target_position = finite_row("goal", goal, n).tolist()
     given.target_velocity = _state("goal_velocity", velocity, n)
     given.target_acceleration = _state("goal_acceleration", acceleration, n)
 

@@ -309,16 +309,14 @@ class Planner:
         seconds = number("time_limit", time_limit, least=0, infinite=True)
         goals, pose = self._goal_of(goal, position, quaternion)
         status = message = ""
-        if pose is not None:
+        if pose is not None and self.frame is not None:
             goals, status, message = self._core.goals(self.frame, *pose, begin, _GOALS, drawn, seconds)
         found: Any = (status, message, goals, None, 0, 0, 0.0, 0.0, None)
         if len(goals) > 0:
             found = find(begin, goals, drawn)
         return Plan(self.joints, self.velocity, found)
 
-    def _goal_of(
-        self, goal: ArrayLike | None, position: ArrayLike | None, quaternion: ArrayLike | None
-    ) -> tuple[Array, tuple[Array, Array] | None]:
+    def _goal_of(self, goal: Any, position: Any, quaternion: Any) -> tuple[Array, tuple[Array, Array] | None]:
         """Goals (m, n) as `plan` is given them, or none and the pose. Raises ValueError on what is no goal."""
         if (goal is None) == (position is None) or (position is None) != (quaternion is None):
             raise ValueError("give either goal, or position and quaternion")

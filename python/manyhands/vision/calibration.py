@@ -1,7 +1,7 @@
 """A camera's numbers, from pictures of a chessboard (Zhang, 2000), through OpenCV; and such boards for worlds."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -88,11 +88,12 @@ def calibrate(board: Chessboard, pictures: Sequence[ArrayLike]) -> Calibration:
     a far board through a long lens looks as a near one does through a short one."""
     cv2 = opencv()
     instance("board", board, Chessboard)
-    found = [board.find(picture) for picture in listed("pictures", pictures, object)]
+    given: list[Any] = listed("pictures", pictures, object)
+    found = [board.find(picture) for picture in given]
     seen = [np.asarray(at - 0.5, np.float32)[:, None] for at in found if at is not None]
     if len(seen) < 3:
         raise ValueError(f"the board is seen whole in {len(seen)} of {len(found)} pictures; expected 3 or more")
-    sizes = {np.shape(picture)[:2] for picture in pictures}
+    sizes = {np.shape(picture)[:2] for picture in given}
     if len(sizes) > 1:
         raise ValueError(f"the pictures have shapes {sorted(sizes)}; expected one size")
     height, width = sizes.pop()

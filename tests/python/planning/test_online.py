@@ -77,3 +77,9 @@ def test_a_goal_that_moves_is_followed() -> None:
 def test_refusals(call: Callable[[], object], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         call()
+
+
+def test_a_follower_asks_where_to_go() -> None:
+    follower = Follower([1.0, -1.0], dt=0.01, velocity=1.0, acceleration=10.0, jerk=100.0)
+    with pytest.raises((TypeError, ValueError), match="goal is None"):
+        follower.step(None)  # type: ignore[arg-type]
