@@ -231,6 +231,7 @@ nb::tuple find_inverse(PythonModel& model, const std::string& frame, nb::handle 
   settings.ik.position_tolerance = position_tolerance;
   settings.ik.rotation_tolerance = rotation_tolerance;
   std::vector<double> first = configuration("start", start, robot.nq());
+  settings.from_start = !first.empty() || !goal.posture.empty();
   if (first.empty()) first = goal.posture.empty() ? robot.neutral_configuration() : goal.posture;
   std::vector<IkTarget<double>> targets(given.count());
   for (std::size_t i = 0; i < targets.size(); ++i) targets[i] = given.target(i);

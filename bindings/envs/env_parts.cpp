@@ -1,6 +1,7 @@
 // manyhands._core.envs, continued: what an environment may be made with, arms and obstacles.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/map.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
@@ -58,7 +59,21 @@ void bind_env_parts(nb::module_& m) {
           },
           nb::kw_only(), "urdf"_a, "joints"_a, "fingers"_a, "closed"_a, "opening"_a, "hand"_a, "neutral"_a,
           "max_force"_a, "position"_a, "quaternion"_a, "meshes"_a,
-          "Raises ValueError on a quaternion that is not of length 1.");
+          "Raises ValueError on a quaternion that is not of length 1.")
+      .def_ro("hand", &ArmSpec::hand, "The frame between the finger tips.")
+      .def_prop_ro(
+          "home",
+          [](const ArmSpec& self) {
+            std::map<std::string, double> home;
+            std::vector<std::string> all = self.joints;
+            all.insert(all.end(), self.fingers.begin(), self.fingers.end());
+            for (std::size_t i = 0; i < all.size(); ++i) home[all[i]] = self.neutral[i];
+            return home;
+          },
+          "Where every joint is as episodes start [rad or m], by name.");
+  m.def("arm_spec", &arm_spec, "name"_a,
+        "The arms that ship with the environments, \"panda\" and \"arm6\". Raises ValueError, which lists them, on "
+        "others.");
   nb::class_<Obstacle>(m, "Obstacle", "What stands in the way; see manyhands.envs.Obstacle.")
       .def(
           "__init__",

@@ -102,15 +102,21 @@ double quality_of(const Array<double, 2>& points, const Array<double, 2>& normal
 
 void bindings::bind_grasps(nb::module_& planning) {
   nb::class_<ParallelGripper>(planning, "Gripper")
-      .def("__init__", [](ParallelGripper* self, double opening, double depth, double reach, double width,
-                          double thickness, const Three& palm) {
-        new (self) ParallelGripper(gripper_of(opening, depth, reach, width, thickness, palm));
-      });
+      .def(
+          "__init__",
+          [](ParallelGripper* self, double opening, double depth, double reach, double width, double thickness,
+             const Three& palm) {
+            new (self) ParallelGripper(gripper_of(opening, depth, reach, width, thickness, palm));
+          },
+          "opening"_a, "depth"_a, "reach"_a, "width"_a, "thickness"_a, "palm"_a);
   nb::class_<GraspSettings>(planning, "GraspSettings")
-      .def("__init__", [](GraspSettings* self, double friction, int samples, int approaches, const Three& approach,
-                          double tilt, double clearance, std::uint64_t seed) {
-        new (self) GraspSettings(settings_of(friction, samples, approaches, approach, tilt, clearance, seed));
-      });
+      .def(
+          "__init__",
+          [](GraspSettings* self, double friction, int samples, int approaches, const Three& approach, double tilt,
+             double clearance, std::uint64_t seed) {
+            new (self) GraspSettings(settings_of(friction, samples, approaches, approach, tilt, clearance, seed));
+          },
+          "friction"_a, "samples"_a, "approaches"_a, "approach"_a, "tilt"_a, "clearance"_a, "seed"_a);
   planning.def("grasps_of_shape", &grasps_of_shape, "shape"_a, "com"_a, "gripper"_a, "settings"_a);
   planning.def("grasps_of_link", &grasps_of_link, "model"_a, "q"_a, "mocap"_a, "link"_a, "obstacles"_a, "gripper"_a,
                "settings"_a);

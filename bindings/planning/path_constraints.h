@@ -19,6 +19,9 @@ using AxisConstraints = std::vector<std::tuple<std::string, Array<double, 1>, Ar
 using PositionConstraints =
     std::vector<std::tuple<std::string, Array<double, 1>, Array<double, 1>, Array<double, 1>, Array<double, 1>>>;
 
+/// Throws std::invalid_argument where numbers of theirs make no sense; frames are not looked up.
+void check_path_constraints(const AxisConstraints& axes, const PositionConstraints& positions);
+
 /// A check of the planner's scene that keeps them, too; none if there are none.
 [[nodiscard]] std::optional<ConfigurationCheck> constrained_check(const Planner& planner, const AxisConstraints& axes,
                                                                   const PositionConstraints& positions);

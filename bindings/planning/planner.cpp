@@ -63,6 +63,8 @@ const char* name_of(PlanStatus status) {
       return "goal breaks constraint";
     case PlanStatus::kNoGoal:
       return "goal unreachable";
+    case PlanStatus::kSeedsBlocked:
+      return "seeds blocked";
     case PlanStatus::kTimeLimit:
       return "time limit";
   }
@@ -79,12 +81,18 @@ void look_for_signals() {
   if (PyErr_CheckSignals() != 0) throw nb::python_error();
 }
 
+nb::tuple as_tuple(const PlanningScene& scene, const Plan& plan) {
+  return nb::make_tuple(name_of(plan.status), plan.message, rows_of(plan.waypoints, scene.size()), plan.curve,
+                        plan.nodes, plan.iterations, plan.search_time, plan.shorten_time, plan.cost);
+}
+
 nb::tuple plan(Planner& self, const Array<double, 1>& start, const Array<double, 2>& goals, double time_limit,
-               bool shorten, double blend, double range, std::uint64_t seed, const bindings::AxisConstraints& axes,
-               const bindings::PositionConstraints& positions) {
-  PlanSettings settings{.time_limit = time_limit, .shorten = shorten, .blend = blend};
+               bool shorten, bool smooth, double blend, double range, std::uint64_t seed,
+               const bindings::AxisConstraints& axes, const bindings::PositionConstraints& positions) {
+  PlanSettings settings{.time_limit = time_limit, .shorten = shorten, .smooth = smooth, .blend = blend};
   settings.rrt = {range, seed};
   settings.shortening.seed = seed;
+  settings.optimization.seed = seed;
   settings.look_up = look_for_signals;
   std::optional<ConfigurationCheck> constrained = bindings::constrained_check(self, axes, positions);
   Plan found;
@@ -92,8 +100,22 @@ nb::tuple plan(Planner& self, const Array<double, 1>& start, const Array<double,
     const nb::gil_scoped_release release;
     found = find_plan(self.scene, constrained ? *constrained : self.check, as_span(start), as_span(goals), settings);
   }
-  return nb::make_tuple(name_of(found.status), found.message, rows_of(found.waypoints, self.scene.size()), found.curve,
-                        found.nodes, found.iterations, found.search_time, found.shorten_time);
+  return as_tuple(self.scene, found);
+}
+
+nb::tuple optimize(Planner& self, const Array<double, 1>& start, const Array<double, 2>& goals, double time_limit,
+                   std::size_t seeds, double clearance, std::uint64_t seed) {
+  PlanSettings settings{.time_limit = time_limit};
+  settings.optimization.seeds = seeds;
+  settings.optimization.seed = seed;
+  settings.optimization.descent.clearance = clearance;
+  settings.look_up = look_for_signals;
+  Plan found;
+  {
+    const nb::gil_scoped_release release;
+    found = optimize_plan(self.scene, self.check, as_span(start), as_span(goals), settings);
+  }
+  return as_tuple(self.scene, found);
 }
 
 /// rows (m, n), and where there are none, the plan's status and message.
@@ -135,6 +157,7 @@ nb::object balls(const Planner& self, const Array<double, 1>& q) {
 }  // namespace
 
 void bindings::bind_planner(nb::module_& planning) {
+  planning.def("check_path_constraints", &bindings::check_path_constraints, "axes"_a, "positions"_a);
   nb::class_<Planner>(planning, "Planner")
       .def(
           "__init__",
@@ -199,8 +222,9 @@ void bindings::bind_planner(nb::module_& planning) {
           },
           "points"_a, "radius"_a)
       .def("goals", &goals, "frame"_a, "position"_a, "quaternion"_a, "start"_a, "count"_a, "seed"_a, "time_limit"_a)
-      .def("plan", &plan, "start"_a, "goals"_a, "time_limit"_a, "shorten"_a, "blend"_a, "range"_a, "seed"_a, "axes"_a,
-           "positions"_a);
+      .def("plan", &plan, "start"_a, "goals"_a, "time_limit"_a, "shorten"_a, "smooth"_a, "blend"_a, "range"_a, "seed"_a,
+           "axes"_a, "positions"_a)
+      .def("optimize", &optimize, "start"_a, "goals"_a, "time_limit"_a, "seeds"_a, "clearance"_a, "seed"_a);
 }
 
 }  // namespace manyhands

@@ -315,7 +315,7 @@ void bind_world(nb::module_& m) {
           "targets "
           "[rad or m], and leaves the others alone. max_force [N m or N] is each joint's effort unless it is given. "
           "Raises KeyError for a name that is not there, ValueError for a joint without exactly one degree of freedom, "
-          "or whose effort nobody gave; then no motor has changed.")
+          "or whose effort nobody gave, and for a target beyond limits; then no motor has changed.")
       .def(
           "show",
           [](const nb::object& self, const nb::kwargs& options) {

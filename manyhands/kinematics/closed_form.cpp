@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "manyhands/kinematics/ik_search.h"
+
 namespace manyhands {
 
 namespace {
@@ -21,6 +23,13 @@ constexpr double kReach = 1e-7;  // beyond reach, relative, that rounding explai
 Mat turn(const Vec& axis, double angle) { return to_matrix(quat_from_rotation_vector(angle * axis)); }
 
 double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
+
+/// Whether two solutions are one: where branches meet, at singular poses, they differ by rounding.
+template <class Angles>
+bool are_same(const Angles& a, const Angles& b) {
+  constexpr double kSame = 1e-6;  // angles near a singular one have half the digits
+  return std::ranges::equal(a, b, [](double x, double y) { return std::abs(wrapped(x - y)) < kSame; });
+}
 
 /// The angle about `axis` that turns p to q, as seen along it; 0 where p lies on it.
 double angle_between(const Vec& axis, const Vec& p, const Vec& q) {
@@ -106,9 +115,12 @@ std::vector<ClosedForm::Angles> ClosedForm::solve(const Transform<double>& X_WF)
       solve_parallel(rest, -back, found);
     }
   }
-  for (Angles& q : found)
+  std::vector<Angles> distinct;
+  for (Angles& q : found) {
     for (double& angle : q) angle = wrapped(angle);
-  return found;
+    if (std::ranges::none_of(distinct, [&](const Angles& other) { return are_same(q, other); })) distinct.push_back(q);
+  }
+  return distinct;
 }
 
 std::vector<std::vector<double>> ClosedForm::within_limits(const Model& model, const Transform<double>& X_WF,
@@ -117,18 +129,19 @@ std::vector<std::vector<double>> ClosedForm::within_limits(const Model& model, c
     throw std::invalid_argument("the start has " + std::to_string(start.size()) + " numbers; the model's q has " +
                                 std::to_string(model.nq()));
   std::vector<std::pair<double, std::vector<double>>> found;
+  const std::vector<double> rest = manyhands::within_limits(model, start);
   for (const Angles& angles : solve(X_WF)) {
-    std::vector<double> q(start.begin(), start.end());
+    std::vector<double> q = rest;
     double distance2 = 0;
     bool fits = true;
     for (std::size_t k = 0; k < kJoints; ++k) {
       const Joint& joint = model.joint(JointId(model.dof_joint()[dofs_[k]]));
-      double& x = q[static_cast<std::size_t>(joint.iq)];
-      const std::optional<double> near = turned_near(angles[k], x, joint.limits);
+      const auto i = static_cast<std::size_t>(joint.iq);
+      const std::optional<double> near = turned_near(angles[k], start[i], joint.limits);
       fits = fits && near.has_value();
       if (!near) continue;
-      distance2 += square(*near - x);
-      x = *near;
+      distance2 += square(*near - start[i]);
+      q[i] = *near;
     }
     if (fits) found.emplace_back(distance2, std::move(q));
   }

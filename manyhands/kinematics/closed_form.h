@@ -28,14 +28,14 @@ class ClosedForm {
   /// The dofs of the joints, from the base out.
   [[nodiscard]] std::span<const std::size_t> dofs() const { return dofs_; }
 
-  /// At most eight configurations with the frame at X_WF [rad, each in (-pi, pi]], whatever the limits; none out of
-  /// reach. Of the many that lead to a singular pose those are given whose fourth joint, of a spherical wrist, or else
-  /// sixth joint is at 0, as far as that is in reach.
+  /// At most eight configurations, each once, with the frame at X_WF [rad, each in (-pi, pi]], whatever the limits;
+  /// none out of reach. Of the many that lead to a singular pose those are given whose fourth joint, of a spherical
+  /// wrist, or else sixth joint is at 0, as far as that is in reach.
   [[nodiscard]] std::vector<Angles> solve(const Transform<double>& X_WF) const;
 
   /// Those of them within the joints' limits, as configurations (nq): angles by whole turns as near to `start` (nq) as
-  /// limits allow, everything else as there; the nearest to it first. Throws std::invalid_argument if it has not nq
-  /// numbers. `model` is that of `of`.
+  /// limits allow, everything else as near as these do; the nearest to it first. Throws std::invalid_argument if it has
+  /// not nq numbers. `model` is that of `of`.
   [[nodiscard]] std::vector<std::vector<double>> within_limits(const Model& model, const Transform<double>& X_WF,
                                                                std::span<const double> start) const;
 

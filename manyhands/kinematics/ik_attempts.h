@@ -27,6 +27,7 @@ struct IkQuestion {
   std::span<const IkTarget<double>> targets;
   std::span<const double> start;  ///< (nq)
   std::uint64_t seed;
+  bool from_start;
   const IkFilter& accepts;
 
   std::optional<IkSeeds>& seeds;  ///< made when they are needed first
@@ -136,9 +137,10 @@ class IkAttempts {
     solve_.restart(k);
   }
 
-  /// Attempts begin where the search does, then at seeds near the goal, if it has a position, then at random.
+  /// Attempts begin where the search does, if asked to, then at seeds near the goal, if it has a position, then at
+  /// random.
   void set_start(int k, const IkAttempt& attempt) {
-    const int rank = attempt.round - 1;
+    const int rank = attempt.round - (asked_.from_start ? 1 : 0);
     if (rank >= 0 && rank < IkSeeds::kRanks && asked_.goal.position_weight > 0) {
       if (!asked_.seeds) asked_.seeds.emplace(asked_.tree, asked_.params, asked_.chain);
       const IkSeeds& seeds = *asked_.seeds;

@@ -77,6 +77,16 @@ void check(std::size_t nq, const IkGoal& goal, std::span<const double> start) {
 
 }  // namespace
 
+std::vector<double> within_limits(const Model& model, std::span<const double> q) {
+  std::vector<double> inside(q.begin(), q.end());
+  for (const Joint& joint : model.joints()) {
+    if (configuration_size(joint.type) != 1) continue;
+    double& x = inside[static_cast<std::size_t>(joint.iq)];
+    x = clamp(x, joint.limits.lower, joint.limits.upper);
+  }
+  return inside;
+}
+
 IkSolutions search_ik(const Model& model, FrameId frame, std::span<const Transform<double>> targets,
                       std::span<const double> start, const IkSearchSettings& settings) {
   std::vector<IkTarget<double>> poses;
@@ -91,8 +101,9 @@ IkSolutions search_ik(const Model& model, FrameId frame, const IkGoal& goal, std
 }
 
 struct IkSearch::Parts {
-  Parts(const Model& model, IkChain moved)
-      : chain(std::move(moved)),
+  Parts(const Model& robot, IkChain moved)
+      : model(robot),
+        chain(std::move(moved)),
         tree(model),
         wide_tree(model),
         params(model),
@@ -102,6 +113,7 @@ struct IkSearch::Parts {
         wide_ws(wide_tree),
         wide_lanes(wide_tree) {}
 
+  const Model& model;
   IkChain chain;
   Tree<float> tree;
   Tree<double> wide_tree;
@@ -123,15 +135,19 @@ IkSearch::IkSearch(IkSearch&&) noexcept = default;
 IkSearch& IkSearch::operator=(IkSearch&&) noexcept = default;
 IkSearch::~IkSearch() = default;
 
-IkSolutions IkSearch::find(const IkGoal& goal, std::span<const IkTarget<double>> targets, std::span<const double> start,
+IkSolutions IkSearch::find(const IkGoal& goal, std::span<const IkTarget<double>> targets, std::span<const double> given,
                            const IkSearchSettings& settings, const IkFilter& accepts) {
   Parts& own = *parts_;
-  check(static_cast<std::size_t>(own.tree.nq), goal, start);
+  check(static_cast<std::size_t>(own.tree.nq), goal, given);
+  const std::vector<double> start =
+      settings.ik.respect_limits ? within_limits(own.model, given) : std::vector<double>(given.begin(), given.end());
   IkSolutions found = prepare(targets.size(), start, settings.restarts + 1);
   std::vector<double> nearest(targets.size(), std::numeric_limits<double>::infinity());
-  const IkQuestion question{own.tree, own.params, own.chain,     goal,    settings_of_attempts(settings),
-                            targets,  start,      settings.seed, accepts, own.seeds,
-                            found,    nearest};
+  constexpr std::size_t kNeeded = 6;  // with no more dofs the start does as well, and costs less
+  const bool from_start = settings.from_start || own.chain.dofs.size() <= kNeeded || goal.position_weight == 0;
+  const IkQuestion question{own.tree,  own.params, own.chain,     goal,       settings_of_attempts(settings),
+                            targets,   start,      settings.seed, from_start, accepts,
+                            own.seeds, found,      nearest};
   search(question, settings.restarts, own.ws, own.lanes);
   IkRefinement(own.wide_tree, own.wide_params, own.wide_ws, own.wide_lanes, own.chain, goal, settings.ik)
       .finish(targets, found);

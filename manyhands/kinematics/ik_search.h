@@ -10,9 +10,14 @@
 
 namespace manyhands {
 
+/// q (nq) with every joint of one degree of freedom within its limits.
+[[nodiscard]] std::vector<double> within_limits(const Model& model, std::span<const double> q);
+
 struct IkSearchSettings {
   IkSettings ik{};         ///< of one attempt
   int restarts = 100;      ///< attempts after the first: from near the target, if it has a position, then at random
+  bool from_start = true;  ///< whether the first attempt begins at the start; if not, that of a chain of more than six
+                           ///< dofs begins near the target, if it has a position: half the iterations of the Panda's
   std::uint64_t seed = 0;  ///< of those
 };
 
@@ -29,8 +34,9 @@ using IkFilter = std::function<bool(std::span<const double> q)>;
 
 /// For each pose in `targets` (X_WF of the frame) a configuration that reaches it; the first attempt begins at
 /// `start` (nq). Attempts run in float lanes, where the next begins as soon as one ends; what they find is finished in
-/// lanes of double. With settings.ik.respect_limits, q lies within the limits of the joints that move the frame; all
-/// other coordinates stay as in `start`. An unreachable target has success 0 and the errors of the nearest pose found.
+/// lanes of double. With settings.ik.respect_limits, q lies within the limits of all joints of one degree of freedom;
+/// coordinates that do not move the frame stay as near to `start` as these allow. An unreachable target has success 0
+/// and the errors of the nearest pose found.
 /// Cost: 10,000 reachable poses of the Panda's hand need two attempts each on average and 20 ms on one core with AVX2;
 /// a pose that cannot be reached uses up all attempts, about 0.2 ms. The first restart of an `IkSearch` places 8192
 /// configurations, once, in 2 ms.

@@ -29,6 +29,13 @@ struct DistanceBounds {
   T low, high;
 };
 
+/// How far a point is from a piece [m], negative within a solid, and the unit vector (world) along which that grows.
+template <Number T>
+struct Approach {
+  T distance;
+  Vec3<T> away;
+};
+
 /// Pieces under a tree of boxes along the world's axes.
 class ObstacleTree {
  public:
@@ -52,6 +59,10 @@ class ObstacleTree {
   }
   template <Number T>
   [[nodiscard]] DistanceBounds<T> distance(const ObstaclePiece& piece, const Vec3<T>& p) const;
+  /// What pushes a point out of a piece: of hulls the face that is farthest below p, so that the distance is too small
+  /// beside edges; triangles have no inside.
+  template <Number T>
+  [[nodiscard]] Approach<T> approach(const ObstaclePiece& piece, const Vec3<T>& p) const;
 
  private:
   struct Node {
@@ -76,6 +87,13 @@ class ObstacleTree {
     float offset;
   };
 
+  template <Number T>
+  [[nodiscard]] static Vec3<T> in_piece(const ObstaclePiece& piece, const Vec3<T>& p) {
+    const Vec3<T> shifted = p - broadcast<T>(piece.p_WG);
+    return piece.turned ? broadcast<T>(piece.R_GW) * shifted : shifted;
+  }
+  template <Number T>
+  [[nodiscard]] Approach<T> approach_in_piece(const ObstaclePiece& piece, const Vec3<T>& g) const;
   void add_bounded(const ObstaclePiece& piece, const Vec3<double>& low, const Vec3<double>& high);
   void divide(std::span<int> order, int first);
 

@@ -40,6 +40,31 @@ std::string broken_constraint(ConfigurationCheck& check, Rows q) {
   return constraints == nullptr ? std::string() : constraints->broken_at(q);
 }
 
+/// An end of a plan, and what is said of one that is not good.
+struct End {
+  const char* name;
+  PlanStatus outside_limits, breaks_constraint, collides;
+};
+constexpr End kStart{"the start", PlanStatus::kStartOutsideLimits, PlanStatus::kStartBreaksConstraint,
+                     PlanStatus::kStartCollides};
+constexpr End kGoal{"the goal", PlanStatus::kGoalOutsideLimits, PlanStatus::kGoalBreaksConstraint,
+                    PlanStatus::kGoalCollides};
+
+struct Fault {
+  PlanStatus status;
+  std::string message;
+};
+
+/// What is wrong with an end, if something is.
+std::optional<Fault> fault_of(const PlanningScene& scene, ConfigurationCheck& check, Rows q, const End& end) {
+  if (const std::string limits = outside_limits(scene, q); !limits.empty())
+    return Fault{end.outside_limits, end.name + (" is outside of limits: " + limits)};
+  if (const std::string broken = broken_constraint(check, q); !broken.empty())
+    return Fault{end.breaks_constraint, end.name + (" breaks a constraint: " + broken)};
+  if (check.are_free(q)[0] != 0) return {};
+  return Fault{end.collides, end.name + (" collides: " + collision_in_words(scene, check, q))};
+}
+
 /// Moves joints without limits by whole turns to where they are nearest to the start.
 void unwind(const PlanningScene& scene, Rows start, std::span<double> goal) {
   constexpr double kTurn = 2 * std::numbers::pi;
@@ -99,38 +124,41 @@ class Planning {
     return plan_;
   }
 
+  Plan optimize(Rows goals) {
+    if (!is_good(start_, kStart) || !take_goals(goals)) return plan_;
+    if (std::ranges::equal(start_, Rows(goals_).first(start_.size()))) {
+      succeed();
+      plan_.waypoints.assign(start_.begin(), start_.end());
+      return plan_;
+    }
+    const Clock::time_point begin = Clock::now();
+    OptimizedPaths found = optimized_paths(scene_, check_, start_, goals_, settings_.optimization, deadline_);
+    plan_.search_time = since(begin);
+    if (found.best) {
+      take(std::move(*found.best));
+    } else if (deadline_.has_passed()) {
+      plan_.message = "the time limit of " + as_text(settings_.time_limit) + " s passed before a path was free";
+    } else {
+      plan_.status = PlanStatus::kSeedsBlocked;
+      plan_.message = "none of " + std::to_string(settings_.optimization.seeds) + " paths that were optimised is free" +
+                      in_the_way(found.in_the_way) + "; more seeds may help, or a search";
+    }
+    return plan_;
+  }
+
  private:
   using Clock = std::chrono::steady_clock;
 
   static double since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
-  bool refuse(PlanStatus status, const std::string& message) {
-    plan_.status = status;
-    plan_.message = message;
-    return false;
-  }
-
-  /// An end of the plan, and what is said of one that is not good.
-  struct End {
-    const char* name;
-    PlanStatus outside_limits, breaks_constraint, collides;
-  };
-  static constexpr End kStart{"the start", PlanStatus::kStartOutsideLimits, PlanStatus::kStartBreaksConstraint,
-                              PlanStatus::kStartCollides};
-  static constexpr End kGoal{"the goal", PlanStatus::kGoalOutsideLimits, PlanStatus::kGoalBreaksConstraint,
-                             PlanStatus::kGoalCollides};
-
   /// Says what is wrong with an end, if no other had something wrong.
   bool is_good(Rows q, const End& end) {
-    const auto refuse_first = [&](PlanStatus status, const std::string& what) {
-      return plan_.message.empty() ? refuse(status, end.name + what) : false;
-    };
-    if (const std::string limits = outside_limits(scene_, q); !limits.empty())
-      return refuse_first(end.outside_limits, " is outside of limits: " + limits);
-    if (const std::string broken = broken_constraint(check_, q); !broken.empty())
-      return refuse_first(end.breaks_constraint, " breaks a constraint: " + broken);
-    if (check_.are_free(q)[0] != 0) return true;
-    return refuse_first(end.collides, " collides: " + collision_in_words(scene_, check_, q));
+    const std::optional<Fault> fault = fault_of(scene_, check_, q, end);
+    if (fault && plan_.message.empty()) {
+      plan_.status = fault->status;
+      plan_.message = fault->message;
+    }
+    return !fault;
   }
 
   /// Keeps the goals that are good; says what is wrong with the first if none is.
@@ -154,10 +182,34 @@ class Planning {
     const std::size_t n = scene_.size();
     if (settings_.shorten) rows = shortened(check_, std::move(rows), n, settings_.shortening, deadline_);
     set_waypoints(rows);
-    if (plan_.waypoints.size() > n) plan_.curve = blended(check_, plan_.waypoints, n, settings_.blend, deadline_);
+    succeed();
+    if (plan_.waypoints.size() > n && !smooth())
+      plan_.curve = blended(check_, plan_.waypoints, n, settings_.blend, deadline_);
     plan_.shorten_time = since(begin);
+  }
+
+  /// Whether the waypoints became a smooth curve.
+  bool smooth() {
+    if (!settings_.smooth) return false;
+    std::optional<OptimizedPath> found = smoothed(scene_, check_, plan_.waypoints, settings_.optimization, deadline_);
+    if (found) take(std::move(*found));
+    return found.has_value();
+  }
+
+  void take(OptimizedPath path) {
+    succeed();
+    plan_.waypoints = std::move(path.waypoints);
+    plan_.curve = std::move(path.curve);
+    plan_.cost = path.cost;
+  }
+
+  void succeed() {
     plan_.status = PlanStatus::kSolved;
     plan_.message = "solved";
+  }
+
+  [[nodiscard]] static std::string in_the_way(const std::optional<Encounter>& found) {
+    return found ? ": on the best of them '" + found->a + "' and '" + found->b + "' are in each other's way" : "";
   }
 
   /// The rows without repetitions, with the ends as they were given in double.
@@ -194,10 +246,8 @@ void require(bool holds, const std::string& otherwise) {
   if (!holds) throw std::invalid_argument(otherwise);
 }
 
-}  // namespace
-
-Plan find_plan(const PlanningScene& scene, ConfigurationCheck& check, std::span<const double> start,
-               std::span<const double> goals, const PlanSettings& settings) {
+void check_arguments(const PlanningScene& scene, std::span<const double> start, std::span<const double> goals,
+                     const PlanSettings& settings) {
   const std::size_t n = scene.size();
   require_rows("start", start, 1, n);
   require(!goals.empty() && goals.size() % n == 0,
@@ -208,7 +258,21 @@ Plan find_plan(const PlanningScene& scene, ConfigurationCheck& check, std::span<
           "range is " + as_text(settings.rrt.range) + "; expected more than 0");
   require(settings.blend >= 0 && std::isfinite(settings.blend),
           "blend is " + as_text(settings.blend) + "; expected 0 or more");
+  require(settings.optimization.seeds > 0, "seeds is 0; expected 1 or more");
+}
+
+}  // namespace
+
+Plan find_plan(const PlanningScene& scene, ConfigurationCheck& check, std::span<const double> start,
+               std::span<const double> goals, const PlanSettings& settings) {
+  check_arguments(scene, start, goals, settings);
   return Planning(scene, check, start, settings).plan(goals);
+}
+
+Plan optimize_plan(const PlanningScene& scene, ConfigurationCheck& check, std::span<const double> start,
+                   std::span<const double> goals, const PlanSettings& settings) {
+  check_arguments(scene, start, goals, settings);
+  return Planning(scene, check, start, settings).optimize(goals);
 }
 
 GoalConfigurations goal_configurations(const Model& model, const PlanningScene& scene, ConfigurationCheck& check,
@@ -217,6 +281,8 @@ GoalConfigurations goal_configurations(const Model& model, const PlanningScene& 
   constexpr std::size_t kStarts = 40;
   constexpr double kSame = 1e-3;  // [rad or m]
   const std::size_t n = scene.size();
+  if (const std::optional<Fault> fault = fault_of(scene, check, start, kStart))
+    return {.status = fault->status, .message = fault->message};
   const std::string name = "'" + model.frame(frame).name + "'";
   IkSearch search(model, frame);
   const IkTarget<double> target{X_WF, Vec3<double>::zero()};

@@ -283,7 +283,8 @@ PlanningScene::PlanningScene(const Model& model, std::span<const double> q_now, 
       colliders(model, PairSearch::kSwept),
       q(q_now.begin(), q_now.end()),
       mocap(settings.mocap.empty() ? model.initial_mocap() : settings.mocap),
-      margin(settings.margin) {
+      margin(settings.margin),
+      overshoot(settings.overshoot) {
   require_rows("q", q_now, 1, static_cast<std::size_t>(model.nq()));
   require_rows("mocap", mocap, 1, model.mocap_bodies().size() * kPoseNumbers);
   if (!(margin >= 0 && std::isfinite(margin)))

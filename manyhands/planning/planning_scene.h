@@ -142,7 +142,7 @@ struct PlanningScene {
   std::vector<Obstacle> obstacles;  ///< owners of the pieces in `tree_of_obstacles`; after them come the clouds
   int clouds = 0;                   ///< how many
   ObstacleTree tree_of_obstacles;
-  double margin;
+  double margin, overshoot;  ///< as SceneSettings
 };
 
 /// Places all bodies where the scene has them, and returns its q (nq). `tree`: the scene's, in T's real numbers.

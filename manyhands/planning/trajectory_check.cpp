@@ -94,4 +94,12 @@ double free_until(const PlanningScene& scene, ConfigurationCheck& check, const T
   return motion.duration();
 }
 
+bool is_free_all_along(const PlanningScene& scene, ConfigurationCheck& check, const Trajectory& motion) {
+  TrajectoryCheck all(scene, check, motion);
+  for (std::size_t k = 0; k < motion.pieces(); ++k) {
+    if (!all.is_free(k, motion.breaks()[k], motion.breaks()[k + 1])) return false;
+  }
+  return true;
+}
+
 }  // namespace manyhands

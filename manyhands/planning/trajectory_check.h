@@ -12,4 +12,7 @@ namespace manyhands {
 [[nodiscard]] double free_until(const PlanningScene& scene, ConfigurationCheck& check, const Trajectory& motion,
                                 double from = 0);
 
+/// Whether it is free, and within limits, to its end.
+[[nodiscard]] bool is_free_all_along(const PlanningScene& scene, ConfigurationCheck& check, const Trajectory& motion);
+
 }  // namespace manyhands

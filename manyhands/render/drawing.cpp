@@ -1,7 +1,8 @@
 #include "manyhands/render/drawing.h"
 
 #include <algorithm>
-#include <cstdlib>
+#include <bit>
+#include <cstring>
 
 #include "manyhands/render/sample_rays.h"
 
@@ -138,19 +139,34 @@ void write_geometry(const Camera& camera, std::span<const Seen> seen, const Samp
   });
 }
 
-/// Whether a pixel of a colour picture differs visibly from one beside it.
-bool is_edge(const Camera& camera, std::span<const std::uint8_t> picture, int x, int y) {
-  constexpr int kVisible = 10;
-  const std::uint8_t* const own = &picture[3 * (size(y) * size(camera.width) + size(x))];
-  const auto differs = [&](int dx, int dy) {
-    if (x + dx < 0 || y + dy < 0 || x + dx >= camera.width || y + dy >= camera.height) return false;
-    const std::uint8_t* const other = &picture[3 * (size(y + dy) * size(camera.width) + size(x + dx))];
-    for (int c = 0; c < 3; ++c) {
-      if (std::abs(own[c] - other[c]) > kVisible) return true;
-    }
-    return false;
+/// Calls visit(j) for the pixels j of a tile's row at (x, y) that differ visibly from one beside them in a colour
+/// picture.
+template <class Visit>
+void for_each_edge(const Camera& camera, std::span<const std::uint8_t> picture, int x, int y, Visit&& visit) {
+  constexpr std::uint8_t kVisible = 10;
+  using Bytes __attribute__((vector_size(32))) = std::uint8_t;
+  const std::size_t columns = size(std::min(kTile, camera.width - x));
+  const auto row = [&](int at) { return &picture[3 * (size(at) * size(camera.width) + size(x))]; };
+  const auto bytes = [&](const std::uint8_t* from) {
+    Bytes all{};
+    std::memcpy(&all, from, 3 * columns);
+    return all;
   };
-  return differs(1, 0) || differs(-1, 0) || differs(0, 1) || differs(0, -1);
+  std::array<std::uint8_t, 3 * (kTile + 2)> wide;  // with the pixels to the left and to the right
+  std::memcpy(&wide[3], row(y), 3 * columns);
+  std::memcpy(wide.data(), row(y) - (x > 0 ? 3 : 0), 3);
+  std::memcpy(&wide[3 * (columns + 1)], row(y) + 3 * (columns - (x + kTile < camera.width ? 0 : 1)), 3);
+  const Bytes own = bytes(&wide[3]);
+  const auto differs = [&](const std::uint8_t* beside) {
+    const Bytes other = bytes(beside);
+    return (own > other ? own - other : other - own) > kVisible;
+  };
+  const auto found = std::bit_cast<std::array<std::uint8_t, sizeof(Bytes)>>(
+      differs(wide.data()) | differs(&wide[6]) | differs(row(std::max(y - 1, 0))) |
+      differs(row(std::min(y + 1, camera.height - 1))));
+  for (std::size_t j = 0; j < columns; ++j) {
+    if ((found[3 * j] | found[3 * j + 1] | found[3 * j + 2]) != 0) visit(static_cast<int>(j));
+  }
 }
 
 /// Takes n x n samples of each of some pixels of a tile, and writes their means. A packet holds the same sample of
@@ -268,9 +284,7 @@ void smooth(const Drawing& drawing, std::span<const std::uint8_t> rough, int fir
     }
     EdgeSamples samples(frame, layers, tile.x, tile.y, to);
     for (int y = tile.y; y < std::min(tile.y + kTile, end); ++y) {
-      for (int x = tile.x; x < std::min(tile.x + kTile, camera.width); ++x) {
-        if (is_edge(camera, rough, x, y)) samples.add(x, y);
-      }
+      for_each_edge(camera, rough, tile.x, y, [&](int j) { samples.add(tile.x + j, y); });
     }
     samples.flush();
     if (drawing.into != nullptr) widen(drawing.into->tiles[tile.number].lit, samples.lit());

@@ -153,8 +153,9 @@ void Raster::draw(const ClusteredMesh& mesh, const View& view, int number) {
 
 void Raster::draw_cluster(const ClusteredMesh& mesh, const Cluster& cluster, const View& view, bool culls, bool clips) {
   if (is_empty_) {
-    const std::size_t size = index(stride_) * index(part_.height);
-    nearness_.assign(size, kNothing);
+    const std::size_t size = index(stride_) * index(part_.height) + kRays;
+    if (nearness_.size() < size) nearness_.resize(size);
+    for (std::size_t i = 0; i + kRays <= size; i += kRays) store(&nearness_[i], Rays(kNothing));
     if (keeps_triangles_ && mesh_.size() < size) {
       mesh_.resize(size);
       triangle_.resize(size);

@@ -17,7 +17,7 @@ using Masks = std::array<RayMask, Samples::kPackets>;
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 constexpr Rectangle kNowhere{kInfinite, -kInfinite, kInfinite, -kInfinite};
 constexpr float kFarthest = 1e4f;   // casts a shadow [m]
-constexpr float kSquare = 1;        // largest side of a square of a sun's grid, in pixels
+constexpr float kSquare = 1.5f;     // largest side of a square of a sun's grid, in pixels
 constexpr float kSoftSquare = 2;    // likewise, of one of many suns
 constexpr int kLeastSquares = 256;  // a grid may have so many along a side, and more for large pictures
 constexpr float kOff = 1;           // in squares: so far off the surface a grid is asked
@@ -154,8 +154,9 @@ void set_suns(PictureFrame& frame) {
   if (frame.suns.empty()) return;
   frame.texel = texel_of(frame);
   for (PlacedItem& placed : frame.solid) {
-    // What is shown, if it is not finer than the grid can tell: it does not shade itself where it is off.
-    if (casts_by_grid(placed)) placed.casts = &placed.item->triangles->within(max(placed.error, 0.5f * frame.texel));
+    // No finer than what is shown, or than the grid can tell.
+    if (!casts_by_grid(placed)) continue;
+    placed.casts = &placed.item->triangles->casting_within(max(placed.error, frame.texel));
   }
   const auto& [x, y, z] = frame.light;
   const int n = frame.look.shadow_rays;

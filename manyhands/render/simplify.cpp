@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <queue>
 #include <tuple>
 
@@ -55,8 +56,11 @@ struct Quadric {
 struct Move {
   double cost;  // [m^2]
   int from, to, version;
-  [[nodiscard]] auto key() const { return std::tuple(cost, from, to, version); }
-  bool operator<(const Move& other) const { return key() > other.key(); }  // the cheapest comes first
+  // The cheapest comes first; few are equally cheap.
+  bool operator<(const Move& other) const {
+    if (cost != other.cost) return cost > other.cost;
+    return std::tie(from, to, version) > std::tie(other.from, other.to, other.version);
+  }
 };
 
 }  // namespace
@@ -66,7 +70,7 @@ struct Simplifier::State {
 
   int part = 0;
   std::vector<Vec3<float>> place;                 // of vertices [m]
-  std::vector<std::vector<Vec3<float>>> normals;  // that the mesh has at them
+  std::vector<std::vector<Vec3<float>>> normals;  // that the mesh has at them, each once
   std::vector<std::vector<int>> around;           // their triangles, some of which may be gone
   std::vector<Quadric> quadric;
   std::vector<int> version;  // -1: the vertex is gone
@@ -105,7 +109,9 @@ void Simplifier::State::read(std::span<const Facet> mesh) {
     }
     if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
     for (std::size_t k = 0; k < 3; ++k) {
-      normals[index(t[k])].push_back(facet.normal[k]);
+      std::vector<Vec3<float>>& known_normals = normals[index(t[k])];
+      const auto is_this = [&](const Vec3<float>& n) { return squared_norm(n - facet.normal[k]) == 0; };
+      if (std::ranges::none_of(known_normals, is_this)) known_normals.push_back(facet.normal[k]);
       around[index(t[k])].push_back(static_cast<int>(triangles.size()));
     }
     triangles.push_back(t);
@@ -162,6 +168,7 @@ bool Simplifier::State::fits(int from, int to, double least_cosine) const {
     const Vec before = area(t), after = area(moved);
     const double size = norm(after);
     if (dot(before, after) <= kTurned * norm(before) * size) return false;
+    if (least_cosine <= -1) continue;  // it may turn as it likes
     const Vec3<float> n = broadcast<float>((1 / size) * after);
     const auto agrees = [&](int v) { return static_cast<double>(dot(normal_at(v, n), n)) >= least_cosine; };
     if (!std::ranges::all_of(moved, agrees)) return false;
@@ -212,18 +219,20 @@ Simplifier::Simplifier(std::span<const Facet> mesh) : state_(std::make_unique<St
 }
 
 Simplifier::~Simplifier() = default;
+Simplifier::Simplifier(const Simplifier& other) : state_(std::make_unique<State>(*other.state_)) {}
 Simplifier::Simplifier(Simplifier&&) noexcept = default;
 Simplifier& Simplifier::operator=(Simplifier&&) noexcept = default;
 
 void Simplifier::simplify(double error, double angle) {
   State& s = *state_;
+  const double least_cosine = angle < std::numbers::pi ? std::cos(angle) : -1;
   for (const Move& move : s.refused) s.moves.push(move);
   s.refused.clear();
   while (!s.moves.empty() && s.moves.top().cost <= error * error) {
     const Move next = s.moves.top();
     s.moves.pop();
     if (s.version[index(next.from)] != next.version || s.version[index(next.to)] < 0) continue;
-    if (s.fits(next.from, next.to, std::cos(angle))) {
+    if (s.fits(next.from, next.to, least_cosine)) {
       s.move(next.from, next.to);
     } else {
       s.refused.push_back(next);

@@ -16,11 +16,14 @@ class Simplifier {
  public:
   explicit Simplifier(std::span<const Facet> mesh);
   ~Simplifier();
+  Simplifier(const Simplifier& other);
   Simplifier(Simplifier&&) noexcept;
+  Simplifier& operator=(const Simplifier&) = delete;
   Simplifier& operator=(Simplifier&&) noexcept;
 
   /// Goes on until the next vertex would be farther than `error` [m] from its planes, in the mean of their squares, or
-  /// a triangle turn away from the normals at its corners by more than `angle` [rad].
+  /// a triangle turn away from the normals at its corners by more than `angle` [rad]; pi or more: by
+  /// any angle.
   void simplify(double error, double angle);
   [[nodiscard]] std::vector<Facet> facets() const;
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <mutex>
+#include <numbers>
 #include <numeric>
 #include <unordered_map>
 
@@ -20,9 +21,10 @@ using Corner = std::array<int, 3>;
 constexpr float kSmooth = 0.766f;  // cosine of the angle below which an edge is none
 // Coarser copies are off by these shares of a mesh's size, and kStep times as much from one to the next. Their
 // triangles turn away from its normals by as many times kTurn [rad]: in large pictures, one sees by the light how a
-// surface is turned.
-constexpr float kFinest = 1.0f / 2048, kCoarsest = 1.0f / 32;
+// surface is turned. Those that cast shadows turn as they like.
+constexpr float kFinest = 1.0f / 1024, kCoarsest = 1.0f / 32;
 constexpr float kTurn = 40, kStep = 1.4142135f;
+constexpr float kAnyTurn = std::numbers::pi_v<float>;
 constexpr float kWorthwhile = 0.7f;  // a copy is kept if it has so many triangles of the last one, or fewer
 
 /// For each vertex, the first one at the same place: files repeat vertices where normals or textures differ.
@@ -131,35 +133,41 @@ std::shared_ptr<const Triangles> Triangles::of(std::vector<Part> parts) {
   return made;
 }
 
-Triangles::Triangles(const std::vector<Part>& parts) {
+Triangles::Triangles(const std::vector<Part>& parts) : exact_({}, false) {
   std::vector<Facet> all;
-  std::vector<Simplifier> simplifiers;
+  std::vector<Simplifier> untouched;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const std::vector<Facet> mesh = facets_of(parts[i], static_cast<int>(i));
     all.insert(all.end(), mesh.begin(), mesh.end());
-    simplifiers.emplace_back(mesh);
+    untouched.emplace_back(mesh);
   }
+  exact_ = ClusteredMesh(all, is_closed(all));
   const float size = size_of(all);
-  std::size_t last = all.size();
-  const bool closed = is_closed(all);
-  levels_.push_back({0, ClusteredMesh(all, closed)});
-  for (float error = kFinest * size; error <= kCoarsest * size; error *= kStep) {
-    std::vector<Facet> coarser;
-    for (Simplifier& simplifier : simplifiers) {
-      simplifier.simplify(static_cast<double>(error), static_cast<double>(kTurn * error / size));
-      const std::vector<Facet> mesh = simplifier.facets();
-      coarser.insert(coarser.end(), mesh.begin(), mesh.end());
+  const auto copies = [&](float turn) {
+    std::vector<Level> levels;
+    std::vector<Simplifier> simplifiers = untouched;
+    std::size_t last = all.size();
+    for (float share = kFinest; share <= kCoarsest; share *= kStep) {
+      std::vector<Facet> coarser;
+      for (Simplifier& simplifier : simplifiers) {
+        simplifier.simplify(static_cast<double>(share * size), static_cast<double>(min(turn * share, kAnyTurn)));
+        const std::vector<Facet> mesh = simplifier.facets();
+        coarser.insert(coarser.end(), mesh.begin(), mesh.end());
+      }
+      if (static_cast<float>(coarser.size()) > kWorthwhile * static_cast<float>(last)) continue;
+      last = coarser.size();
+      levels.push_back({share * size, ClusteredMesh(coarser, exact_.is_closed)});
     }
-    if (static_cast<float>(coarser.size()) > kWorthwhile * static_cast<float>(last)) continue;
-    last = coarser.size();
-    levels_.push_back({error, ClusteredMesh(coarser, closed)});
-  }
+    return levels;
+  };
+  shown_ = copies(kTurn);
+  casting_ = copies(kAnyTurn / kFinest);
 }
 
-const ClusteredMesh& Triangles::within(float error) const {
+const ClusteredMesh& Triangles::coarsest(const std::vector<Level>& levels, float error) const {
   const auto found =
-      std::ranges::find_if(levels_.rbegin(), levels_.rend(), [&](const Level& level) { return level.error <= error; });
-  return found == levels_.rend() ? exact() : found->mesh;
+      std::ranges::find_if(levels.rbegin(), levels.rend(), [&](const Level& level) { return level.error <= error; });
+  return found == levels.rend() ? exact_ : found->mesh;
 }
 
 }  // namespace manyhands

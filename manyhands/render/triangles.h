@@ -22,9 +22,11 @@ class Triangles {
   [[nodiscard]] static std::shared_ptr<const Triangles> of(std::vector<Part> parts);
 
   /// The meshes as they are.
-  [[nodiscard]] const ClusteredMesh& exact() const { return levels_.front().mesh; }
-  /// The coarsest copy whose surface is off by about `error` [m] at most.
-  [[nodiscard]] const ClusteredMesh& within(float error) const;
+  [[nodiscard]] const ClusteredMesh& exact() const { return exact_; }
+  /// The coarsest copy whose surface is off by about `error` [m] at most, to be looked at.
+  [[nodiscard]] const ClusteredMesh& within(float error) const { return coarsest(shown_, error); }
+  /// Likewise, where one sees its shadow only: coarser, as it does not matter how it is turned to the light.
+  [[nodiscard]] const ClusteredMesh& casting_within(float error) const { return coarsest(casting_, error); }
 
  private:
   struct Level {
@@ -32,8 +34,10 @@ class Triangles {
     ClusteredMesh mesh;
   };
   explicit Triangles(const std::vector<Part>& parts);
+  [[nodiscard]] const ClusteredMesh& coarsest(const std::vector<Level>& levels, float error) const;
 
-  std::vector<Level> levels_;  // from the finest on
+  ClusteredMesh exact_;
+  std::vector<Level> shown_, casting_;  // from the finest on
 };
 
 }  // namespace manyhands

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import Model
 from manyhands._core import kinematics as _kinematics
-from manyhands.arguments import whole_number
+from manyhands.arguments import instance, real_array, whole_number
 
 if TYPE_CHECKING:
     from manyhands.planning.planner import Planner
@@ -61,6 +61,8 @@ def inverse(
     direction: (3,), of any length: along it lies the frame's `axis` (3,), the spin about which is free.
     look_at: (3,) [m], a point of the world through which that axis passes, from the frame's origin.
     posture: (nq,) to stay near where the goal leaves room. The first attempt begins there unless `start` is given.
+    start: (nq,) where the first attempt begins, and what other coordinates keep within limits; by default neutral.
+    Where none is given, and no posture, attempts of arms of more than six joints begin near the position at once.
     position_weight, rotation_weight: of a metre and a radian, in what remains of a goal that cannot be reached.
     relative_to: another frame. The goal is then one in its axes and from its origin, and the joints that move only one
     of both frames are solved for: those of two arms.
@@ -75,8 +77,12 @@ def inverse(
     two orientations, a joint of several degrees of freedom between the world and the frame, or a planner that does not
     fit.
     """
-    if start is None and posture is None and avoid is not None:
-        start = avoid.configuration(avoid.start)
+    if avoid is not None:
+        from manyhands.planning.planner import Planner
+
+        instance("avoid", avoid, Planner)
+        if start is None and posture is None:
+            start = avoid.configuration(avoid.start)
     found: Any = _core.inverse(
         model,
         frame,
@@ -88,7 +94,7 @@ def inverse(
         posture,
         position_weight,
         rotation_weight,
-        relative_to or "",
+        "" if relative_to is None else relative_to,
         None if avoid is None else avoid._core,
         start,
         whole_number("restarts", restarts, 0, 2**31 - 1),
@@ -115,24 +121,23 @@ def inverse_kinematics(
 ) -> IkResult:
     """Configurations that bring `frame` to the poses `position` (3,) or (n, 3) [m], `quaternion` (4,) or (n, 4) xyzw.
 
-    The first attempt begins at `start` (nq,), by default the neutral configuration within the limits; `restarts` more
-    begin at random ones. The joints that move the frame lie within their limits unless `respect_limits` is False; all
-    other coordinates stay as in `start`, wherever that is. An unreachable pose gives success False and the errors that
-    remain. Quaternions are normalised. Tolerances in [m] and [rad]. The same arguments give the same bits.
+    The first attempt begins at `start` (nq,), by default as `inverse` says; `restarts` more near the pose, then at
+    random. All joints of one degree of freedom lie within their limits unless `respect_limits` is False; those that do
+    not move the frame stay as near to `start` as these allow. An unreachable pose gives success False and the errors
+    that remain. Quaternions are normalised. Tolerances in [m] and [rad]. The same arguments give the same bits.
 
     Damped least squares (Sugihara, IEEE T-RO 27(5), 2011), in SIMD lanes and finished in float64.
     Raises KeyError for an unknown frame; ValueError for a wrong shape or number, or a joint of several degrees of
     freedom between the world and the frame.
     """
-    if np.shape(position)[:-1] != np.shape(quaternion)[:-1]:
-        raise ValueError(
-            f"position has shape {np.shape(position)} and quaternion {np.shape(quaternion)}; expected as many rows"
-        )
+    p, r = real_array("position", position), real_array("quaternion", quaternion)
+    if p.shape[:-1] != r.shape[:-1]:
+        raise ValueError(f"position has shape {p.shape} and quaternion {r.shape}; expected as many rows")
     return inverse(
         model,
         frame,
-        position=position,
-        quaternion=quaternion,
+        position=p,
+        quaternion=r,
         start=start,
         restarts=restarts,
         seed=seed,
@@ -145,9 +150,9 @@ def inverse_kinematics(
 def inverse_all(
     model: Model, frame: str, position: ArrayLike, quaternion: ArrayLike, *, start: ArrayLike | None = None
 ) -> Array:
-    """All configurations (k, nq) within the limits that bring `frame` to a pose, position (3,) [m] and quaternion (4,)
-    xyzw, in closed form: at most eight, exact to rounding, those nearest to `start` (nq,), by default the neutral
-    configuration, first; k is 0 where there is none.
+    """All configurations (k, nq), each once, within the limits that bring `frame` to a pose, position (3,) [m] and
+    quaternion (4,) xyzw, in closed form: at most eight, exact to rounding, those nearest to `start` (nq,), by default
+    the neutral configuration, first; k is 0 where there is none.
 
     Of six-axis arms whose second and third axes are parallel and whose last three axes meet in a point, or whose fourth
     axis is parallel to these, too, and whose last two meet. Angles differ from `start` by as few whole turns as limits

@@ -2,9 +2,28 @@
 
 import signal
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import FrameType, TracebackType
 
 INTERRUPTED = 130  # the shell's code for Ctrl-C
+
+
+@contextmanager
+def held() -> Iterator[None]:
+    """Ctrl-C strikes at the end of the block, in which modules are loaded: extension modules of others (onnx's) crash
+    where KeyboardInterrupt is raised while they are made."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    struck: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda number, _: struck.append(number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+        if struck:
+            signal.raise_signal(signal.SIGINT)
 
 
 class Interrupts:

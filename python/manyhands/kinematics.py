@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import Model
 from manyhands._core import kinematics as _core
-from manyhands.arguments import FloatArray, finite_rows, float_arrays
+from manyhands.arguments import FloatArray, choice, finite_row, finite_rows, float_arrays, instance, number
 from manyhands.ik import IkResult, inverse, inverse_all, inverse_kinematics
 from manyhands.rigid_motions import ad, adjoint, exp3, exp6, log3, log6, matrix, pose, unit_quaternions
 from manyhands.workspace import Workspace, workspace
@@ -100,9 +100,8 @@ def is_singular(
     model: Model, q: ArrayLike, frame: str, part: Part = "all", *, tolerance: float = 1e-3
 ) -> NDArray[np.bool_]:
     """Whether at q (..., nq) the frame is about to lose a direction: the isotropy is below `tolerance`."""
-    if not 0 < tolerance < 1:
-        raise ValueError(f"tolerance is {tolerance}; expected a number between 0 and 1")
-    return np.asarray(manipulability(model, q, frame, part).isotropy < tolerance)
+    lost = number("tolerance", tolerance, above=0, most=1)
+    return np.asarray(manipulability(model, q, frame, part).isotropy < lost)
 
 
 class ScrewAxes(NamedTuple):
@@ -120,36 +119,33 @@ class ScrewAxes(NamedTuple):
     """"space" or "body\""""
 
 
-def _configuration(model: Model, name: str, q: ArrayLike | None) -> NDArray[np.float64]:
-    return finite_rows(name, model.neutral_configuration() if q is None else q, model.nq)
-
-
 def _home(model: Model, q0: ArrayLike | None) -> NDArray[np.float64]:
-    home = _configuration(model, "q0", q0)
-    if home.ndim == 1:
-        return home
-    raise ValueError(f"q0 has shape {home.shape}; expected ({model.nq},)")
+    nq = instance("model", model, Model).nq
+    return finite_row("q0", model.neutral_configuration() if q0 is None else q0, nq)
 
 
 def screw_axes(
     model: Model, frame: str, q0: ArrayLike | None = None, form: Literal["space", "body"] = "space"
 ) -> ScrewAxes:
     """The screw axes of any model at the home configuration q0 (nq,), by default the neutral one."""
-    position, quaternion, axes, joint = _core.screw_axes(model, frame, _home(model, q0), form)
+    chosen = choice("form", form, "space", "body")
+    position, quaternion, axes, joint = _core.screw_axes(model, frame, _home(model, q0), chosen)
     return ScrewAxes(position, quaternion, axes.T, joint, form)
 
 
 def screw_coordinates(model: Model, q: ArrayLike, q0: ArrayLike | None = None) -> NDArray[np.float64]:
     """How far each screw turns from q0 (nq,) to q (..., nq): (..., nv). Of joints with one degree of freedom that is
     q - q0, of others the logarithm of the joint's displacement."""
-    rows = _configuration(model, "q", q)
-    found: Any = _core.screw_coordinates(model, np.atleast_2d(rows.reshape(-1, model.nq)), _home(model, q0))
+    home = _home(model, q0)
+    rows = finite_rows("q", q, model.nq)
+    found: Any = _core.screw_coordinates(model, np.atleast_2d(rows.reshape(-1, model.nq)), home)
     return found.reshape(*rows.shape[:-1], model.nv)
 
 
 def product_of_exponentials(screws: ScrewAxes, theta: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The frame's pose, position (..., 3) and quaternion (..., 4), after the screws have turned by theta (..., nv):
     `forward` by another way (Lynch, Park: Modern Robotics, 2017, chapter 4)."""
+    instance("screws", screws, ScrewAxes, hint="as screw_axes gives them")
     turns = finite_rows("theta", theta, np.shape(screws.axes)[-1])
     flat = np.ascontiguousarray(turns.reshape(-1, turns.shape[-1]))
     axes = np.ascontiguousarray(finite_rows("axes", screws.axes, 6, turns.shape[-1]).T)

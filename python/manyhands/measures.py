@@ -62,15 +62,15 @@ def rotate(quaternion: Array, vector: Array) -> Array:
     return vector + w * across + np.cross(axis, across)
 
 
-_HANDS = ("grasptarget", "tcp", "tool0", "end_effector", "ee_link", "hand", "gripper")
+_HANDS = ("grasptarget", "tcp", "tool", "end_effector", "ee_link", "hand", "gripper", "cup")
 
 
 def hand_of(model: Model) -> str | None:
     """The link that a person would call the hand: by its name, else the one after the most joints; None without."""
     links = [link.name for link in model.links]
     depth = {name: len(chain(model, name)) for name in links}
-    for word in _HANDS:
-        if found := [name for name in links if word in name.lower() and depth[name] > 1]:
+    for word in _HANDS:  # in a link's own name: what carries it may be called a gripper, too
+        if found := [name for name in links if word in name.rpartition("/")[2].lower() and depth[name] > 1]:
             return found[0]
     deepest = max(links, key=lambda name: depth[name])
     return deepest if depth[deepest] > 1 else None

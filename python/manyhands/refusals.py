@@ -5,10 +5,11 @@ import os
 import re
 from collections.abc import Callable, Mapping, Sequence
 from inspect import Parameter, Signature
-from reprlib import repr as short
 from typing import Any, SupportsFloat, SupportsIndex
 
 import numpy as np
+
+from manyhands.arguments import brief
 
 _ARRAY = re.compile(r"ndarray\[dtype=(\w+)[^\]]*\]")
 _DEFAULT = re.compile(r"\\=?(\d+)")
@@ -32,14 +33,14 @@ def refusal(
             reason = reason or str(mismatch)
             continue
         given.pop("self", None)
-        shown = shown or ", ".join(f"{name}={_brief(value)}" for name, value in given.items())
+        shown = shown or ", ".join(f"{name}={brief(value)}" for name, value in given.items())
         for name, value in given.items():
             label = setter or f"{where}: {name}"
             if vector is not None and value is vector[0] and (error := _no_vector(label, *vector)):
                 return error
             expected = signature.parameters[name].annotation
             if not _fits(value, ast.parse(expected, mode="eval").body):
-                return TypeError(f"{label} is {_brief(value)}; expected {_plain(expected)}")
+                return TypeError(f"{label} is {brief(value)}; expected {_plain(expected)}")
     takes = " or ".join(_names_alone(signature) for signature in signatures)
     return TypeError(f"{where}: {reason or f'{shown} does not fit'}; it takes {takes}")
 
@@ -94,7 +95,7 @@ def _name_of_setter(function: Any, args: Sequence[Any]) -> str:
 def _no_vector(label: str, value: Any, expected: int) -> ValueError | TypeError | None:
     """None if it is one: nanobind tries again where it stumbled, with conversions."""
     if not _is_numbers(value) or np.ndim(value) != 1:
-        return TypeError(f"{label} is {_brief(value)}; expected {expected} numbers")
+        return TypeError(f"{label} is {brief(value)}; expected {expected} numbers")
     if (length := len(value)) != expected:
         return ValueError(f"{label} has {length} number{'s' if length != 1 else ''}; expected {expected}")
     return None
@@ -138,10 +139,6 @@ _TYPES: dict[str, Any] = {
     "Mapping": Mapping,
     "Callable": Callable,
 }
-
-
-def _brief(value: Any) -> str:
-    return " ".join(short(value).split())
 
 
 def _plain(annotation: str) -> str:

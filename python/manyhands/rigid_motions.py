@@ -110,11 +110,17 @@ def matrix(position: ArrayLike, quaternion: ArrayLike) -> Array:
 
 def pose(T: ArrayLike) -> tuple[Array, Array]:
     """Position and quaternion of a homogeneous matrix (..., 4, 4). Raises ValueError where it is no rigid motion."""
-    M = finite_rows("T", T, 4, 4)
+    M = rigid_matrices("T", T)
+    found: Any = _core.quaternions(np.ascontiguousarray(M[..., :3, :3].reshape(-1, 9)))
+    return M[..., :3, 3].copy(), found.reshape(*M.shape[:-2], 4)
+
+
+def rigid_matrices(name: str, values: ArrayLike) -> Array:
+    """Values as homogeneous matrices (..., 4, 4) of rigid motions. Raises ValueError on others."""
+    M = finite_rows(name, values, 4, 4)
     R = M[..., :3, :3]
     skew = np.abs(R @ R.swapaxes(-1, -2) - np.eye(3)).max(initial=0.0)
     last = np.abs(M[..., 3, :] - [0.0, 0.0, 0.0, 1.0]).max(initial=0.0)
     if skew > _LARGEST_SKEW or last > _LARGEST_SKEW or (np.linalg.det(R) < 0).any():
-        raise ValueError("T is no rigid motion; expected a rotation, a position, and 0 0 0 1 as the last row")
-    found: Any = _core.quaternions(np.ascontiguousarray(R.reshape(-1, 9)))
-    return M[..., :3, 3].copy(), found.reshape(*M.shape[:-2], 4)
+        raise ValueError(f"{name} is no rigid motion; expected a rotation, a position, and 0 0 0 1 as the last row")
+    return M

@@ -16,8 +16,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from manyhands._core import Model, ModelBuilder, World, asset_path, load_urdf
-from manyhands.arguments import finite_rows
+from manyhands._core import Model, ModelBuilder, World, asset_path, envs, load_urdf
+from manyhands.arguments import brief, choice, finite_row, instance, number
 from manyhands.ik import inverse
 from manyhands.measures import chain, hand_of
 from manyhands.planning.trajectories import quintic
@@ -25,12 +25,20 @@ from manyhands.planning.trajectories import quintic
 __all__ = ["Arm", "Description", "Vacuum", "attach", "describe", "load", "names", "path", "split"]
 
 GRIPPER = "gripper/"
+OF_ENVIRONMENTS = ("panda", "arm6")
+"""The arms of the environments, each with its hand: `load` and the like know them, too."""
+
 Pose: TypeAlias = tuple[ArrayLike, ArrayLike]
+Array: TypeAlias = NDArray[np.float64]
 
 _PACE = 0.5  # of the speeds that joints may have
 _SPEED = 1.0  # [rad/s or m/s] that joints may have whose model names none
 _QUINTIC_PEAK = 1.875  # the highest speed of a quintic from rest to rest, in mean ones
 _SHORTEST = 0.25  # [s] of a motion
+_LONGEST = 3600.0  # [s]
+_SETTLING = 0.5  # [s] after a motion, for motors that fell behind
+_NEAR = 2e-3  # [m] from where it was to go that a hand has arrived
+_ALIGNED = 0.02  # [rad]
 
 
 @dataclass(frozen=True)
@@ -58,32 +66,38 @@ class Description:
 def names(kind: str | None = None) -> list[str]:
     """All robots, or those of a kind: "arm", "gripper", "furniture". Raises ValueError on an unknown kind."""
     kinds = list(dict.fromkeys(robot.kind for robot in _catalogue().values()))
-    if kind is not None and kind not in kinds:
-        raise ValueError(f"kind is {kind!r}, expected one of {', '.join(kinds)}")
+    if kind is not None:
+        choice("kind", kind, *kinds)
     return [name for name, robot in _catalogue().items() if kind in (None, robot.kind)]
 
 
 def describe(name: str) -> Description:
     """What the catalogue says of a robot. Raises ValueError on an unknown name."""
-    try:
+    if instance("name", name, str) in OF_ENVIRONMENTS:
+        arm = envs.arm_spec(name)
+        return Description("arm", "arm of the environments, with its hand", home=arm.home, tool=arm.hand)
+    if name in _catalogue():
         return _catalogue()[name]
-    except KeyError:
-        raise ValueError(f"there is no robot {name!r}; there are {', '.join(_catalogue())}") from None
+    known = ", ".join([*_catalogue(), *OF_ENVIRONMENTS])
+    raise ValueError(f"there is no robot {name!r}; there are {known}")
 
 
 def path(name: str) -> Path:
     """The robot's URDF file. Raises ValueError on an unknown name."""
     describe(name)
-    return asset_path(f"robots/{name}.urdf")
+    return asset_path(f"{name if name in OF_ENVIRONMENTS else 'robots'}/{name}.urdf")
 
 
 def load(name: str, *, gripper: str | None = None, fixed_base: bool = True) -> Model:
     """A robot that starts at home, with a gripper on its flange if one is named, here or as "six_axis+parallel".
 
-    The gripper's parts are called 'gripper/part', so its tool is 'gripper/tool'. fixed_base: False lets it float: a bin
-    that can be carried. Raises ValueError on an unknown name, two grippers, and a gripper where there is no flange.
+    "panda" and "arm6", the arms of the environments, have a hand of their own. A gripper's parts are called
+    'gripper/part', so its tool is 'gripper/tool'. fixed_base: False lets the robot float: a bin that can be carried.
+    Raises ValueError on an unknown name, two grippers, and a gripper where there is no flange.
     """
-    name, named = split(name)
+    name, named = split(instance("name", name, str))
+    if gripper is not None:
+        instance("gripper", gripper, str)
     if named and gripper is not None:
         raise ValueError(f"both {named!r} and {gripper!r} are to go on the flange of {name}; name one gripper")
     gripper = gripper or named
@@ -102,7 +116,7 @@ def load(name: str, *, gripper: str | None = None, fixed_base: bool = True) -> M
 
 def split(text: str) -> tuple[str, str | None]:
     """The arm and the gripper of 'six_axis+two_finger', with or without blanks; None where only one is named."""
-    name, _, gripper = text.partition("+")
+    name, _, gripper = instance("text", text, str).partition("+")
     return name.strip(), gripper.strip() or None
 
 
@@ -125,12 +139,13 @@ class Arm:
         arm = robots.Arm(world, "arm/gripper/tool")
         arm.go_to([0.4, 0.1, 0.9])
 
-    hand: the link's name in the world; by default the first that looks like a hand. Raises KeyError if there is no such
-    link, ValueError if no joints of one degree of freedom lead to it.
+    hand: the link's name in the world; by default the first that looks like a tool or a hand. Raises KeyError if there
+    is no such link, ValueError if no joints of one degree of freedom lead to it.
     """
 
     def __init__(self, world: World, hand: str | None = None) -> None:
-        hand = hand or hand_of(world.model)
+        instance("world", world, World)
+        hand = hand_of(world.model) if hand is None else hand
         if hand is None:
             raise ValueError("nothing in this world looks like a hand; name the link that is to go somewhere")
         world.model.link(hand)
@@ -152,33 +167,74 @@ class Arm:
         pose: (position (3) [m], quaternion xyzw (4)) in the world, as `World.body_pose` gives them; or a position
         alone, and the hand stays as it is turned. Joints move together, smoothly, and straight from configuration to
         configuration: what lies between is not looked at (`planning.Planner` does).
-        seconds: how long it takes; by default as long as joints need at half the speeds that their model allows.
+        seconds: how long it takes; by default as long as joints need at half the speeds that their model allows. Motors
+        that fall behind get half a second more.
         on_step: called after each step, as `viewer.sync`.
-        Raises ValueError, and nothing moves, if the arm does not reach the pose, or something else drives its joints.
+        Raises ValueError, and nothing moves, if the arm does not reach the pose, or not so fast, or something else
+        drives its joints; RuntimeError if the hand does not arrive, to 2 mm and 0.02 rad, and stands where it got to.
         """
         model = self.world.model
-        if seconds is not None and not (0 < seconds < np.inf):
-            raise ValueError(f"seconds is {seconds}; expected a number above 0")
-        at, turned = pose if isinstance(pose, tuple | list) and len(pose) == 2 else (pose, self.pose[1])
+        if on_step is not None and not callable(on_step):
+            raise TypeError(f"on_step is {brief(on_step)}; expected a function without arguments")
+        given, turned = pose if isinstance(pose, tuple | list) and len(pose) == 2 else (pose, self.pose[1])
+        at, turned = finite_row("position", given, 3), finite_row("quaternion", turned, 4)
         start = np.asarray(self.world.q)
         found = inverse(model, self.hand, position=at, quaternion=turned, start=start)
         if not found.success:
             turned_off = np.degrees(float(found.rotation_error))
             off = f"{1e3 * float(found.position_error):.0f} mm and {turned_off:.0f} degrees"
-            place = np.round(finite_rows("pose", at), 3).tolist()
+            place = np.round(at, 3).tolist()
             raise ValueError(f"{self.hand} does not reach {place}: the nearest that was found is {off} off")
         joints = [model.joint(name) for name in self.joints]
-        places = [joint.iq for joint in joints]
-        way = found.q[places] - start[places]
+        places, h = [joint.iq for joint in joints], self.world.time_step
+        begin = np.clip(start[places], [joint.lower for joint in joints], [joint.upper for joint in joints])
+        end = found.q[places]
+        lasts = self._duration(end - begin, seconds)
+        motion = quintic([0.0, lasts], [begin, end])
+        for q in [*motion.sample(np.arange(h, lasts, h)).q, end]:
+            self._drive(q, on_step)
+        for _ in range(int(_SETTLING / h)):
+            if self._off(at, turned) == "":
+                return
+            self._drive(end, on_step)
+        if off := self._off(at, turned):
+            raise RuntimeError(f"{self.hand} did not arrive: it is {off} off; {self._hindrance()}")
+
+    def _duration(self, way: Array, seconds: float | None) -> float:
+        """How long joints take for a way (n,) [s]. Raises ValueError if that is more than what is given."""
+        speeds = np.array([self.world.model.joint(name).velocity for name in self.joints])
         if seconds is None:
-            speeds = np.array([joint.velocity if np.isfinite(joint.velocity) else _SPEED for joint in joints])
-            seconds = max(_SHORTEST, float(np.max(_QUINTIC_PEAK * np.abs(way) / (_PACE * speeds))))
-        motion = quintic([0.0, seconds], [start[places], found.q[places]])
-        for q in [*motion.sample(np.arange(self.world.time_step, seconds, self.world.time_step)).q, found.q[places]]:
-            self.world.move(dict(zip(self.joints, q.tolist(), strict=True)), kp=1.0)
-            self.world.step()
-            if on_step is not None:
-                on_step()
+            paced = _PACE * np.where(np.isfinite(speeds), speeds, _SPEED)
+            return max(_SHORTEST, float(np.max(_QUINTIC_PEAK * np.abs(way) / paced)))
+        given, least = number("seconds", seconds, above=0, most=_LONGEST), _QUINTIC_PEAK * np.abs(way) / speeds
+        slowest = int(np.argmax(least))
+        if given < least[slowest]:
+            joint = self.joints[slowest]
+            raise ValueError(f"seconds is {given:g}; {joint!r} needs {least[slowest]:.3g} s at the speed of its model")
+        return given
+
+    def _drive(self, q: Array, on_step: Callable[[], object] | None) -> None:
+        self.world.move(dict(zip(self.joints, q.tolist(), strict=True)), kp=1.0)
+        self.world.step()
+        if on_step is not None:
+            on_step()
+
+    def _off(self, position: Array, quaternion: Array) -> str:
+        """How far the hand is from a pose, in words; none if it is there."""
+        at, turned = self.pose
+        cosine = abs(turned @ quaternion) / np.linalg.norm(quaternion)
+        far, angle = float(np.linalg.norm(at - position)), 2 * float(np.arccos(min(1.0, cosine)))
+        return "" if far < _NEAR and angle < _ALIGNED else f"{1e3 * far:.0f} mm and {np.degrees(angle):.0f} degrees"
+
+    def _hindrance(self) -> str:
+        """What presses hardest on the links that the joints move, in words."""
+        model, joints = self.world.model, set(self.joints)
+        own = {link.name for link in model.links if joints & set(chain(model, link.name))}
+        touched = [touch for touch in self.world.contacts() if len(own & {touch.link_a, touch.link_b}) == 1]
+        if not touched:
+            return "nothing touches it, so its motors are too weak for what they carry, or too slow"
+        hardest = max(touched, key=lambda touch: touch.normal_force)
+        return f"{hardest.link_a!r} and {hardest.link_b!r} touch"
 
 
 class Vacuum:
@@ -189,7 +245,7 @@ class Vacuum:
     """
 
     def __init__(self, world: World, cup: str) -> None:
-        world.model.link(cup)
+        instance("world", world, World).model.link(cup)
         self._world, self._cup, self._weld = world, cup, ""
 
     def on(self, *, reach: float = 0.003) -> str | None:
@@ -197,7 +253,7 @@ class Vacuum:
 
         Holds on to what it has already, and returns None. Raises KeyError if there is no such cup.
         """
-        near = self._world.near_links(reach, self._cup)
+        near = self._world.near_links(number("reach", reach, least=0), self._cup)
         if self._weld or not near:
             return None
         nearest = min(near, key=lambda pair: pair.phi)

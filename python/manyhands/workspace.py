@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from manyhands._core import Model
 from manyhands._core import kinematics as _core
-from manyhands.arguments import whole_number
+from manyhands.arguments import instance, whole_number
 
 __all__ = ["Workspace", "workspace"]
 
@@ -43,7 +43,7 @@ def workspace(model: Model, frame: str, samples: int = 20_000, seed: int = 0) ->
     """
     samples = whole_number("samples", samples, 1, _MOST_SAMPLES)
     rng = np.random.default_rng(whole_number("seed", seed, 0, 2**64 - 1))
-    lower, upper = _ranges(model)
+    lower, upper = _ranges(instance("model", model, Model))
     parts: list[tuple[Array, ...]] = []
     for first in range(0, samples, _PIECE):
         q = rng.uniform(lower, upper, (min(_PIECE, samples - first), model.nq))

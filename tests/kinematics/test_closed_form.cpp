@@ -95,7 +95,7 @@ TEST_P(ClosedForms, OutOfReachIsNothing) {
   EXPECT_TRUE(form.solve({Mat3<double>::identity(), {3, 0, 0}}).empty());
 }
 
-/// Outstretched and with aligned axes: what is found leads there, and something is.
+/// Outstretched and with aligned axes: what is found leads there, something is, and nothing twice.
 TEST_P(ClosedForms, SingularPosesAreReached) {
   Arm arm(GetParam().first, GetParam().second);
   const ClosedForm form = ClosedForm::of(arm.model, arm.frame).value();
@@ -104,6 +104,8 @@ TEST_P(ClosedForms, SingularPosesAreReached) {
     const std::vector<ClosedForm::Angles> all = form.solve(X);
     EXPECT_FALSE(all.empty());
     for (const ClosedForm::Angles& one : all) EXPECT_LT(difference(arm.pose(form, one), X), 1e-6);
+    for (std::size_t i = 0; i < all.size(); ++i)
+      for (std::size_t k = 0; k < i; ++k) EXPECT_GT(difference(all[i], all[k]), 1e-6);
   }
 }
 

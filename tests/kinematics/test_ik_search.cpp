@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <iostream>
+#include <numeric>
 
 #include "manyhands/kinematics/ik_search.h"
 #include "manyhands/kinematics/ik_seeds.h"
@@ -74,6 +75,26 @@ TEST(IkSearch, GivesEachTargetItsOwnAnswer) {
     EXPECT_EQ(std::vector<double>(all.q.begin(), all.q.begin() + rows * kJoints), some.q);
     EXPECT_EQ(std::vector<int>(all.attempts.begin(), all.attempts.begin() + rows), some.attempts);
   }
+}
+
+TEST(IkSearch, BeginsNearTheTargetWhereNoStartCounts) {
+  constexpr IkSearchSettings anywhere{.from_start = false};
+  Panda panda;
+  const std::vector<Transform<double>> targets = panda.reachable(500);
+  const IkSolutions from_neutral = search_ik(panda.robot.model, panda.robot.arm.hand, targets, panda.neutral);
+  const IkSolutions all = search_ik(panda.robot.model, panda.robot.arm.hand, targets, panda.neutral, anywhere);
+  const auto attempts = [](const IkSolutions& found) {
+    return std::accumulate(found.attempts.begin(), found.attempts.end(), 0);
+  };
+  EXPECT_LT(attempts(all), attempts(from_neutral));
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    const double off = norm(panda.hand(&all.q[i * kJoints]).p - targets[i].p);
+    EXPECT_TRUE(all.success[i] == 0 || off < 1e-5 + 1e-12) << "target " << i;
+  }
+  EXPECT_GE(std::accumulate(all.success.begin(), all.success.end(), 0), 498);
+  const IkSolutions some =
+      search_ik(panda.robot.model, panda.robot.arm.hand, std::span(targets).first(2), panda.neutral, anywhere);
+  EXPECT_EQ(std::vector<double>(all.q.begin(), all.q.begin() + 2 * kJoints), some.q);
 }
 
 TEST(IkSearch, SaysHowFarOffAnUnreachableTargetIs) {

@@ -1,6 +1,8 @@
 // The actor-critic update on problems whose values and best actions are known.
 #include <gtest/gtest.h>
 
+#include <string>
+
 #include "manyhands/learn/agent.h"
 #include "manyhands/learn/random.h"
 
@@ -105,7 +107,12 @@ TEST_P(BestAction, IsFoundInEachState) {
   EXPECT_LT(regret.colwise().squaredNorm().mean(), 0.02f) << "doing nothing costs 1/6";
 }
 
-INSTANTIATE_TEST_SUITE_P(Algorithms, BestAction, testing::Values(config(), soft(1), soft(9)));
+std::string name_of(const testing::TestParamInfo<TrainerConfig>& info) {
+  if (info.param.algorithm == Algorithm::kTd3) return "Td3";
+  return info.param.num_quantiles > 1 ? "Tqc" : "Sac";
+}
+
+INSTANTIATE_TEST_SUITE_P(Algorithms, BestAction, testing::Values(config(), soft(1), soft(9)), name_of);
 
 TEST(Agent, DaggerLearnsFromAdviceAloneAndNotFromReward) {
   // The expert answers (s0 / 2, -s1 / 2) in some of the states; elsewhere its answer is nonsense. The reward asks for

@@ -80,5 +80,19 @@ TEST(Simplify, LevelsAreChosenByTheErrorThatIsAllowed) {
   }
 }
 
+TEST(Simplify, CopiesThatCastShadowsAreCoarserThanThoseThatAreSeenAndAsClose) {
+  const Mesh ball = testing::ball_mesh(0.1, 40);
+  const auto triangles = Triangles::of({{ball.vertices, ball.triangles}});
+  constexpr float kError = 0.001f;
+  const ClusteredMesh& casting = triangles->casting_within(kError);
+  EXPECT_TRUE(casting.is_closed);
+  EXPECT_LT(casting.facets.size(), 0.8 * static_cast<double>(triangles->within(kError).facets.size()));
+  for (const Facet& facet : casting.facets) {
+    const Vec3<float> middle = (1.0f / 3) * (facet.corner[0] + facet.corner[1] + facet.corner[2]);
+    if (squared_norm(middle) == 0) continue;  // it fills a packet up
+    EXPECT_NEAR(norm(middle), 0.1f, 4 * kError);
+  }
+}
+
 }  // namespace
 }  // namespace manyhands

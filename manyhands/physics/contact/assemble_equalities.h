@@ -8,12 +8,17 @@ namespace manyhands {
 
 namespace internal {
 
-/// What closes rows whose error is e: by the step's end it shall be 0 to third order, e + h u+ + h^2 / 2 gamma = 0.
+/// Asks rows whose error is e to close: by the step's end it shall be 0 to third order, e + h u+ + h^2 / 2 gamma = 0.
 template <Number T>
-MANYHANDS_INLINE Vec3<T> closing_velocity(const Vec3<T>& e, const Vec3<T>& gamma, real_t<T> h) {
+MANYHANDS_INLINE void ask_to_close(const Vec3<T>& e, const Vec3<T>& gamma, real_t<T> h, EqualityRows<T>& block) {
   const T most = constant<T>(contact_settings::kMaxClosing), inverse_h(real_t<T>(1) / h);
-  const auto closing = [&](T error) { return clamp(error * inverse_h, -most, most); };
-  return fma(T(real_t<T>(0.5) * h), gamma, Vec3<T>{closing(e.x), closing(e.y), closing(e.z)});
+  const T far = constant<T>(contact_settings::kFarSteps) * most;
+  const auto closing = [&](T error) {
+    const T speed = error * inverse_h;
+    block.far = block.far | (abs(speed) > far);
+    return clamp(speed, -most, most);
+  };
+  block.closing = fma(T(real_t<T>(0.5) * h), gamma, Vec3<T>{closing(e.x), closing(e.y), closing(e.z)});
 }
 
 template <Number T>
@@ -100,7 +105,7 @@ MANYHANDS_INLINE void add_frame_equality(const Workspace<T>& ws, real_t<T> h, st
   const RowBlock bodies = rows_between<T>(tree, equality.body_a, equality.body_b);
   const auto ask = [&](const FrameRows<T>& rows, EqualityRows<T>& block) {
     block.offset = rows.velocity;
-    block.closing = closing_velocity(rows.error, rows.acceleration, h);
+    ask_to_close(rows.error, rows.acceleration, h, block);
   };
   {
     EqualityRows<T>& block = add_equality_rows(index, equality.row, bodies, h, problem);

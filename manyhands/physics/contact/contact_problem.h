@@ -44,6 +44,7 @@ struct EqualityRows {
   std::size_t cache{};                ///< the first of its three impulses in the state
   std::size_t first{};                ///< the first of its rows among those of all equalities that are not zero
   mask_t<T> acts{true};               ///< the worlds in which it does
+  mask_t<T> far{false};               ///< those in which it stands open by more than some steps close
   Vec3<T> offset = Vec3<T>::zero();   ///< J v: its velocity is offset + J dv [m/s or rad/s]
   Vec3<T> closing = Vec3<T>::zero();  ///< the velocity -closing would close it by the step's end
   T max_impulse = constant<T>(0);     ///< of each component [N s or N m s]

@@ -50,7 +50,7 @@ MANYHANDS_INLINE void factor(ContactSolver<T>& solver) {
   const ContactProblem<T>& problem = solver.problem;
   if (solver.factors.Y.size() < problem.rows.used_Y) solver.factors.Y.resize(2 * problem.rows.used_Y);
   compute_sqrt_D_inverse(*problem.tree, solver.factors);
-  factor_equalities(problem, solver.equality_scratch, solver.factors);
+  factor_equalities(problem, solver.search.changed, solver.equality_scratch, solver.factors);
   factor_contacts(problem, solver.factors);
   when(solver.recovery.asked, [&] { limit_opening(problem, solver.recovery, solver.factors); });
   for (std::size_t k = 0; k < problem.patches.size(); ++k)
@@ -103,6 +103,7 @@ MANYHANDS_INLINE mask_t<T> solve_exactly(const SolverSettings& settings, Contact
   begin_search(settings, solver.iterate, search);
   if constexpr (SolverTraits<real_t<T>>::kRefines) solver.newton.begin();
   begin_offsets(problem, solver.recovery, solver.factors);
+  begin_closing(solver.factors);
   factor(solver);
   mask_t<T> near(false);
   for (;;) {
@@ -111,7 +112,8 @@ MANYHANDS_INLINE mask_t<T> solve_exactly(const SolverSettings& settings, Contact
     follow_contacts(problem, solver.factors, solver.iterate);
     find_joint_impulses(problem, solver.factors, solver.iterate);
     solver.unsettled = select(search.active, select(converged, constant<T>(0), change), solver.unsettled);
-    const auto wrong = check_joints(problem, solver.iterate, search.next_state) > constant<T>(0);
+    const T unsettled = min(change, constant<T>(SolverTraits<real_t<T>>::kStateNoise));
+    const auto wrong = check_joints(problem, solver.iterate, unsettled, search.next_state) > constant<T>(0);
     search.changed = search.active & wrong & (search.looks < constant<T>(contact_settings::kMaxLooks));
     const auto slow = converged | (change <= constant<T>(contact_settings::kSlowCorrection));
     near = (search.active & slow & (!wrong)) | ((!search.active) & near);

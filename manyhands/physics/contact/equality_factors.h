@@ -44,46 +44,74 @@ MANYHANDS_INLINE void solve_K(const T* K, const T* pivot_inverse, std::size_t n,
     for (std::size_t j = i + 1; j < n; ++j) x[i] = fma(-K[j * n + i], x[j], x[i]);
 }
 
-/// Takes from the closing velocities c what joints cannot do: c - (R (K + R)^-1)^passes c, with R a part of the
-/// mobility in any direction (iterated Tikhonov regularisation: Engl, Hanke and Neubauer 1996, section 5.1), in the
-/// worlds of the mask. To hold a velocity never costs energy, however singular the joints are; to close an error may
-/// ask for any. Before K is factored.
+/// Calls body(row, closing velocity) for every row.
+template <Number T, class Body>
+MANYHANDS_INLINE void visit_closing(const ContactProblem<T>& problem, Body&& body) {
+  for (const EqualityRows<T>& block : problem.equalities) {
+    const std::array<T, 3> closing{block.closing.x, block.closing.y, block.closing.z};
+    for (std::size_t r = 0; r < block.count(); ++r) body(block.first + r, closing[r]);
+  }
+}
+
+/// What joints cannot do of the closing velocities c in `velocities`: (R (K + R)^-1)^passes c, with R a part of the
+/// mobility in any direction (iterated Tikhonov regularisation: Engl, Hanke and Neubauer 1996, section 5.1); all of
+/// it where something stands far open, which may be out of reach. To hold a velocity never costs energy, however
+/// singular the joints are; to close an error may ask for any. Before K is factored.
 template <Number T>
-MANYHANDS_INLINE void damp_closing(const ContactProblem<T>& problem, mask_t<T> asked, std::vector<T>& scratch,
-                                   Factors<T>& factors) {
+MANYHANDS_INLINE void damp_closing(const ContactProblem<T>& problem, std::vector<T>& velocities, Factors<T>& factors) {
   const std::size_t n = problem.num_equality_rows;
-  const T yields = constant<T>(contact_settings::kClosingYields);
+  mask_t<T> far(false);
+  for (const EqualityRows<T>& block : problem.equalities) far = far | block.far;
+  const T yields =
+      select(far, constant<T>(contact_settings::kFarClosingYields), constant<T>(contact_settings::kClosingYields));
   for (const EqualityRows<T>& block : problem.equalities)
     std::fill_n(&factors.damping[block.first], block.count(), yields * mobility_of(problem, block));
   std::copy_n(factors.K.begin(), n * n, factors.K_damped.begin());
   for (std::size_t i = 0; i < n; ++i) factors.K_damped[i * n + i] += factors.damping[i];
   factor_K(n, factors.K_immovable.data(), factors.K_damped.data(), factors.K_damped_pivot_inverse.data());
-  scratch.assign(factors.closing.begin(), factors.closing.begin() + static_cast<std::ptrdiff_t>(n));
   for (int pass = 0; pass < contact_settings::kClosingPasses; ++pass) {
-    solve_K(factors.K_damped.data(), factors.K_damped_pivot_inverse.data(), n, scratch.data());
-    for (std::size_t i = 0; i < n; ++i) scratch[i] = factors.damping[i] * scratch[i];
+    solve_K(factors.K_damped.data(), factors.K_damped_pivot_inverse.data(), n, velocities.data());
+    for (std::size_t i = 0; i < n; ++i) velocities[i] = factors.damping[i] * velocities[i];
   }
-  for (std::size_t i = 0; i < n; ++i) factors.closing[i] -= select(asked, scratch[i], constant<T>(0));
 }
 
-/// How fast the equality constraints shall close: as fast as they want where that is slow, else as joints can.
+/// Before a search for the joints' states: nothing is known of what they can do.
 template <Number T>
-MANYHANDS_INLINE void find_closing(const ContactProblem<T>& problem, std::vector<T>& scratch, Factors<T>& factors) {
-  T fastest = constant<T>(0);
-  for (const EqualityRows<T>& block : problem.equalities) {
-    const std::array<T, 3> closing{block.closing.x, block.closing.y, block.closing.z};
-    for (std::size_t r = 0; r < block.count(); ++r) {
-      factors.closing[block.first + r] = closing[r];
-      fastest = max(fastest, abs(closing[r]));
-    }
-  }
+MANYHANDS_INLINE void begin_closing(Factors<T>& factors) {
+  for (T& closing : factors.closing) closing = constant<T>(std::numeric_limits<double>::infinity());
+}
+
+/// How fast the equality constraints shall close, in the worlds whose active set is new: as fast as they want where
+/// that is slow, else as joints can, and never faster than under the active set before. What a joint that is let go
+/// would add pushes it back beyond its limit, and the search would not end.
+template <Number T>
+MANYHANDS_INLINE void find_closing(const ContactProblem<T>& problem, mask_t<T> is_new, std::vector<T>& scratch,
+                                   Factors<T>& factors) {
+  const T zero = constant<T>(0), one = constant<T>(1);
+  T fastest = zero, before = zero, now = zero;
+  scratch.resize(problem.num_equality_rows);
+  visit_closing(problem, [&](std::size_t i, T closing) {
+    before = fma(factors.closing[i], factors.closing[i], before);
+    fastest = max(fastest, abs(closing));
+    scratch[i] = closing;
+  });
   const auto asked = fastest > constant<T>(contact_settings::kSlowCorrection);
-  when(asked, [&] { damp_closing(problem, asked, scratch, factors); });
+  when(asked, [&] { damp_closing(problem, scratch, factors); });
+  visit_closing(problem, [&](std::size_t i, T closing) {
+    const T able = closing - select(asked, scratch[i], zero);
+    now = fma(able, able, now);
+    factors.closing[i] = select(is_new, able, factors.closing[i]);
+  });
+  const auto grows = is_new & (now > before);
+  when(grows, [&] {
+    const T slower = select(grows, sqrt(before / select(grows, now, one)), one);
+    visit_closing(problem, [&](std::size_t i, T) { factors.closing[i] = slower * factors.closing[i]; });
+  });
 }
 
-/// Y of every equality constraint, and the factors of K = Y Y^T over all their rows.
+/// Y of every equality constraint, and the factors of K = Y Y^T over all their rows. `is_new`: see `find_closing`.
 template <Number T>
-MANYHANDS_INLINE void factor_equalities(const ContactProblem<T>& problem, std::vector<T>& scratch,
+MANYHANDS_INLINE void factor_equalities(const ContactProblem<T>& problem, mask_t<T> is_new, std::vector<T>& scratch,
                                         Factors<T>& factors) {
   const std::size_t n = problem.num_equality_rows;
   for (std::size_t j = 0; j < problem.equalities.size(); ++j) {
@@ -101,7 +129,7 @@ MANYHANDS_INLINE void factor_equalities(const ContactProblem<T>& problem, std::v
       }
     }
   }
-  find_closing(problem, scratch, factors);
+  find_closing(problem, is_new, scratch, factors);
   factor_K(n, factors.K_immovable.data(), factors.K.data(), factors.K_pivot_inverse.data());
 }
 

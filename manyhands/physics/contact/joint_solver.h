@@ -152,12 +152,20 @@ MANYHANDS_INLINE T next_rubbing_state(const JointLaws<T>& laws, const DriveState
   return select(s.place == stuck, resting, moving);
 }
 
+/// What a dof's velocity and impulse may contradict its state by besides rounding.
+template <Number T>
+struct StateNoise {
+  T speed, impulse;
+};
+
 /// The state to which dof i should move, given what its present one led to: of a drive, whose law has a slope.
 template <Number T>
-MANYHANDS_INLINE T next_drive_state(const JointLaws<T>& laws, const Iterate<T>& iterate, std::size_t i) {
+MANYHANDS_INLINE T next_drive_state(const JointLaws<T>& laws, const Iterate<T>& iterate, std::size_t i,
+                                    const StateNoise<T>& noise) {
   const T tolerance(SolverTraits<real_t<T>>::kStateTolerance), one = constant<T>(1);
   const T impulse = iterate.joint_impulse[i], dv = iterate.dv[i];
-  const T slack = tolerance * (one + abs(iterate.rhs[i])), speed_slack = tolerance * (one + abs(dv));
+  const T slack = fma(tolerance, one + abs(iterate.rhs[i]), noise.impulse);
+  const T speed_slack = fma(tolerance, one + abs(dv), noise.speed);
   const auto rubs = laws.friction[i] > constant<T>(0);
   const DriveState<T> s = drive_state(iterate.active_set[i]);
   T next = next_place(laws, s.place, impulse, dv, slack, speed_slack, i);
@@ -167,11 +175,13 @@ MANYHANDS_INLINE T next_drive_state(const JointLaws<T>& laws, const Iterate<T>& 
 
 /// The same of any other dof.
 template <Number T>
-MANYHANDS_INLINE T next_vertical_state(const JointLaws<T>& laws, const Iterate<T>& iterate, std::size_t i) {
+MANYHANDS_INLINE T next_vertical_state(const JointLaws<T>& laws, const Iterate<T>& iterate, std::size_t i,
+                                       const StateNoise<T>& noise) {
   using S = JointConstraintState;
   const T tolerance(SolverTraits<real_t<T>>::kStateTolerance), one = constant<T>(1);
   const T s = iterate.active_set[i], F = laws.max_impulse[i], impulse = iterate.joint_impulse[i], dv = iterate.dv[i];
-  const T slack = tolerance * (F + abs(iterate.rhs[i])), speed_slack = tolerance * (one + abs(dv));
+  const T slack = fma(tolerance, F + abs(iterate.rhs[i]), noise.impulse);
+  const T speed_slack = fma(tolerance, one + abs(dv), noise.speed);
   const T up = constant<T>(S::kSaturatedUp), down = constant<T>(S::kSaturatedDown), held = constant<T>(S::kAtTarget);
   const T from_held =
       select(impulse > laws.max_held[i] + slack, up, select(impulse < laws.min_held[i] - slack, down, held));
@@ -185,15 +195,18 @@ MANYHANDS_INLINE T next_vertical_state(const JointLaws<T>& laws, const Iterate<T
                 select(s == one, from_up, select(s == -one, from_down, select(s > one, from_lower, from_upper))));
 }
 
-/// Writes every dof's next state; the number of those that contradict their present one.
+/// Writes every dof's next state; the number of those that contradict their present one. `unsettled`: how precisely
+/// contacts are known, where there are any [m/s].
 template <Number T>
-MANYHANDS_INLINE T check_joints(const ContactProblem<T>& problem, const Iterate<T>& iterate,
+MANYHANDS_INLINE T check_joints(const ContactProblem<T>& problem, const Iterate<T>& iterate, T unsettled,
                                 std::vector<T>& next_state) {
   const T zero = constant<T>(0), one = constant<T>(1);
   T wrong = zero;
   for (std::size_t i = 0; i < next_state.size(); ++i) {
-    next_state[i] = problem.tree->dof_drive[i] >= 0 ? next_drive_state(problem.joints, iterate, i)
-                                                    : next_vertical_state(problem.joints, iterate, i);
+    const T speed = unsettled * problem.joints.constrained[i];
+    const StateNoise<T> noise{speed, speed * law_inertia(problem, i)};
+    next_state[i] = problem.tree->dof_drive[i] >= 0 ? next_drive_state(problem.joints, iterate, i, noise)
+                                                    : next_vertical_state(problem.joints, iterate, i, noise);
     wrong += select(next_state[i] != iterate.active_set[i], one, zero);
   }
   return wrong;
@@ -210,7 +223,7 @@ MANYHANDS_INLINE void solve_joints(const ContactProblem<T>& problem, Factors<T>&
   T fewest = constant<T>(std::numeric_limits<double>::infinity()), patience = zero;
   for (int pivot = 0; pivot < contact_settings::kMaxStateChanges; ++pivot) {
     internal::solve_active_set(problem, factors, iterate);
-    const T wrong = internal::check_joints(problem, iterate, next_state);
+    const T wrong = internal::check_joints(problem, iterate, zero, next_state);
     if (none(wrong > zero)) break;
     patience = select(wrong < fewest, patient, patience - one);
     fewest = min(wrong, fewest);

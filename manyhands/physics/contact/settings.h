@@ -37,6 +37,9 @@ struct SolverTraits<double> {  ///< solved to the end
   static constexpr double kLittleMoved = 0.3;
   /// By how much a joint's impulse or velocity may contradict its state, relative to its size: rounding.
   static constexpr double kStateTolerance = 1e-12;
+  /// What contacts leave unsettled is noise to the joints' states, up to so much [m/s]: as much as is worth no
+  /// iteration. Friction that just holds would else let go and catch again until the search ends.
+  static constexpr double kStateNoise = 1e-9;
   /// What gives way is no stiffer than this many times the inertia that it meets: more would leave M no digits.
   static constexpr double kStiffest = 1e8;
   /// Passes that make a held tendon rigid, each ten thousand times as much.
@@ -62,6 +65,7 @@ struct SolverTraits<float> {  ///< a few iterations: what a step of thousands of
   static constexpr int kSlideSteps = 1;
   static constexpr double kLittleMoved = 0;
   static constexpr float kStateTolerance = 1e-5F;
+  static constexpr float kStateNoise = 0;
   static constexpr double kStiffest = 1e4;
   static constexpr int kLengthPasses = 1;
   static constexpr float kResolution = 3e-7F;
@@ -94,8 +98,9 @@ inline constexpr double kMaxArc = 0.1;
 inline constexpr double kMaxClosing = 1;
 /// By what part of the mobility in any direction corrections yield, of surfaces that part and of equality constraints
 /// that close: where joints move much less, as at a singular arm, or while something holds them, errors shrink more
-/// slowly, by what joints can do without racing.
-inline constexpr double kOpeningYields = 0.1, kClosingYields = 0.01;
+/// slowly, by what joints can do without racing. What stands open by more than so many steps close may be out of
+/// reach: there an arm at its limit would whirl.
+inline constexpr double kOpeningYields = 0.1, kClosingYields = 0.01, kFarClosingYields = 1, kFarSteps = 10;
 /// How often what equality constraints leave open is looked at again: of a free body's error 1e-7 stays.
 inline constexpr int kClosingPasses = 6;
 

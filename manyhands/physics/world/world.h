@@ -139,7 +139,7 @@ class World {
   /// Sets the motors of some joints as `set_motors` does and leaves the others alone: target_q is each one's q,
   /// target_v 0. max_force [N m or N] is each joint's effort unless it is given. Throws std::out_of_range for a name
   /// that is not there, std::invalid_argument for a joint without exactly one degree of freedom, one whose effort
-  /// nobody gave, and numbers that are not finite; then no motor has changed.
+  /// nobody gave, a target beyond its limits, and numbers that are not finite; then no motor has changed.
   void move(std::span<const JointTarget> targets, double kp = 0.1, double kd = 1,
             std::optional<double> max_force = {});  // world_motion.cpp
 

@@ -17,7 +17,13 @@ void World::move(std::span<const JointTarget> targets, double kp, double kd, std
       throw std::invalid_argument(what + " has " + std::to_string(joint_v(id).size()) +
                                   " degrees of freedom; a target is for one: use set_motors");
     }
-    const double force = max_force.value_or(model.joint(id).limits.effort);
+    const JointLimits& limits = model.joint(id).limits;
+    constexpr double kOver = 1e-3;  // [rad or m]: bodies that press a joint against its limit push it over
+    if (target.q < limits.lower - kOver || target.q > limits.upper + kOver) {
+      throw std::invalid_argument(what + " is to go to " + std::to_string(target.q) + ", beyond its limits " +
+                                  std::to_string(limits.lower) + " and " + std::to_string(limits.upper));
+    }
+    const double force = max_force.value_or(limits.effort);
     if (!std::isfinite(force) && !max_force) {
       throw std::invalid_argument(what + " has no effort in its model; give max_force [N m or N]");
     }

@@ -87,7 +87,7 @@ def shown(arguments: argparse.Namespace) -> "Viewer":
 def _world(target: str) -> World | None:
     """A world of the robot or scene that is meant; None if it is none. Raises ValueError on an unknown gripper."""
     name, gripper = robots.split(target)
-    if name in robots.names():
+    if name in (*robots.names(), *robots.OF_ENVIRONMENTS):
         return World(robots.load(name, gripper=gripper))
     path = _file(target)
     if path is None:
@@ -131,7 +131,7 @@ def _env_id(target: str) -> str:
     try:
         return resolve_env_id(target)
     except ValueError:
-        known = [*robots.names(), "panda", "arm6"]
+        known = [*robots.names(), *robots.OF_ENVIRONMENTS]
         near = difflib.get_close_matches(robots.split(target)[0], [*known, *env_ids()])
         if not set(near) & set(known):
             raise

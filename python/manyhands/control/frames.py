@@ -8,8 +8,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import Model
 from manyhands._core import control as _control
-from manyhands.arguments import FloatArray, finite_rows, float_arrays
-from manyhands.control.joints import finite_numbers, positive
+from manyhands.arguments import FloatArray, choice, finite_rows, float_arrays, listed, number, together
+from manyhands.control.joints import single_gains
 
 _core: Any = _control  # its rows are unpacked, which overloads do not take
 
@@ -36,7 +36,7 @@ def impedance(
     stiffness [N/m], damping [N s/m], rotational_stiffness [N m/rad], rotational_damping [N m s/rad].
     """
     q, v, p, r = _posed(q, v, position, quaternion)
-    spring = finite_numbers(
+    spring = single_gains(
         stiffness=stiffness,
         damping=damping,
         rotational_stiffness=rotational_stiffness,
@@ -78,12 +78,11 @@ def operational_space(
     """
     q, v, p, r = _posed(q, v, position, quaternion)
     kind, rows = q.dtype, q.shape[:-1]
-    six = [
-        np.ascontiguousarray(np.broadcast_to(np.asarray(0.0 if given is None else given, kind), (*rows, 6)))
-        for given in (velocity, acceleration, force)
-    ]
-    second = None if posture is None else np.asarray(posture, kind, order="C")
-    gains = finite_numbers(
+    of_goal = {"velocity": velocity, "acceleration": acceleration, "force": force}
+    six = [_six(name, given, kind, rows) for name, given in of_goal.items()]
+    second = None if posture is None else float_arrays(posture=posture)[0].astype(kind, order="C", copy=False)
+    followed = [choice("directions", way, "motion", "force", "free") for way in listed("directions", directions, str)]
+    gains = single_gains(
         kp=kp,
         kd=kd,
         rotational_kp=rotational_kp,
@@ -91,7 +90,7 @@ def operational_space(
         force_damping=force_damping,
         regularisation=regularisation,
     )
-    return _core.operational_space(model, frame, q, v, p, r, *six, second, list(directions), *gains)
+    return _core.operational_space(model, frame, q, v, p, r, *six, second, followed, *gains)
 
 
 class Admittance:
@@ -113,10 +112,10 @@ class Admittance:
         rotational_damping: float = 2.0,
         rotational_stiffness: float = 0.0,
     ) -> None:
-        law = finite_rows("the law", [mass, damping, stiffness, inertia, rotational_damping, rotational_stiffness])
-        if mass <= 0 or inertia <= 0 or (law < 0).any():
-            raise ValueError("mass and inertia must be above 0, damping and stiffness 0 or more")
-        self.dt, self._law = positive("dt", dt), law
+        moved, turned = number("mass", mass, above=0), number("inertia", inertia, above=0)
+        d, k = single_gains(damping=damping, stiffness=stiffness)
+        spins = single_gains(rotational_damping=rotational_damping, rotational_stiffness=rotational_stiffness)
+        self.dt, self._law = number("dt", dt, above=0), np.array([moved, d, k, turned, *spins])
         self.reset()
 
     def reset(self) -> None:
@@ -132,6 +131,13 @@ class Admittance:
         x, v = _core.admit(self.dt, F.reshape(-1, 6), x, v, self._law)
         self.displacement, self.velocity = x.reshape(F.shape), v.reshape(F.shape)
         return self.displacement
+
+
+def _six(name: str, given: ArrayLike | None, kind: Any, rows: tuple[int, ...]) -> FloatArray:
+    """A motion or force (..., 6) for every state; 0 by default."""
+    (row,) = float_arrays(**{name: np.zeros(6) if given is None else given})
+    row, _ = together(**{name: row, "a motion of every state": np.empty((*rows, 6))})
+    return np.ascontiguousarray(row, kind)
 
 
 def _posed(q: ArrayLike, v: ArrayLike, position: ArrayLike, quaternion: ArrayLike) -> list[FloatArray]:

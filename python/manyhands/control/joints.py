@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import Model
 from manyhands._core import control as _control
-from manyhands.arguments import FloatArray, finite_rows, float_arrays
+from manyhands.arguments import FloatArray, bounded, finite_rows, float_arrays, instance, number, real_array, together
 
 _core: Any = _control  # its rows are unpacked, which overloads do not take
 
@@ -73,7 +73,7 @@ def computed_torque(
     which the caller advances.
     """
     state = _motion(q, v, q_desired, v_desired, a_desired)
-    (summed,) = float_arrays(integral=np.zeros_like(state[1]) if integral is None else integral)
+    (summed,) = float_arrays(integral=_or_zeros(integral, state[1]))
     summed = summed.astype(state[0].dtype, copy=False)
     return _core.computed_torque(model, *state, *gain_rows(model, state[0], kp=kp, kd=kd, ki=ki), summed)
 
@@ -123,8 +123,8 @@ class Adaptive:
         inertia: ArrayLike | None = None,
     ) -> None:
         known = np.asarray(_core.body_parameters(model)).reshape(-1, 10)
-        self.model, self.slope, self.kd, self.dt = model, slope, kd, positive("dt", dt)
-        self.rate = np.ascontiguousarray(np.broadcast_to(np.asarray(rate, np.float64), (10,)))
+        self.slope, self.kd = bounded("slope", slope, model.nv, least=0), bounded("kd", kd, model.nv, least=0)
+        self.model, self.rate, self.dt = model, bounded("rate", rate, 10, least=0), number("dt", dt, above=0)
         self._begin = known if inertia is None else finite_rows("inertia", inertia, *known.shape)
         self.reset()
 
@@ -164,9 +164,10 @@ class Pid:
         max_force: ArrayLike = np.inf,
         max_integral: ArrayLike = np.inf,
     ) -> None:
-        self.gains = [finite_rows(name, given) for name, given in (("kp", kp), ("ki", ki), ("kd", kd))]
-        self.gains += [_limits("max_integral", max_integral), _limits("max_force", max_force)]
-        self.dt = positive("dt", dt)
+        self.gains = {name: bounded(name, given, least=0) for name, given in (("kp", kp), ("ki", ki), ("kd", kd))}
+        limits = {"max_integral": max_integral, "max_force": max_force}
+        self.gains |= {name: bounded(name, given, least=0, infinite=True) for name, given in limits.items()}
+        self.dt = number("dt", dt, above=0)
         self.reset()
 
     def reset(self) -> None:
@@ -175,18 +176,17 @@ class Pid:
 
     def force(self, error: ArrayLike, rate: ArrayLike = 0.0) -> Array:
         """The forces (...) of errors (...) that change by `rate` (...). Goes on by dt."""
-        e, de = np.broadcast_arrays(finite_rows("error", error), finite_rows("rate", rate))
-        gains = np.stack([np.broadcast_to(given, e.shape).ravel() for given in self.gains])
-        integral = np.broadcast_to(self.integral, e.shape)
-        force, integral = _core.pid(self.dt, *map(np.ravel, (e, de, integral)), gains)
+        e, de = together(error=finite_rows("error", error), rate=finite_rows("rate", rate))
+        e, de, integral, *gains = together(error=e, rate=de, integral=self.integral, **self.gains)
+        force, integral = _core.pid(self.dt, *map(np.ravel, (e, de, integral)), np.stack([*map(np.ravel, gains)]))
         self.integral = integral.reshape(e.shape)
         return force.reshape(e.shape)
 
 
 def limited(force: ArrayLike, most: ArrayLike) -> FloatArray:
-    """The forces within [-most, most]."""
+    """The forces within [-most, most]; most: 0 or more."""
     (forces,) = _finite_arrays(force=force)
-    limits = _limits("most", most)
+    forces, limits = together(force=forces, most=bounded("most", most, least=0, infinite=True))
     return np.clip(forces, -limits, limits).astype(forces.dtype, copy=False)
 
 
@@ -194,27 +194,20 @@ def rate_limited(force: ArrayLike, last: ArrayLike, most_rate: ArrayLike, dt: fl
     """The forces, but no farther from the last ones than most_rate dt: what a drive that has a limited rate [N m/s or
     N/s] makes of them."""
     forces, before = _finite_arrays(force=force, last=last)
-    change = _limits("most_rate", most_rate) * positive("dt", dt)
+    change = bounded("most_rate", most_rate, least=0, infinite=True) * number("dt", dt, above=0)
+    forces, before, change = together(force=forces, last=before, most_rate=change)
     return np.clip(forces, before - change, before + change).astype(forces.dtype, copy=False)
 
 
 def gain_rows(model: Model, like: FloatArray, **gains: ArrayLike) -> list[FloatArray]:
-    """Gains as arrays (nv,) of the type of `like`."""
-    return [_gain(name, given, model.nv, like) for name, given in gains.items()]
+    """Gains as arrays (nv,) of the type of `like`. Raises ValueError on those below 0, which drive away from a goal."""
+    nv = instance("model", model, Model).nv
+    return [bounded(name, given, nv, least=0).astype(like.dtype, copy=False) for name, given in gains.items()]
 
 
-def positive(name: str, value: float) -> float:
-    if not (np.isfinite(value) and value > 0):
-        raise ValueError(f"{name} is {value}; expected a finite number above 0")
-    return float(value)
-
-
-def finite_numbers(**values: float) -> list[float]:
-    """The values of single numbers. Raises ValueError on NaN and infinities."""
-    for name, value in values.items():
-        if not np.isfinite(value):
-            raise ValueError(f"{name} is {value}; expected a finite number")
-    return list(values.values())
+def single_gains(**gains: float) -> list[float]:
+    """Gains that are one number each, likewise."""
+    return [number(name, given, least=0) for name, given in gains.items()]
 
 
 def _finite_arrays(**inputs: ArrayLike) -> list[FloatArray]:
@@ -223,23 +216,8 @@ def _finite_arrays(**inputs: ArrayLike) -> list[FloatArray]:
     return float_arrays(**inputs)
 
 
-def _limits(name: str, values: ArrayLike) -> Array:
-    """Numbers that bound others: infinite ones do not."""
-    array = np.asarray(values, np.float64)
-    if not (array >= 0).all():
-        raise ValueError(f"{name} is {array}; expected 0 or more")
-    return array
-
-
-def _gain(name: str, given: ArrayLike, nv: int, like: FloatArray) -> FloatArray:
-    array = np.asarray(given, like.dtype)
-    if array.shape not in ((), (nv,)):
-        raise ValueError(f"{name} has shape {array.shape}; expected one number, or ({nv},)")
-    return np.ascontiguousarray(np.broadcast_to(array, (nv,)))
-
-
 def _or_zeros(given: ArrayLike | None, like: ArrayLike) -> Any:
-    return np.zeros_like(like) if given is None else given
+    return np.zeros_like(real_array("v", like)) if given is None else given
 
 
 def _motion(

@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import control as _control
-from manyhands.arguments import finite_rows
-from manyhands.control.joints import positive
+from manyhands.arguments import bounded, finite_rows, number, together
 
 _core: Any = _control  # its rows are unpacked, which overloads do not take
 
@@ -25,8 +24,10 @@ class KalmanFilter:
     def __init__(
         self, F: ArrayLike, H: ArrayLike, Q: ArrayLike, R: ArrayLike, *, x: ArrayLike, P: ArrayLike | None = None
     ) -> None:
-        self.x = finite_rows("x", x, np.shape(x)[-1] if np.ndim(x) else 1)
-        k, m = self.x.shape[-1], np.shape(H)[0] if np.ndim(H) == 2 else 0
+        self.x, measured = finite_rows("x", x), finite_rows("H", H)
+        if self.x.ndim == 0:
+            raise ValueError("x has shape (); expected (..., k)")
+        k, m = self.x.shape[-1], measured.shape[0] if measured.ndim == 2 else 0
         self.F, self.H = _matrix("F", F, k, k), _matrix("H", H, m, k)
         self.Q, self.R = _covariance("Q", Q, k), _covariance("R", R, m)
         begin = np.eye(k) if P is None else _covariance("P", P, k)
@@ -39,13 +40,17 @@ class KalmanFilter:
         """Of positions and velocities, x = (q, v), of joints whose positions q (..., nq) are measured every dt [s].
 
         acceleration_noise: standard deviation of what a model does not know [rad/s² or m/s²]; position_noise: of a
-        measurement [rad or m]; one number or (nq,) each. Give `predict` the accelerations that a model says, times
-        (dt²/2, dt).
+        measurement [rad or m]; one number of 0 or more, or (nq,), each. Give `predict` the accelerations that a model
+        says, times (dt²/2, dt).
         """
-        measured = finite_rows("q", q, np.shape(q)[-1])
-        n, h = measured.shape[-1], positive("dt", dt)
-        given = {"acceleration_noise": acceleration_noise, "position_noise": position_noise}
-        a, noise = (np.broadcast_to(finite_rows(*named), (n,)) for named in given.items())
+        measured, h = finite_rows("q", q), number("dt", dt, above=0)
+        if measured.ndim == 0 or measured.shape[-1] == 0:
+            raise ValueError(f"q has shape {measured.shape}; expected (..., nq)")
+        n = measured.shape[-1]
+        a, noise = (
+            bounded(name, given, n, least=0)
+            for name, given in (("acceleration_noise", acceleration_noise), ("position_noise", position_noise))
+        )
         one, none = np.eye(n), np.zeros((n, n))
         push = np.vstack([h * h / 2 * one, h * one]) * a
         return cls(
@@ -58,7 +63,7 @@ class KalmanFilter:
 
     def predict(self, push: ArrayLike = 0.0) -> Array:
         """x := F x + push (..., k), and P with it."""
-        self.x = self.x @ self.F.T + finite_rows("push", push)
+        self.x = np.add(*together(x=self.x @ self.F.T, push=finite_rows("push", push)))
         k = self.x.shape[-1]
         P = np.ascontiguousarray(self.P.reshape(-1, k, k))
         self.P = _core.kalman_predict(self.F, self.Q, P).reshape(self.P.shape)

@@ -1,14 +1,12 @@
 """How good a response is, how far a loop is from instability, and gains to begin with."""
 
-import math
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from manyhands._core import control as _control
-from manyhands.arguments import finite_rows
-from manyhands.control.joints import finite_numbers
+from manyhands.arguments import choice, finite_rows, number
 
 _core: Any = _control  # its rows are unpacked, which overloads do not take
 
@@ -38,9 +36,9 @@ def step_response(
     t, x = finite_rows("time", time), finite_rows("response", response)
     if t.ndim != 1 or x.ndim != 1:
         raise ValueError(f"time has shape {t.shape} and response {x.shape}; expected (n,) both")
-    begin = float(x[0]) if start is None and len(x) else float(start or 0.0)
-    numbers = finite_numbers(set_point=set_point, start=begin, tolerance=tolerance)
-    return StepResponse(*_core.step_response(t, x, *numbers))
+    begin = (float(x[0]) if len(x) else 0.0) if start is None else number("start", start)
+    end, band = number("set_point", set_point), number("tolerance", tolerance, above=0)
+    return StepResponse(*_core.step_response(t, x, end, begin, band))
 
 
 class StabilityMargins(NamedTuple):
@@ -69,7 +67,7 @@ def stability_margins(numerator: ArrayLike, denominator: ArrayLike, *, delay: fl
     polynomials = [
         np.atleast_1d(finite_rows(*named)) for named in (("numerator", numerator), ("denominator", denominator))
     ]
-    return StabilityMargins(*_core.stability_margins(*polynomials, *finite_numbers(delay=delay)))
+    return StabilityMargins(*_core.stability_margins(*polynomials, number("delay", delay, least=0)))
 
 
 class PidGains(NamedTuple):
@@ -86,13 +84,8 @@ def ziegler_nichols(
     """Gains to begin with, from the gain at which a proportional loop oscillates and the period [s] with which it does
     (Ziegler, Nichols, Optimum settings for automatic controllers, Trans. ASME 64, 1942). `stability_margins` of a loop
     of gain 1 gives both: its gain margin, and 2 pi over its frequency."""
-    if not (math.isfinite(ultimate_gain) and math.isfinite(ultimate_period) and ultimate_period > 0):
-        raise ValueError(
-            f"the gain is {ultimate_gain} and the period {ultimate_period}; expected finite numbers, the period above 0"
-        )
+    gain, period = number("ultimate_gain", ultimate_gain, above=0), number("ultimate_period", ultimate_period, above=0)
     rules = {"P": (0.5, 0.0, 0.0), "PI": (0.45, 1.2, 0.0), "PD": (0.8, 0.0, 0.125), "PID": (0.6, 2.0, 0.125)}
-    if kind not in rules:
-        raise ValueError(f"kind is {kind!r}; expected one of {', '.join(rules)}")
-    share, integral, derivative = rules[kind]
-    kp = share * ultimate_gain
-    return PidGains(kp, kp * integral / ultimate_period, kp * derivative * ultimate_period)
+    share, integral, derivative = rules[choice("kind", kind, *rules)]
+    kp = share * gain
+    return PidGains(kp, kp * integral / period, kp * derivative * period)

@@ -18,6 +18,7 @@ from manyhands.refusals import signatures_of
 RENDER_MODES = ("rgb_array", "depth_array")
 FINE: dict[str, Any] = {"antialiasing": 2, "shadow_rays": 6, "sun_size": 0.05}
 """The look of pictures for people, as arguments of `Look`."""
+_FINE_LOOK = Look(**FINE)
 _FEW = 64  # worlds that fit in a tiled picture
 _ROWS = ("observation", "achieved_goal", "desired_goal")
 _PLACES: dict[str, CameraOptions] = {
@@ -61,7 +62,7 @@ class EnvCameras:
             options.get("render_pitch", -30),
             options.get("render_roll", 0),
         )
-        orbit_camera(*self._size, *self._orbit)
+        self._camera = orbit_camera(*self._size, *self._orbit)
         self._floor = _colour("render_floor", options.get("render_floor"))
         self._observed = {
             name: _observed(name, given, options) for name, given in (options.get("cameras") or {}).items()
@@ -118,12 +119,13 @@ class EnvCameras:
         """What `render` shows of each world: (n, height, width, 3) colours, or (n, height, width) depths [m]."""
         if self._mode is None:
             return None
-        camera = orbit_camera(width or self._size[0], height or self._size[1], *self._orbit)
+        size = width or self._size[0], height or self._size[1]
+        camera = self._camera if size == self._size else orbit_camera(*size, *self._orbit)
         is_depth = self._mode == "depth_array"
         picture = self._load().take(
             camera,
             worlds=list(worlds),
-            look=Look(**FINE),
+            look=_FINE_LOOK,
             colour=not is_depth,
             depth=is_depth,
             floor=self._floor,

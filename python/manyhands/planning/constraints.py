@@ -7,7 +7,8 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from manyhands.arguments import finite_row
+from manyhands._core import planning as _core
+from manyhands.arguments import bounded, finite_row, instance, listed, number
 from manyhands.rigid_motions import unit_quaternions
 
 _UP = (0.0, 0.0, 1.0)
@@ -25,6 +26,9 @@ class AxisConstraint:
     """the angle [rad], 0.01 or more"""
     direction: ArrayLike = _UP
     """(3,) in the world"""
+
+    def __post_init__(self) -> None:
+        _core.check_path_constraints(*as_rows(self))
 
 
 def upright(frame: str, axis: ArrayLike = _UP, within: float = 0.1) -> AxisConstraint:
@@ -47,31 +51,35 @@ class PositionConstraint:
     quaternion: ArrayLike = (0.0, 0.0, 0.0, 1.0)
     """(4,) xyzw of the reference"""
 
+    def __post_init__(self) -> None:
+        _core.check_path_constraints(*as_rows(self))
+
 
 PathConstraint: TypeAlias = AxisConstraint | PositionConstraint
 
 
 def as_rows(keep: PathConstraint | Sequence[PathConstraint]) -> tuple[list[Any], list[Any]]:
-    """Of axes and of positions, as the extension takes them. Raises ValueError on bad shapes and NaN."""
+    """Of axes and of positions, as the extension takes them. Raises TypeError on what is no constraint, ValueError on
+    bad shapes and NaN."""
     axes: list[Any] = []
     positions: list[Any] = []
-    for one in [keep] if isinstance(keep, AxisConstraint | PositionConstraint) else keep:
+    single = isinstance(keep, AxisConstraint | PositionConstraint)
+    for one in [keep] if single else listed("keep", keep, AxisConstraint, PositionConstraint):
+        frame = instance("frame", one.frame, str)
         if isinstance(one, AxisConstraint):
             vectors = (finite_row(name, getattr(one, name), 3) for name in ("axis", "direction"))
-            axes.append((one.frame, *vectors, float(one.within)))
-        elif isinstance(one, PositionConstraint):
-            bounds = [_bounds(name, getattr(one, name)) for name in ("lower", "upper")]
-            turn = unit_quaternions("quaternion", one.quaternion)
-            if turn.ndim != 1:
-                raise ValueError(f"quaternion has shape {turn.shape}; expected (4,)")
-            positions.append((one.frame, finite_row("position", one.position, 3), turn, *bounds))
+            axes.append((frame, *vectors, number("within", one.within)))
         else:
-            raise TypeError(f"keep holds a {type(one).__name__}; expected AxisConstraint or PositionConstraint")
+            bounds = (_bounds(name, getattr(one, name)) for name in ("lower", "upper"))
+            turn = unit_quaternions("quaternion", one.quaternion)
+            positions.append(
+                (frame, finite_row("position", one.position, 3), finite_row("quaternion", turn, 4), *bounds)
+            )
     return axes, positions
 
 
 def _bounds(name: str, values: ArrayLike) -> Any:
-    row = np.asarray(values, np.float64)
-    if row.shape != (3,) or np.isnan(row).any():
-        raise ValueError(f"{name} is {values}; expected three numbers, or infinity where there is no bound")
+    row = bounded(name, values, infinite=True)
+    if row.shape != (3,):
+        raise ValueError(f"{name} has shape {row.shape}; expected (3,), infinite where there is no bound")
     return row

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import Model, World
 from manyhands._core import planning as _core
-from manyhands.arguments import finite_row, finite_rows, whole_number
+from manyhands.arguments import bounded, finite_row, finite_rows, instance, number, real_array, whole_number
 from manyhands.collision import Shape
 from manyhands.planning.scene import names, state_of
 
@@ -64,8 +64,14 @@ class Grasps(NamedTuple):
     """(n, 2, 3) of the surface there, unit, outwards"""
 
     def only(self, chosen: ArrayLike) -> "Grasps":
-        """Those at indices, or where a mask (n,) is true."""
-        return Grasps(*(rows[np.asarray(chosen)] for rows in self))
+        """Those at indices, or where a mask (n,) is true. Raises ValueError on anything else."""
+        picked, n = real_array("chosen", chosen), len(self.width)
+        is_mask = picked.dtype.kind == "b" and picked.shape == (n,)
+        if not is_mask and not (
+            picked.size == 0 or (picked.dtype.kind in "iu" and -n <= picked.min() <= picked.max() < n)
+        ):
+            raise ValueError(f"chosen is {chosen}; expected a mask ({n},), or indices below {n}")
+        return Grasps(*(rows[picked if picked.size else []] for rows in self))
 
 
 def grasps(
@@ -105,7 +111,7 @@ def grasps_in(
     """
     model, now, mocap = state_of(scene, q)
     found: Any = _core.grasps_of_link(
-        model, now, mocap, link, names(obstacles), _gripper(gripper), _settings(**options)
+        model, now, mocap, link, names("obstacles", obstacles), _gripper(gripper), _settings(**options)
     )
     return Grasps(*found)
 
@@ -133,15 +139,13 @@ def epsilon_quality(
     lengths = np.linalg.norm(n, axis=1, keepdims=True)
     if not (lengths > 0).all():
         raise ValueError("a normal is 0; expected directions")
-    if not (math.isfinite(length) and length > 0):
-        raise ValueError(f"length is {length} m; expected a number above 0")
     return _core.epsilon_quality(
         np.ascontiguousarray(p),
         np.ascontiguousarray(n / lengths),
-        _not_negative("friction", friction, len(p)),
-        _not_negative("torsion", torsion, len(p)),
+        bounded("friction", friction, len(p), least=0),
+        bounded("torsion", torsion, len(p), least=0),
         _three("about", about),
-        length,
+        number("length", length, above=0),
         whole_number("edges", edges, 3, 1000),
     )
 
@@ -157,29 +161,22 @@ def _settings(
     seed: int = 0,
 ) -> Any:
     return _core.GraspSettings(
-        friction,
+        number("friction", friction),
         whole_number("samples", samples, 1, _MOST_SAMPLES),
         whole_number("approaches", approaches, 1, _MOST_APPROACHES),
         _three("approach", approach),
-        tilt,
-        clearance,
+        number("tilt", tilt, infinite=True),
+        number("clearance", clearance),
         whole_number("seed", seed, 0, _LARGEST_SEED),
     )
 
 
 def _gripper(gripper: ParallelGripper | None) -> Any:
-    given = ParallelGripper() if gripper is None else gripper
-    lengths = (given.opening, given.depth, given.reach, given.width, given.thickness)
+    given = ParallelGripper() if gripper is None else instance("gripper", gripper, ParallelGripper)
+    lengths = [number(name, getattr(given, name)) for name in ("opening", "depth", "reach", "width", "thickness")]
     return _core.Gripper(*lengths, _three("the gripper's palm", given.palm))
 
 
 def _three(name: str, values: ArrayLike) -> tuple[float, float, float]:
     x, y, z = finite_row(name, values, 3).tolist()
     return x, y, z
-
-
-def _not_negative(name: str, values: ArrayLike, count: int) -> Array:
-    row = finite_rows(name, values)
-    if row.shape not in ((), (count,)) or (row < 0).any():
-        raise ValueError(f"{name} is {values}; expected a number of 0 or more, or ({count},) of them")
-    return np.ascontiguousarray(np.broadcast_to(row, count))

@@ -7,6 +7,7 @@ the extra `online`.
 L. Berscheid, T. Kröger, Jerk-limited real-time trajectory generation with arbitrary target states, RSS 2021.
 """
 
+import re
 from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any
@@ -14,9 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from manyhands.arguments import finite_row
+from manyhands.arguments import bounded, finite_row, number
 from manyhands.extras import needs
-from manyhands.planning.trajectories import Sample, Trajectory, limit_row
+from manyhands.planning.trajectories import Sample, Trajectory
 
 with needs("online", "manyhands.planning.online"):
     import ruckig
@@ -43,7 +44,8 @@ def jerk_limited(
     """The fastest motion from `start` to `goal` (n,), with velocities and accelerations (n,) there, by default 0.
 
     velocity, acceleration, jerk: limits (n,), or one for all, above 0. A start beyond a limit is braked first. Raises
-    ValueError on arrays that do not fit, and, with Ruckig's words, on goals that limits forbid.
+    ValueError on arrays that do not fit, on goals that limits forbid, and where numbers are so far apart that none is
+    found.
     """
     given = _request(start, start_velocity, start_acceleration, velocity, acceleration, jerk)
     _set_goal(given, goal, goal_velocity, goal_acceleration)
@@ -92,10 +94,8 @@ class Follower:
         self, start: ArrayLike, dt: float, *, velocity: ArrayLike, acceleration: ArrayLike, jerk: ArrayLike
     ) -> None:
         q = finite_row("start", start)
-        if not (0 < dt < np.inf):
-            raise ValueError(f"dt is {dt}; expected a number above 0")
         self._given, self._found = ruckig.InputParameter(len(q)), ruckig.OutputParameter(len(q))
-        self._ruckig = ruckig.Ruckig(len(q), dt)
+        self._ruckig = ruckig.Ruckig(len(q), number("dt", dt, above=0))
         _set_limits(self._given, velocity, acceleration, jerk)
         self._given.current_position = q.tolist()
 
@@ -121,9 +121,20 @@ def _solve(given: Any, calculate: Callable[[], object]) -> None:
         try:
             calculate()
         except ruckig.RuckigError:
-            raise ValueError(str(error).replace("[ruckig]", "").strip()) from error
+            raise ValueError(_in_words(str(error), given)) from None
         finally:
             given.max_velocity = limits
+
+
+def _in_words(error: str, given: Any) -> str:
+    """What Ruckig refuses, by the names of our arguments; it finds nothing where double precision does not suffice."""
+    told = re.search(r"(target|current) (velocity|acceleration) (\S+) of DoF (\d+) exceeds its .* limit (\S+)\.", error)
+    if told is not None:
+        end, what, value, joint, limit = told.groups()
+        return f"{'goal' if end == 'target' else 'start'}_{what} of joint {joint} is {value}, beyond its limit {limit}"
+    way = f"from {given.current_position} at {given.current_velocity} to {given.target_position}"
+    limits = f"velocity {given.max_velocity}, acceleration {given.max_acceleration} and jerk {given.max_jerk}"
+    return f"no motion {way} was found within {limits}: these numbers are too large, or too far apart, for each other"
 
 
 def _request(
@@ -163,10 +174,7 @@ def _set_goal(given: Any, goal: ArrayLike, velocity: ArrayLike | None, accelerat
 
 def _set_limits(given: Any, velocity: ArrayLike, acceleration: ArrayLike, jerk: ArrayLike) -> None:
     for name, values in (("velocity", velocity), ("acceleration", acceleration), ("jerk", jerk)):
-        row = limit_row(name, values, given.degrees_of_freedom)
-        if not ((row > 0) & np.isfinite(row)).all():
-            raise ValueError(f"{name} is {row}; expected finite numbers above 0")
-        setattr(given, f"max_{name}", row.tolist())
+        setattr(given, f"max_{name}", bounded(name, values, given.degrees_of_freedom, above=0).tolist())
 
 
 def _as_polynomials(found: Any) -> Trajectory:

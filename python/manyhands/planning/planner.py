@@ -1,7 +1,7 @@
 """Ways among obstacles: what is free, and plans from a configuration to a goal."""
 
 import copy
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
@@ -9,11 +9,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import Model, World
 from manyhands._core import planning as _core
-from manyhands.arguments import finite_row, finite_rows, whole_number
+from manyhands.arguments import cloud_rows, finite_row, finite_rows, instance, listed, number, whole_number
 from manyhands.planning.constraints import PathConstraint, as_rows
 from manyhands.planning.scene import names, state_of
 from manyhands.planning.timing import time_optimal
-from manyhands.planning.trajectories import Trajectory, limit_row
+from manyhands.planning.trajectories import Trajectory, limit_row, standing
 from manyhands.rigid_motions import unit_quaternions
 
 Array = NDArray[np.float64]
@@ -26,6 +26,7 @@ PlanStatus: TypeAlias = Literal[
     "start breaks constraint",
     "goal breaks constraint",
     "goal unreachable",
+    "seeds blocked",
     "time limit",
 ]
 
@@ -48,6 +49,7 @@ class Plan:
 
     __slots__ = (
         "_limits",
+        "cost",
         "curve",
         "iterations",
         "joints",
@@ -66,7 +68,8 @@ class Plan:
     waypoints: Array
     """(m, n) from the start to the goal; none unless `success`. Straight lines between them are free all along."""
     curve: Trajectory | None
-    """the same way with its corners blended, by its length; free all along. None where there is nowhere to go."""
+    """the same way with its corners blended, by its length; free all along. None where there is nowhere to go: without
+    `success`, and where the start is the goal."""
     nodes: int
     """of both trees"""
     iterations: int
@@ -74,12 +77,14 @@ class Plan:
     search_time: float
     """[s] of the search alone"""
     shorten_time: float
-    """[s] of shortcuts and blends"""
+    """[s] of shortcuts, and of blends or smoothing"""
+    cost: float | None
+    """what an optimised curve costs: its smoothness, and what is near it; None of others"""
 
     def __init__(self, joints: tuple[str, ...], velocity: Array, found: tuple[Any, ...]) -> None:
         self.joints, self._limits = joints, velocity
         self.status, self.message, self.waypoints, curve = found[:4]
-        self.nodes, self.iterations, self.search_time, self.shorten_time = found[4:]
+        self.nodes, self.iterations, self.search_time, self.shorten_time, self.cost = found[4:]
         self.curve = None if curve is None else Trajectory._of(curve)
 
     @property
@@ -96,11 +101,15 @@ class Plan:
         self, *, acceleration: ArrayLike, velocity: ArrayLike | None = None, intervals: int = 200
     ) -> Trajectory:
         """The fastest motion along the curve within limits, (n,) or one for all: `time_optimal`. velocity: by default
-        that of the model. Raises ValueError if there is no curve."""
-        if self.curve is None:
+        that of the model. Where the start is the goal it stands still for a millisecond. Raises ValueError without
+        `success`."""
+        if not self.success:
             raise ValueError(f"there is no way to follow: {self.message}")
         limits = self._limits if velocity is None else limit_row("velocity", velocity, len(self.joints))
-        return time_optimal(self.curve, velocity=limits, acceleration=acceleration, intervals=intervals)
+        most = limit_row("acceleration", acceleration, len(self.joints))
+        if self.curve is None:
+            return standing(self.waypoints[0])
+        return time_optimal(self.curve, velocity=limits, acceleration=most, intervals=intervals)
 
     def __repr__(self) -> str:
         return f"Plan({self.status!r}, {len(self.waypoints)} waypoints)" if self.success else f"Plan({self.message!r})"
@@ -115,7 +124,8 @@ class Planner:
     attached: links that are carried, by the link that carries each, as {"cube": "panda_hand"}. They move with it from
     where they are now, and may touch the links of the robot that they touch now.
     allowed: pairs of links that may touch, beside those that the model allows.
-    cloud: points (m, 3) [m] that nothing comes nearer to than cloud_radius [m]; those that are not finite are left out.
+    cloud: points (m, 3) [m] that nothing comes nearer to than cloud_radius [m]. Those that are not finite, as cameras
+    give where they see nothing, are left out; a cloud of none but such raises ValueError.
     margin: a distance that is kept from everything, and by the robot's links from each other [m].
     overshoot: how far the balls that stand for links stick out of them [m]: a matter of speed, not of what is free.
     """
@@ -135,19 +145,23 @@ class Planner:
         overshoot: float = 0.02,
     ) -> None:
         model, now, mocap = state_of(scene, q)
-        chosen = names(joints)
+        chosen = names("joints", joints)
+        if frame is None and not chosen:
+            raise ValueError("no joints are planned; name the frame that is to go somewhere, or joints")
         if frame is not None and chosen:
             raise ValueError(
                 f"frame is {frame!r} and joints are {chosen}; give the frame to plan all joints that move it, "
                 "or joints alone to plan just these"
             )
         self.model = model
-        self.frame = frame
-        points = [] if cloud is None else [(_points(cloud), float(cloud_radius))]
-        pairs = list((attached or {}).items())
-        self._core = _core.Planner(
-            model, now, mocap, frame or "", chosen, pairs, list(allowed), points, margin, overshoot
-        )
+        self.frame = None if frame is None else instance("frame", frame, str)
+        radius = number("cloud_radius", cloud_radius, least=0)
+        points = [] if cloud is None else [(_points("cloud", cloud), radius)]
+        carried = instance("attached", {} if attached is None else attached, Mapping, hint='as {"cube": "panda_hand"}')
+        pairs = [_pair("attached", pair) for pair in carried.items()]
+        may_touch = [_pair("allowed", pair) for pair in listed("allowed", allowed, tuple, list)]
+        margin, overshoot = number("margin", margin, least=0), number("overshoot", overshoot, above=0)
+        self._core = _core.Planner(model, now, mocap, frame or "", chosen, pairs, may_touch, points, margin, overshoot)
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -171,13 +185,14 @@ class Planner:
         return np.array(flat).reshape(*rows.shape[:-1], self.model.nq)
 
     def is_free(self, planned: ArrayLike) -> NDArray[np.bool_]:
-        """Whether nothing collides (...) at planned joints (..., n), by exact distances where balls leave doubts."""
+        """Whether nothing collides (...) at planned joints (..., n), by exact distances where balls leave doubts.
+        Limits of joints are not looked at; `plan` and `free_until` do."""
         rows = finite_rows("planned", planned, len(self.joints))
         return np.asarray(self._core.are_free(_flat(rows))).reshape(rows.shape[:-1])
 
     def is_way_free(self, a: ArrayLike, b: ArrayLike) -> bool:
         """Whether nothing collides anywhere on the straight line from a to b (n,). A way within half a millimetre of
-        an obstacle may count as blocked."""
+        an obstacle may count as blocked. Limits of joints are not looked at."""
         return self._core.is_way_free(*(self._row(name, q).astype(np.float32) for name, q in (("a", a), ("b", b))))
 
     def nearest(self, planned: ArrayLike) -> Encounter:
@@ -191,7 +206,7 @@ class Planner:
         rows = finite_rows("waypoints", waypoints, len(self.joints))
         if rows.ndim != 2 or len(rows) == 0:
             raise ValueError(f"waypoints have shape {rows.shape}; expected (m, {len(self.joints)}), m above 0")
-        return Encounter(*self._core.least_distance(_flat(rows), step))
+        return Encounter(*self._core.least_distance(_flat(rows), number("step", step, above=0, infinite=True)))
 
     def free_until(
         self, motion: Trajectory, start: float = 0.0, *, keep: PathConstraint | Sequence[PathConstraint] = ()
@@ -199,13 +214,14 @@ class Planner:
         """The time [s] up to which a motion of the planned joints is free all along from `start` on, within limits and
         what `keep` asks: its duration if it is to the end. To a millisecond, and rather too early: what passes within
         half a millimetre of an obstacle may count as blocked."""
-        return self._core.free_until(motion._motion, start, *as_rows(keep))
+        moves = instance("motion", motion, Trajectory, hint="as Plan.trajectory makes one")
+        return self._core.free_until(moves._motion, number("start", start), *as_rows(keep))
 
     def with_cloud(self, points: ArrayLike, radius: float = 0.01) -> "Planner":
         """A planner of the same scene with points (m, 3) [m] in it that nothing comes nearer to than radius [m], as
-        `cloud`: found in a millisecond, as all else is known."""
+        `cloud`: found in a millisecond, as all else is known. Points that are not finite are left out, as there."""
         more = copy.copy(self)
-        more._core = self._core.with_cloud(_points(points), radius)
+        more._core = self._core.with_cloud(_points("points", points), number("radius", radius, least=0))
         return more
 
     @property
@@ -228,6 +244,7 @@ class Planner:
         time_limit: float = 1.0,
         seed: int = 0,
         shorten: bool = True,
+        smooth: bool = False,
         blend: float = 0.5,
         range: float = 2.0,
     ) -> Plan:
@@ -236,41 +253,84 @@ class Planner:
         goal: planned joints (n,), or several goals (m, n) of which one is to be reached. Or position (3,) and
         quaternion (4,) xyzw of the planner's frame. keep: constraints that hold all along the way, as `upright("cup")`,
         start and goal included. time_limit [s]: kept. seed: the same seed gives the same plan, unless time runs out.
-        shorten: cut corners. blend: how far from a corner the curve may leave it [rad or m].
-        range: the longest edge of the search.
+        shorten: cut corners. smooth: make the curve one that is twice continuously differentiable, by optimisation;
+        where none of what comes of it is free, corners are blended. blend: how far from a corner the curve may leave it
+        [rad or m]. range: the longest edge of the search.
 
         What cannot be solved is said by the plan's `status` and `message`. Ctrl-C ends the search. Raises ValueError on
         arrays that do not fit and NaN.
         """
-        begin = self.start if start is None else self._row("start", start)
-        number = whole_number("seed", seed, 0, _LARGEST_SEED)
-        if not time_limit >= 0:
-            raise ValueError(f"time_limit is {time_limit} s; expected 0 or more")
         constraints = as_rows(keep)
-        goals, status, message = self._goals(goal, position, quaternion, begin, number, time_limit)
-        found: Any = (status, message, goals, None, 0, 0, 0.0, 0.0)
+        corner, longest = number("blend", blend, least=0), number("range", range, above=0)
+
+        def search(begin: Array, goals: Array, drawn: int) -> tuple[Any, ...]:
+            return self._core.plan(begin, goals, time_limit, shorten, smooth, corner, longest, drawn, *constraints)
+
+        return self._plan(search, goal, position, quaternion, start, time_limit, seed)
+
+    def optimize(
+        self,
+        goal: ArrayLike | None = None,
+        *,
+        position: ArrayLike | None = None,
+        quaternion: ArrayLike | None = None,
+        start: ArrayLike | None = None,
+        seeds: int = 16,
+        clearance: float = 0.02,
+        time_limit: float = 1.0,
+        seed: int = 0,
+    ) -> Plan:
+        """A smooth way by optimisation, without a search: `seeds` paths, the first straight to each goal, the others
+        along arcs past random configurations, slide to where they cost least, all at once. Of those that are proven
+        free the best is taken. Its `curve` is a cubic spline, and `waypoints` are points of it.
+
+        clearance: from where on it costs to be near an obstacle [m]; less is free, too. All else as of `plan`. Where
+        the status is "seeds blocked" no path is free, and `plan(smooth=True)` may find one.
+        """
+        count, kept = whole_number("seeds", seeds, 1, 4096), number("clearance", clearance, above=0)
+
+        def descend(begin: Array, goals: Array, drawn: int) -> tuple[Any, ...]:
+            return self._core.optimize(begin, goals, time_limit, count, kept, drawn)
+
+        return self._plan(descend, goal, position, quaternion, start, time_limit, seed)
+
+    def _plan(
+        self,
+        find: Callable[[Array, Array, int], tuple[Any, ...]],
+        goal: Any,
+        position: Any,
+        quaternion: Any,
+        start: ArrayLike | None,
+        time_limit: float,
+        seed: int,
+    ) -> Plan:
+        begin = self.start if start is None else self._row("start", start)
+        drawn = whole_number("seed", seed, 0, _LARGEST_SEED)
+        seconds = number("time_limit", time_limit, least=0, infinite=True)
+        goals, pose = self._goal_of(goal, position, quaternion)
+        status = message = ""
+        if pose is not None:
+            goals, status, message = self._core.goals(self.frame, *pose, begin, _GOALS, drawn, seconds)
+        found: Any = (status, message, goals, None, 0, 0, 0.0, 0.0, None)
         if len(goals) > 0:
-            found = self._core.plan(begin, goals, time_limit, shorten, blend, range, number, *constraints)
+            found = find(begin, goals, drawn)
         return Plan(self.joints, self.velocity, found)
 
-    def _goals(
-        self, goal: Any, position: Any, quaternion: Any, start: Array, seed: int, time_limit: float
-    ) -> tuple[Array, str, str]:
-        """Goals (m, n), and where there are none, the plan's status and message."""
+    def _goal_of(
+        self, goal: ArrayLike | None, position: ArrayLike | None, quaternion: ArrayLike | None
+    ) -> tuple[Array, tuple[Array, Array] | None]:
+        """Goals (m, n) as `plan` is given them, or none and the pose. Raises ValueError on what is no goal."""
         if (goal is None) == (position is None) or (position is None) != (quaternion is None):
             raise ValueError("give either goal, or position and quaternion")
         if goal is not None:
             rows = finite_rows("goal", goal, len(self.joints))
             if rows.ndim > 2 or rows.size == 0:
                 raise ValueError(f"goal has shape {rows.shape}; expected ({len(self.joints)},) or rows of it")
-            return _flat(rows), "", ""
+            return _flat(rows), None
         if self.frame is None:
             raise ValueError("a pose is that of a frame; make the planner with one")
-        p, r = finite_rows("position", position, 3), unit_quaternions("quaternion", quaternion)
-        if p.ndim != 1 or r.ndim != 1:
-            raise ValueError(f"position has shape {p.shape} and quaternion {r.shape}; expected (3,) and (4,)")
-        rows, status, message = self._core.goals(self.frame, p, r, start, _GOALS, seed, time_limit)
-        return np.asarray(rows), status, message
+        p, r = finite_row("position", position, 3), finite_row("quaternion", quaternion, 4)
+        return np.zeros((0, len(self.joints))), (p, unit_quaternions("quaternion", r))
 
     def _row(self, name: str, values: ArrayLike) -> Array:
         return np.ascontiguousarray(finite_row(name, values, len(self.joints)))
@@ -278,18 +338,25 @@ class Planner:
 
 def plan(scene: World | Model, frame: str, goal: ArrayLike | None = None, **options: Any) -> Plan:
     """`Planner.plan` of a planner that is used once: options are those of both."""
-    of_plan = ("position", "quaternion", "start", "keep", "time_limit", "seed", "shorten", "blend", "range")
+    of_plan = ("position", "quaternion", "start", "keep", "time_limit", "seed", "shorten", "smooth", "blend", "range")
     chosen = {name: options.pop(name) for name in of_plan if name in options}
     return Planner(scene, frame, **options).plan(goal, **chosen)
 
 
-def _points(cloud: ArrayLike) -> Array:
-    points = np.asarray(cloud, np.float64)
-    if points.shape == (0,):  # an empty list
-        points = points.reshape(0, 3)
-    if points.ndim != 2 or points.shape[1] != 3:
-        raise ValueError(f"cloud has shape {points.shape}; expected (m, 3)")
-    return np.ascontiguousarray(points[np.isfinite(points).all(axis=1)])
+def _points(name: str, cloud: ArrayLike) -> Array:
+    points = cloud_rows(name, cloud)
+    seen = points[np.isfinite(points).all(axis=1)]
+    if len(points) > 0 and len(seen) == 0:
+        raise ValueError(f"{name} has {len(points)} points, and none is finite; where nothing is seen, give no points")
+    return np.ascontiguousarray(seen)
+
+
+def _pair(name: str, given: Any) -> tuple[str, str]:
+    """Two names of links."""
+    pair = listed(f"a pair of {name}", given, str)
+    if len(pair) != 2:
+        raise ValueError(f"a pair of {name} is {given}; expected two names of links")
+    return pair[0], pair[1]
 
 
 def _flat(rows: Array) -> Array:

@@ -15,20 +15,21 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from manyhands.arguments import instance, number
 from manyhands.planning.constraints import PathConstraint
 from manyhands.planning.online import links, stop
 from manyhands.planning.planner import Plan, Planner
-from manyhands.planning.trajectories import Sample, Trajectory, joined, limit_row
+from manyhands.planning.trajectories import Sample, Trajectory, joined, limit_row, standing
 
 __all__ = ["Replan", "ReplanStatus", "replan"]
 
 Array = NDArray[np.float64]
-ReplanStatus: TypeAlias = Literal["solved", "stopping", "collision ahead"]
+ReplanStatus: TypeAlias = Literal["solved", "old motion", "stopping", "collision ahead"]
 
 _JOINS = 16  # points of the new motion that are tried
 _FOR_SEARCH = 0.5  # of the time limit; then limits of the motion are looked to
+_LONGEST = 3600.0  # [s] of a time limit
 _FOR_LINKS = 0.8  # of the time limit, until which points to join it are tried
-_MOMENT = 1e-3  # [s]
 
 
 @dataclass(frozen=True)
@@ -36,7 +37,8 @@ class Replan:
     """What `replan` found: what to follow from now on."""
 
     status: ReplanStatus
-    """"stopping": there is no new way, or no time for one, and it comes to rest; "collision ahead": that is not free"""
+    """"old motion": it cannot stop in time for a new way, and stays on the old one, free to its end; "stopping": there
+    is no new way, or no time for one, and it comes to rest; "collision ahead": that is not free"""
     message: str
     """in a sentence"""
     motion: Trajectory
@@ -78,13 +80,15 @@ def replan(
     motion. Jerk is limited where the robot stops, and between both motions, which are `time_optimal`. Where the old one
     speeds up until it is at a limit of velocity, leaving it may cross that by acceleration^2 / 2 jerk.
 
-    If the old motion, or a stop at the end of that time, is not free, there is no time to plan: the motion stops at
-    once. Follow it, and plan again from there. Raises ValueError as `Planner.plan` does, and on a motion of other
-    joints.
+    If the old motion, or a stop at the end of that time, is not free, there is no time to plan: it stays on the old
+    motion if that is free to its end, and stops at once if it is not. Follow it, and plan again from there. Raises
+    ValueError as `Planner.plan` does, and on a motion of other joints.
     """
     began = time.perf_counter()
-    if not (np.isfinite(now) and 0 < time_limit < np.inf):
-        raise ValueError(f"now is {now} s and time_limit {time_limit} s; expected finite numbers, the limit above 0")
+    instance("planner", planner, Planner)
+    instance("motion", motion, Trajectory, hint="as Plan.trajectory makes one")
+    now, time_limit = number("now", now), number("time_limit", time_limit, above=0, most=_LONGEST)
+    planner._goal_of(goal, position, quaternion)
     n = len(planner.joints)
     limits = {
         "velocity": limit_row("velocity", planner.velocity if velocity is None else velocity, n),
@@ -104,6 +108,10 @@ def replan(
 
     plan = None
     if not (is_free(old) and is_free(halt)):
+        if now < motion.duration and planner.free_until(motion, now, keep=keep) == motion.duration:
+            message = "there is no free stop from which to plan; it stays on the old motion, which is free to its end"
+            left = motion.duration - now
+            return found("old motion", message, [motion.part(now, motion.duration)], left)
         halt = _halt(motion.sample(now), limits)
         if is_free(halt):
             return found("stopping", "the motion is blocked before there is a plan; it stops at once", [halt], 0.0)
@@ -143,5 +151,5 @@ def _soonest_first(
 def _halt(state: Sample, limits: dict[str, Array]) -> Trajectory:
     """To rest from a state; where it is at rest, to stand still for a moment."""
     if not state.v.any() and not state.a.any():
-        return Trajectory([0.0, _MOMENT], state.q[None, None])
+        return standing(state.q)
     return stop(*state, **limits)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import Model, World
-from manyhands.arguments import finite_row
+from manyhands.arguments import finite_row, instance, listed
 
 Array = NDArray[np.float64]
 
@@ -18,14 +18,11 @@ def state_of(scene: World | Model, q: ArrayLike | None) -> tuple[Model, Array, A
         if q is not None:
             raise ValueError("a world has a q of its own; set world.q, or give its model")
         return scene.model, np.asarray(scene.q), np.asarray(scene.mocap, np.float64).reshape(-1)
-    if not isinstance(scene, Model):
-        raise TypeError(
-            f"scene is of type {type(scene).__name__}; expected a World or a Model (World.from_file reads a file)"
-        )
-    row = finite_row("q", scene.initial_configuration() if q is None else q, scene.nq)
-    return scene, np.ascontiguousarray(row), np.zeros(0)
+    model = instance("scene", scene, Model, hint="or a World; World.from_file reads a file")
+    row = finite_row("q", model.initial_configuration() if q is None else q, model.nq)
+    return model, np.ascontiguousarray(row), np.zeros(0)
 
 
-def names(given: Iterable[str]) -> list[str]:
-    """Names as a list; a text is one name."""
-    return [given] if isinstance(given, str) else list(given)
+def names(argument: str, given: Iterable[str]) -> list[str]:
+    """Names as a list; a text is one name. Raises TypeError on anything else."""
+    return [given] if isinstance(given, str) else listed(argument, given, str)

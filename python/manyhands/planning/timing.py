@@ -4,7 +4,7 @@ from numpy.typing import ArrayLike
 
 from manyhands._core import Model
 from manyhands._core import planning as _core
-from manyhands.arguments import whole_number
+from manyhands.arguments import instance, number, whole_number
 from manyhands.planning.trajectories import Trajectory, limit_row
 
 _MOST_INTERVALS = 10_000
@@ -32,7 +32,7 @@ def time_optimal(
 
     TOPP-RA: H. Pham and Q.-C. Pham, IEEE Transactions on Robotics 34(3), 2018.
     """
-    n = path.width
+    n = instance("path", path, Trajectory).width
     limits = {"velocity": velocity, "acceleration": acceleration, "torque": torque}
     rows = {name: None if values is None else limit_row(name, values, n) for name, values in limits.items()}
     count = whole_number("intervals", intervals, 2, _MOST_INTERVALS)
@@ -44,7 +44,7 @@ def time_optimal(
             rows["torque"],
             model,
             count,
-            float(start_speed),
-            float(end_speed),
+            number("start_speed", start_speed, least=0),
+            number("end_speed", end_speed, least=0),
         )
     )

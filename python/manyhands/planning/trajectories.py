@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core import planning as _core
-from manyhands.arguments import finite_rows, whole_number
+from manyhands.arguments import choice, finite_rows, listed, number, real_array, whole_number
 from manyhands.rigid_motions import unit_quaternions
 
 Array = NDArray[np.float64]
@@ -72,7 +72,7 @@ class Trajectory:
     def part(self, start: float, end: float) -> "Trajectory":
         """What it does from `start` to `end` [s], as a trajectory that begins at 0. It stands still where this one
         does. Raises ValueError unless the end is later."""
-        return Trajectory._of(self._motion.part(start, end))
+        return Trajectory._of(self._motion.part(number("start", start), number("end", end)))
 
     def __reduce__(self) -> tuple[type["Trajectory"], tuple[Array, Array]]:
         return Trajectory, (self.breaks, self.coefficients)
@@ -84,7 +84,12 @@ class Trajectory:
 def joined(motions: Sequence[Trajectory]) -> Trajectory:
     """Trajectories (n) one after the other, in time. Positions jump unless each begins where the one before ends.
     Raises ValueError if there are none, and on different n."""
-    return Trajectory._of(_core.joined([motion._motion for motion in motions]))
+    return Trajectory._of(_core.joined([motion._motion for motion in listed("motions", motions, Trajectory)]))
+
+
+def standing(q: Array) -> Trajectory:
+    """Stands still at q (n,), for a millisecond."""
+    return Trajectory([0.0, 1e-3], q[None, None])
 
 
 class CartesianSample(NamedTuple):
@@ -194,20 +199,18 @@ def cartesian(
     p, r = _rows("position", position), unit_quaternions("quaternion", quaternion)
     if p.shape[1] != 3 or r.shape != (len(p), 4):
         raise ValueError(f"position has shape {p.shape} and quaternion {r.shape}; expected (m, 3) and (m, 4)")
-    if path not in ("straight", "screw"):
-        raise ValueError(f"path is {path!r}; expected 'straight' or 'screw'")
     if not isinstance(law, Trajectory):
         rest = np.zeros((len(p), 1))
-        law = quintic(law, np.arange(len(p), dtype=float)[:, None], rest, rest)
-    return CartesianTrajectory(p, np.ascontiguousarray(r), law, path)
+        law = quintic(_array("law", law, 1), np.arange(len(p), dtype=float)[:, None], rest, rest)
+    return CartesianTrajectory(p, np.ascontiguousarray(r), law, choice("path", path, "straight", "screw"))
 
 
 def limit_row(name: str, values: ArrayLike, n: int) -> Array:
     """Limits (n,), or one for all; infinite ones are none. The extension checks that they are above 0."""
-    array = np.asarray(values, np.float64)
-    if array.shape not in ((), (n,)):
-        raise ValueError(f"{name} has shape {array.shape}; expected one number, or ({n},)")
-    return np.ascontiguousarray(np.broadcast_to(array, (n,)))
+    row = real_array(name, values).astype(np.float64, copy=False)
+    if row.shape not in ((), (n,)):
+        raise ValueError(f"{name} has shape {row.shape}; expected one number, or ({n},)")
+    return np.ascontiguousarray(np.broadcast_to(row, (n,)))
 
 
 def _array(name: str, values: ArrayLike, dimensions: int) -> Array:

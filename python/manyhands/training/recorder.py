@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from manyhands._core.learn import TrainMetrics
 from manyhands.files import write_text
+from manyhands.interrupts import held
 from manyhands.training.optional import has
 from manyhands.training.run_folder import RunFolder
 
@@ -105,7 +106,8 @@ class Recorder:
 def _events(folder: Path) -> "Events | None":
     if not has("tensorboard"):
         return None
-    from manyhands.training.events import Events
+    with held():
+        from manyhands.training.events import Events
 
     return Events(folder)
 

@@ -12,7 +12,7 @@ from manyhands._core.envs import make_adviser, make_env_batch
 from manyhands._core.learn import Trainer, TrainMetrics
 from manyhands.envs.cameras import eyes
 from manyhands.files import write_text
-from manyhands.interrupts import Interrupts
+from manyhands.interrupts import Interrupts, held
 from manyhands.policies import Policy
 from manyhands.training.console import Console
 from manyhands.training.evaluation import Evaluation
@@ -150,20 +150,23 @@ class TrainingRun:
     def _save_policy(self, folder: RunFolder) -> None:
         if not has("onnx"):
             return
-        from manyhands.training.policy_file import save_policy
+        with held():
+            from manyhands.training.policy_file import save_policy
 
         save_policy(self._trainer.policy(), self.settings.env_id, folder.policy, self.settings.cameras)
 
     def _draw_curve(self, folder: RunFolder, recorder: Recorder, last: Evaluation | None) -> None:
         if not recorder.rows or not has("matplotlib"):
             return
-        from manyhands.training.curve import draw_curve
+        with held():
+            from manyhands.training.curve import draw_curve
 
         draw_curve(folder, recorder.rows, f"{self.settings.env_id}, seed {self.settings.seed}", last)
 
     def _draw_randomization(self, folder: RunFolder) -> None:
         """Success over each range, as a picture."""
-        from manyhands.training.randomization_picture import draw_randomization
+        with held():
+            from manyhands.training.randomization_picture import draw_randomization
 
         settings = self.settings
         policy = Policy(folder.policy)

@@ -31,6 +31,11 @@ class Follow(NamedTuple):
     """[s] of the simulation"""
 
 
+def _advice(plan: planning.Plan) -> str:
+    """What to do where the arm stands so that no way begins there, as at 0 of all joints many do."""
+    return "; move its joints with the sliders first, to where it is free" if plan.status.startswith("start") else ""
+
+
 class PlanPanel:
     """Controls for plans of the chosen hand, in the folder that is open."""
 
@@ -92,13 +97,13 @@ class PlanPanel:
         try:
             planner = self._planner(hand)
             plan = planner.plan(position=goal[0], quaternion=goal[1], time_limit=_TIME_LIMIT)
-        except ValueError as reason:  # joints that cannot be planned, and the like
+            if plan.curve is None:
+                self._say("It is there" if plan.success else f"No plan: {plan.message}{_advice(plan)}")
+                return
+            motion = plan.trajectory(velocity=_SHARE * planner.velocity, acceleration=_ACCELERATION)
+        except Exception as reason:  # joints that cannot be planned, and whatever else: the page says it, and goes on
             self._say(f"No plan: {reason}")
             return
-        if plan.curve is None:
-            self._say("It is there" if plan.success else f"No plan: {plan.message}")
-            return
-        motion = plan.trajectory(velocity=_SHARE * planner.velocity, acceleration=_ACCELERATION)
         self._draw(planner, motion, hand)
         self._say(f"{motion.duration:.1f} s, found in {1e3 * (plan.search_time + plan.shorten_time):.0f} ms")
         self._take_over()
@@ -112,19 +117,19 @@ class PlanPanel:
 
     def _planner(self, hand: str) -> planning.Planner:
         """Of the world as it is between two steps."""
-        made: list[planning.Planner | ValueError] = []
+        made: list[planning.Planner | Exception] = []
 
         def make() -> None:
-            world = self._viewer.source.world
-            assert world is not None
             try:
+                world = self._viewer.source.world
+                assert world is not None
                 made.append(planning.Planner(world, hand))
-            except ValueError as reason:
+            except Exception as reason:
                 made.append(reason)
 
         if not self._viewer.player.do(make, wait=_WAIT):
             raise ValueError("the simulation is busy")
-        if isinstance(made[0], ValueError):
+        if isinstance(made[0], Exception):
             raise made[0]
         return made[0]
 

@@ -7,13 +7,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core.render import Texture
-from manyhands.arguments import whole_number
+from manyhands.arguments import instance, listed, number, real_array, whole_number
 from manyhands.vision.stereo import Lens, opencv
 
 Array = NDArray[np.float64]
 
 _PIXELS = 32  # of a square's side in the texture
 _MARGIN = 1  # squares of white around
+_NOISE = 0.05  # [pixels] by which corners are found wrong
+_OPEN = 0.05  # of a focal length, that it may be wrong
 
 
 class Chessboard:
@@ -24,11 +26,10 @@ class Chessboard:
     def __init__(self, columns: int = 9, rows: int = 6, side: float = 0.03) -> None:
         whole_number("columns", columns, 3)
         whole_number("rows", rows, 3)
-        if not (np.isfinite(side) and side > 0):
-            raise ValueError(f"side is {side}; expected a finite number above 0")
+        length = number("side", side, above=0)
         if (columns + rows) % 2 == 0:
             raise ValueError(f"a board of {columns} x {rows} corners looks the same upside down; make one of them odd")
-        self.columns, self.rows, self.side = columns, rows, float(side)
+        self.columns, self.rows, self.side = columns, rows, length
 
     @property
     def size(self) -> tuple[float, float]:
@@ -83,9 +84,11 @@ class Calibration(NamedTuple):
 
 def calibrate(board: Chessboard, pictures: Sequence[ArrayLike]) -> Calibration:
     """K, distortion and poses from pictures of one size in which a board is seen from many sides, three or more.
-    Raises ValueError where that is not so."""
+    Raises ValueError where that is not so, and where the board is tilted too little between them: from straight ahead,
+    a far board through a long lens looks as a near one does through a short one."""
     cv2 = opencv()
-    found = [board.find(picture) for picture in pictures]
+    instance("board", board, Chessboard)
+    found = [board.find(picture) for picture in listed("pictures", pictures, object)]
     seen = [np.asarray(at - 0.5, np.float32)[:, None] for at in found if at is not None]
     if len(seen) < 3:
         raise ValueError(f"the board is seen whole in {len(seen)} of {len(found)} pictures; expected 3 or more")
@@ -93,10 +96,37 @@ def calibrate(board: Chessboard, pictures: Sequence[ArrayLike]) -> Calibration:
     if len(sizes) > 1:
         raise ValueError(f"the pictures have shapes {sorted(sizes)}; expected one size")
     height, width = sizes.pop()
+    if _left_open(board, [at for at in found if at is not None], width, height) > _OPEN:
+        raise ValueError(
+            f"the {len(seen)} pictures leave the focal length open: the board is turned too little from one to the "
+            "next; tilt it by 20 to 45 degrees, in each picture about another axis"
+        )
     places = board.corners.astype(np.float32)[:, None]
     error, K, distortion, turns, shifts = cv2.calibrateCamera([places] * len(seen), seen, (width, height), None, None)
     poses = np.array([_pose(cv2.Rodrigues(turn)[0], shift) for turn, shift in zip(turns, shifts, strict=True)])
     return Calibration(Lens.of_opencv((width, height), K, poses[0], distortion.ravel()), poses, float(error))
+
+
+def _left_open(board: Chessboard, seen: list[Array], width: int, height: int) -> float:
+    """By about which share of it the focal length is wrong if corners are wrong by _NOISE. Each picture gives two
+    linear equations of what K is (Zhang, 2000, section 3.1); where they have more than one solution, the second least
+    singular value vanishes."""
+    cv2 = opencv()
+    centred = np.array([[2 / width, 0, -1], [0, 2 / width, -height / width], [0, 0, 1]])
+    rows: list[Array] = []
+    for at in seen:
+        H = centred @ cv2.findHomography(board.corners[:, :2], at)[0]
+        a, b = H[:, :2].T / np.sqrt(np.prod(np.linalg.norm(H[:, :2], axis=0)))
+        rows += [_products(a, b), _products(a, a) - _products(b, b)]
+    extent = np.median([np.linalg.norm(np.ptp(at, axis=0)) for at in seen])
+    second = np.linalg.svd(np.array(rows), compute_uv=False)[4] / np.sqrt(len(rows))
+    return float(_NOISE / extent / max(second, 1e-12))
+
+
+def _products(a: Array, b: Array) -> Array:
+    """What a symmetric matrix B (6 numbers) is multiplied by in aᵀ B b."""
+    (a1, a2, a3), (b1, b2, b3) = a, b
+    return np.array([a1 * b1, a1 * b2 + a2 * b1, a2 * b2, a3 * b1 + a1 * b3, a3 * b2 + a2 * b3, a3 * b3])
 
 
 def _pose(R: Array, p: Array) -> Array:
@@ -107,7 +137,7 @@ def _pose(R: Array, p: Array) -> Array:
 
 
 def _grey(picture: ArrayLike) -> NDArray[np.uint8]:
-    given = np.asarray(picture)
+    given = real_array("picture", picture)
     if given.dtype != np.uint8 or given.ndim not in (2, 3):
         raise ValueError(f"the picture is {given.dtype} of shape {given.shape}; expected uint8 of (height, width, 3)")
     return given if given.ndim == 2 else np.ascontiguousarray(given[..., :3].mean(-1).round().astype(np.uint8))

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from manyhands.arguments import rate
+from manyhands.arguments import instance, rate, real_array, whole_number
 from manyhands.extras import needs
 
 Array = NDArray[np.float32]
@@ -30,7 +30,7 @@ class Detections(NamedTuple):
 def things(segmentation: ArrayLike) -> dict[int, tuple[int, int, int, int]]:
     """The box of pixels (left, upper, right, lower, the last two excluded) of every number of 0 or more in a picture
     (height, width), such as `Picture.segmentation` or `Picture.bodies`."""
-    numbers = np.asarray(segmentation)
+    numbers = real_array("segmentation", segmentation)
     if numbers.ndim != 2 or numbers.dtype.kind not in "iu":
         raise ValueError(f"segmentation is {numbers.dtype} of shape {numbers.shape}; expected integers (height, width)")
     found: dict[int, tuple[int, int, int, int]] = {}
@@ -62,9 +62,16 @@ class Detector:
         with needs("vision", "detection by a network"):
             import onnxruntime
         self.threshold, self.overlap = rate("threshold", threshold), rate("overlap", overlap)
-        self._session: Any = onnxruntime.InferenceSession(
-            network if isinstance(network, bytes) else str(network), providers=["CPUExecutionProvider"]
-        )
+        given = instance("network", network, str, Path, bytes)
+        if not isinstance(given, bytes) and not Path(given).is_file():
+            raise FileNotFoundError(f"there is no file {str(given)!r} with a network; export one as ONNX")
+        try:
+            self._session: Any = onnxruntime.InferenceSession(
+                given if isinstance(given, bytes) else str(given), providers=["CPUExecutionProvider"]
+            )
+        except Exception as error:  # onnxruntime's have no common base
+            what = "the network" if isinstance(given, bytes) else repr(str(given))
+            raise ValueError(f"{what} is no ONNX model that onnxruntime reads: {error}") from error
         inputs = self._session.get_inputs()
         shape = inputs[0].shape
         if len(inputs) != 1 or len(shape) != 4 or shape[1] != 3 or inputs[0].type != "tensor(float)":
@@ -73,12 +80,17 @@ class Detector:
         fixed = [length if isinstance(length, int) else None for length in (shape[3], shape[2])]
         if size is None and None in fixed:
             raise ValueError("the network leaves its input's size open; give size=(width, height)")
-        self.size: tuple[int, int] = tuple(size or fixed)  # type: ignore[assignment]
+        width, height = fixed if size is None else size
+        self.size = whole_number("width", width, 1), whole_number("height", height, 1)
+        if any(length not in (None, mine) for length, mine in zip(fixed, self.size, strict=True)):
+            raise ValueError(f"size is {self.size}; the network's input is fixed at {tuple(fixed)}")
+        if decode is not None and not callable(decode):
+            raise TypeError(f"decode is {decode!r}; expected a function of the network's outputs")
         self._input, self._decode = inputs[0].name, decode or _decode
 
     def detect(self, picture: ArrayLike) -> Detections:
         """What a picture (height, width, 3) of uint8 shows."""
-        given = np.asarray(picture)
+        given = real_array("picture", picture)
         if given.dtype != np.uint8 or given.ndim != 3 or given.shape[2] < 3 or 0 in given.shape:
             raise ValueError(
                 f"the picture is {given.dtype} of shape {given.shape}; expected uint8 of (height, width, 3)"

@@ -7,12 +7,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from manyhands._core.render import Camera
-from manyhands.arguments import finite_rows, whole_number
+from manyhands.arguments import finite_row, finite_rows, float_arrays, instance, real_array, whole, whole_number
 from manyhands.extras import needs
-from manyhands.rigid_motions import matrix
+from manyhands.rigid_motions import matrix, rigid_matrices
 
 Array = NDArray[np.float64]
 
+_ALIKE = np.pi / 4  # [rad]: two pictures that are turned by more hardly show the same
+_DISTORTIONS = (4, 5, 8, 12, 14)  # how many numbers OpenCV takes
 _CENTRE = np.array([[0, 0, 0.5], [0, 0, 0.5], [0, 0, 0]])  # of the first pixel, which is 0 in OpenCV
 
 
@@ -37,14 +39,22 @@ class Lens:
     """k1, k2, p1, p2, k3 and so on, as OpenCV counts them"""
 
     def __post_init__(self) -> None:
-        finite_rows("K", self.K, 3, 3)
-        finite_rows("X", self.X, 4, 4)
-        finite_rows("distortion", self.distortion)
+        if len(sides := finite_row("size", self.size)) != 2:
+            raise ValueError(f"size is {self.size}; expected (width, height)")
+        for name, pixels in zip(("width", "height"), sides.tolist(), strict=True):
+            whole(name, pixels, 1)
+        K = finite_rows("K", self.K, 3, 3)
+        if K.shape != (3, 3) or not (K[0, 0] > 0 < K[1, 1]) or K[2].tolist() != [0, 0, 1]:
+            raise ValueError(f"K is {K}; expected focal lengths above 0 on its diagonal, and 0 0 1 as its last row")
+        if (X := rigid_matrices("X", self.X)).ndim != 2:
+            raise ValueError(f"X has shape {X.shape}; expected (4, 4)")
+        if (count := len(finite_row("distortion", self.distortion))) not in _DISTORTIONS:
+            raise ValueError(f"distortion has {count} numbers; expected {', '.join(map(str, _DISTORTIONS))}")
 
     @classmethod
     def of(cls, camera: Camera) -> "Lens":
         """Of one of our cameras, a perspective one. Raises ValueError for one that is mounted on a frame."""
-        if camera.frame:
+        if instance("camera", camera, Camera).frame:
             raise ValueError(f"the camera is mounted on '{camera.frame}'; give one that stands in the world")
         K = np.array([[camera.fx, 0, camera.cx], [0, camera.fy, camera.cy], [0, 0, 1.0]])
         return cls((camera.width, camera.height), K, matrix(camera.position, camera.quaternion))
@@ -52,7 +62,7 @@ class Lens:
     @classmethod
     def of_opencv(cls, size: tuple[int, int], matrix: Array, X: Array, distortion: Array) -> "Lens":
         """The same with `opencv_matrix` in place of K."""
-        return cls(size, matrix + _CENTRE, X, distortion)
+        return cls(size, finite_rows("matrix", matrix, 3, 3) + _CENTRE, X, distortion)
 
     @property
     def opencv_matrix(self) -> Array:
@@ -62,25 +72,32 @@ class Lens:
 
 class StereoRig:
     """Two cameras side by side, the left one first. Points nearer than what `disparities` of pixels can tell, which is
-    focus times baseline over that number, are not seen. Raises ValueError unless they have pictures of one size and the
-    second one stands to the right of the first.
+    focus times baseline over that number, are not seen. Raises ValueError unless they have pictures of one size, the
+    second one stands to the right of the first, and both look the same way and are held alike, to 45 degrees.
 
     `focus` [pixels], `baseline` [m] and `Q` are of the rectified pictures, `maps` OpenCV's, which make them.
 
-    disparities: how many pixels two pictures of a point may be apart, a multiple of 16. block: the side of what is
-    compared [pixels], odd.
+    disparities: how many pixels two pictures of a point may be apart, a multiple of 16 below their width. block: the
+    side of what is compared [pixels], odd.
     """
 
     def __init__(self, left: Lens | Camera, right: Lens | Camera, *, disparities: int = 64, block: int = 5) -> None:
         cv2 = opencv()
-        self.left, self.right = (lens if isinstance(lens, Lens) else Lens.of(lens) for lens in (left, right))
+        self.left, self.right = (
+            lens if isinstance(lens, Lens) else Lens.of(instance(name, lens, Camera, hint="or Lens"))
+            for name, lens in (("left", left), ("right", right))
+        )
         if self.left.size != self.right.size:
             raise ValueError(f"the pictures are {self.left.size} and {self.right.size} pixels; expected one size")
-        if whole_number("disparities", disparities, 16) % 16:
-            raise ValueError(f"disparities is {disparities}; expected a multiple of 16")
+        width = self.left.size[0]
+        if whole_number("disparities", disparities, 16) % 16 or disparities >= width:
+            raise ValueError(f"disparities is {disparities}; expected a multiple of 16 below the width, {width}")
         if whole_number("block", block, 1) % 2 == 0:
             raise ValueError(f"block is {block}; expected an odd number")
         X_RL = np.linalg.inv(self.right.X) @ self.left.X
+        turned = np.arccos(np.clip((np.trace(X_RL[:3, :3]) - 1) / 2, -1, 1))
+        if turned > _ALIKE:
+            raise ValueError(f"the cameras are turned by {np.degrees(turned):.0f} degrees; expected 45 at most")
         given = [part for lens in (self.left, self.right) for part in (lens.opencv_matrix, lens.distortion)]
         R_left, R_right, P_left, P_right, self.Q, *_ = cv2.stereoRectify(
             *given, self.left.size, X_RL[:3, :3], X_RL[:3, 3:], flags=cv2.CALIB_ZERO_DISPARITY, alpha=0
@@ -117,16 +134,23 @@ class StereoRig:
 
     def depth(self, disparity: ArrayLike) -> NDArray[np.float32]:
         """Along the rectified left camera's axis (height, width) [m]: focus times baseline over disparity."""
-        return (self.focus * self.baseline / np.asarray(disparity, np.float32)).astype(np.float32)
+        return (self.focus * self.baseline / self._disparities(disparity)).astype(np.float32)
 
     def points(self, disparity: ArrayLike) -> Array:
         """(height, width, 3) in the world [m], NaN where there is no disparity."""
         cv2 = opencv()
-        seen = cv2.reprojectImageTo3D(np.asarray(disparity, np.float32), self.Q.astype(np.float32)).astype(np.float64)
+        seen = cv2.reprojectImageTo3D(self._disparities(disparity), self.Q.astype(np.float32)).astype(np.float64)
         return seen @ self.X_rectified[:3, :3].T + self.X_rectified[:3, 3]
 
+    def _disparities(self, given: ArrayLike) -> NDArray[np.float32]:
+        """One for each pixel, above 0; NaN where there is none. Raises ValueError on anything else."""
+        (apart,) = float_arrays(disparity=given)
+        if apart.shape != self.left.size[::-1] or (apart <= 0).any():
+            raise ValueError(f"disparity has shape {apart.shape}; expected {self.left.size[::-1]}, above 0 or NaN")
+        return apart.astype(np.float32)
+
     def _picture(self, name: str, given: ArrayLike) -> NDArray[np.uint8]:
-        picture = np.asarray(given)
+        picture = real_array(name, given)
         width, height = self.left.size
         if picture.dtype != np.uint8 or picture.shape not in ((height, width, 3), (height, width)):
             raise ValueError(

@@ -87,6 +87,23 @@ ModelPointer limited_arm() {
                "<compiler angle='radian'/><equality><connect body1='hand' anchor='0 0 0'/></equality>");
 }
 
+/// An arm of n limited joints, their axes in turn from a list, whose hand is welded to a point that it cannot reach, or
+/// not in that direction.
+ModelPointer arm_out_of_reach(int n, const std::vector<std::string>& axes, const std::string& range,
+                              const std::string& goal) {
+  const std::string link =
+      "<geom type='capsule' size='0.02' fromto='0 0 0 0.2 0 0' mass='0.5' contype='0' conaffinity='0'/>";
+  std::string arm, end;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
+    arm += std::string("<body pos='") + (i > 0 ? "0.2" : "0") + " 0 0'><joint axis='" + axes[i % axes.size()] +
+           "' range='" + range + "' limited='true' damping='0.1'/>" + link;
+    end += "</body>";
+  }
+  return scene(
+      "<body name='goal' pos='" + goal + "' quat='0.5 0.5 0.5 0.5'/>" + arm + "<body name='hand' pos='0.2 0 0'/>" + end,
+      "<compiler angle='radian'/><equality><weld body1='goal' body2='hand' relpose='0 0 0 1 0 0 0'/></equality>");
+}
+
 TEST(Contradictions, AroundTheCentreOfABallJointNothingIsPushed) {
   const Motion motion = run(chain_of_balls(), 8);
   EXPECT_LT(motion.fastest, 20);
@@ -110,6 +127,24 @@ TEST(Contradictions, AnArmPulledBeyondItsReachStretches) {
   const Vec3<double> hand = world.body_pose("hand").p;
   EXPECT_GT(norm(hand), 0.95 * 0.8);  // the weld wants the hand level, too: MuJoCo's rests at 0.99
   EXPECT_GT(dot(hand, Vec3<double>{0.9, 0, 0.3}) / (norm(hand) * std::sqrt(0.9)), 0.99);
+}
+
+/// Each of them whirled at 13 to 316 rad/s, again and again.
+TEST(Contradictions, ArmsAtTheirLimitsDoNotWhirl) {
+  const std::vector<std::string> two{"0 1 0", "0 0 1"}, three{"0 0 1", "0 1 0", "1 0 0"};
+  for (const ModelPointer& model :
+       {arm_out_of_reach(6, two, "-2 0.3", "1 1 1"), arm_out_of_reach(7, two, "-2 0.3", "1 1 1"),
+        arm_out_of_reach(7, two, "-2 0.3", "0 0.3 1.5"), arm_out_of_reach(7, two, "-2 0.3", "-1 0.2 0.3"),
+        arm_out_of_reach(7, three, "-0.5 0.5", "-1 0.2 0.3")}) {
+    World world(model, 0.002);
+    world.step(1000);
+    double most = 0;
+    for (int i = 0; i < 1500; ++i) {
+      world.step();
+      most = std::max(most, fastest(world.v()));
+    }
+    EXPECT_LT(most, 3);
+  }
 }
 
 /// Of a box on the floor, whose step is solved: more energy than there can be, and what is no number, are found.

@@ -106,6 +106,29 @@ TEST(JointConstraints, ForgetAMotorThatWasSwitchedOff) {
   }
 }
 
+/// A law that holds but for what contacts leave unsettled is no reason to change a state, in trees that they touch.
+TEST(JointConstraints, KeepTheirStatesWithinWhatContactsLeaveUnsettled) {
+  constexpr double kUnsettled = 1e-9, kLittle = 0.5 * kUnsettled;  // [m/s or rad/s]
+  double wrong = 0;
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    const JointProblem<double> p(seed, 6);
+    JointSolver<double> solver(p);
+    JointLaws<double>& laws = solver.problem.joints;
+    Iterate<double>& iterate = solver.iterate;
+    solve_joints(solver.problem, solver.factors, iterate, solver.next_state);
+    for (std::size_t i = 0; i < p.size(); ++i) {  // just beyond where each state ends
+      const double state = iterate.active_set[i], most = laws.max_held[i], inertia = law_inertia(solver.problem, i);
+      if (std::abs(state) == 1 && std::isfinite(laws.target[i])) iterate.dv[i] = laws.target[i] + state * kLittle;
+      if (state == 0 && std::isfinite(most)) iterate.joint_impulse[i] = most + kLittle * inertia;
+    }
+    std::ranges::fill(laws.constrained, 1.0);
+    EXPECT_EQ(internal::check_joints(solver.problem, iterate, kUnsettled, solver.next_state), 0) << "seed " << seed;
+    std::ranges::fill(laws.constrained, 0.0);
+    wrong += internal::check_joints(solver.problem, iterate, kUnsettled, solver.next_state);
+  }
+  EXPECT_GT(wrong, 50);
+}
+
 /// How many linear systems the search solves: `solve_joints` with a counter.
 template <Real R>
 int count_pivots(const JointProblem<R>& p) {
@@ -114,7 +137,7 @@ int count_pivots(const JointProblem<R>& p) {
   int fewest = p.tree.nv + 1, patience = 0;
   for (int pivot = 1; pivot <= contact_settings::kMaxStateChanges; ++pivot) {
     internal::solve_active_set(solver.problem, solver.factors, iterate);
-    const int wrong = static_cast<int>(internal::check_joints(solver.problem, iterate, solver.next_state));
+    const int wrong = static_cast<int>(internal::check_joints(solver.problem, iterate, R(0), solver.next_state));
     if (wrong == 0) return pivot;
     patience = wrong < fewest ? contact_settings::kPatience : patience - 1;
     fewest = std::min(wrong, fewest);

@@ -37,7 +37,7 @@ constexpr std::array<Golden, 21> kScenes{{
     {"stack", 0xf38e1656e6e7fb96, 0x703f5627a39cdf26},
     {"panda and cube", 0xd4efabd86c4e3dcb, 0x1af34e6919c9e4f6},
     {"panda falls", 0x3939597999b57896, 0x52e74c69726751be},
-    {"arm6", 0xa89d8ef70a848740, 0x56be53b8c1a46a51},
+    {"arm6", 0xc3d65d27e0b014db, 0x56be53b8c1a46a51},
     {"joints", 0xab5c43a2eb62a3e9, 0x5540c7b620a887dd},
     {"actuators", 0xb829489bdf3c6073, 0x241022311f68ff84},
     {"equalities", 0x5007c8f7825251e3, 0xe60289916fa275f1},

@@ -200,6 +200,26 @@ def test_the_input_that_is_nan_is_named(panda: mh.Model, name: str, kind: type) 
             controller(panda, *framed, **(good | {gain: np.nan}))
 
 
+def test_gains_and_noises_below_0_are_refused(panda: mh.Model) -> None:
+    q = np.zeros(panda.nq)
+    calls: dict[str, Callable[[], Any]] = {
+        "kp is -1": lambda: control.pd_gravity(panda, q, q, q, kp=-1, kd=1),
+        "ki is -1": lambda: control.Pid(1, ki=-1, dt=0.1),
+        "damping is -1": lambda: control.impedance(panda, "panda_hand", q, q, [0, 0, 0], [0, 0, 0, 1], damping=-1),
+        "rate is": lambda: control.Adaptive(panda, slope=1, kd=1, rate=-1, dt=0.1),
+        "acceleration_noise is -1": lambda: control.KalmanFilter.of_joints(
+            [0], dt=0.1, acceleration_noise=-1, position_noise=1
+        ),
+        "position_noise is -1": lambda: control.KalmanFilter.of_joints(
+            [0], dt=0.1, acceleration_noise=1, position_noise=-1
+        ),
+        "ultimate_gain is 0": lambda: control.ziegler_nichols(0, 1),
+    }
+    for message, call in calls.items():
+        with pytest.raises(ValueError, match=message):
+            call()
+
+
 def test_nan_in_laws_without_a_model_is_named() -> None:
     nan = [0.0, np.nan]
     with pytest.raises(ValueError, match="kd"):

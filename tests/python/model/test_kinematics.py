@@ -90,10 +90,13 @@ def test_wrong_settings_are_refused_by_name(panda: mh.Model, name: str, value: A
 
 def test_coordinates_that_do_not_move_the_frame_stay_as_in_start(panda: mh.Model) -> None:
     start = panda.neutral_configuration()
-    start[-2:] = 0.5  # the fingers, far beyond their limit
-    found = mh.inverse_kinematics(panda, "panda_hand", [0.4, 0.1, 0.4], [1, 0, 0, 0], start=start, seed=2**64 - 1)
-    assert found.success
-    assert (found.q[-2:] == 0.5).all()
+    for fingers, within in ((0.03, 0.03), (0.5, 0.04), (-0.5, 0.0)):  # of 0 to 0.04
+        start[-2:] = fingers
+        found = mh.inverse_kinematics(panda, "panda_hand", [0.4, 0.1, 0.4], [1, 0, 0, 0], start=start, seed=2**64 - 1)
+        assert found.success
+        assert (found.q[-2:] == within).all()
+    free = mh.inverse_kinematics(panda, "panda_hand", [0.4, 0.1, 0.4], [1, 0, 0, 0], start=start, respect_limits=False)
+    assert (free.q[-2:] == -0.5).all()
 
 
 def test_an_unknown_frame_is_refused_by_name(panda: mh.Model) -> None:

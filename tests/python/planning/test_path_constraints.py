@@ -1,5 +1,6 @@
 """Plans under constraints, measured by forward kinematics at every millimetre of their ways."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -124,19 +125,33 @@ def test_time_limits_are_kept_under_constraints_that_leave_no_way(planner: plann
 
 
 @pytest.mark.parametrize(
-    ("keep", "error", "message"),
+    ("make", "message"),
     [
-        (planning.upright("cup", within=0.0), ValueError, "within is 0 rad"),
-        (planning.upright("cup", axis=(0, 0, 0)), ValueError, "no direction"),
-        (planning.upright("cup", axis=(0, 0, np.nan)), ValueError, "axis must be finite"),
-        (planning.upright("cup", axis=((0, 0, 1), (0, 1, 0))), ValueError, "axis has shape"),
-        (planning.upright("post"), ValueError, "'post', which no planned joint turns"),
-        (planning.upright("nobody"), KeyError, "nobody"),
-        (planning.PositionConstraint("cup", (0, 0, 0), (1, 1, 0)), ValueError, "0.001 m more"),
-        (planning.PositionConstraint("cup", (0, 0), (1, 1)), ValueError, "three numbers"),
-        (["cup"], TypeError, "str; expected AxisConstraint"),
+        (lambda: planning.upright("cup", within=0.0), "within is 0 rad"),
+        (lambda: planning.upright("cup", axis=(0, 0, 0)), "no direction"),
+        (lambda: planning.upright("cup", axis=(0, 0, np.nan)), "axis must be finite"),
+        (lambda: planning.upright("cup", axis=((0, 0, 1), (0, 1, 0))), "axis has shape"),
+        (lambda: planning.PositionConstraint("cup", (0, 0, 0), (1, 1, 0)), "0.001 m more"),
+        (lambda: planning.PositionConstraint("cup", (0, 0), (1, 1)), r"lower has shape \(2,\); expected \(3,\)"),
+        (lambda: planning.PositionConstraint("cup", quaternion=(0, 0, 0, 0)), "quaternion"),
     ],
 )
-def test_nonsense_is_refused(planner: planning.Planner, keep: Any, error: type[Exception], message: str) -> None:
+def test_constraints_without_sense_are_refused_where_they_are_made(make: Callable[[], Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        make()
+
+
+@pytest.mark.parametrize(
+    ("keep", "error", "message"),
+    [
+        (planning.upright("post"), ValueError, "'post', which no planned joint turns"),
+        (planning.upright("nobody"), KeyError, "nobody"),
+        (["cup"], TypeError, r"keep\[0\] is 'cup'; expected AxisConstraint or PositionConstraint"),
+        (None, TypeError, "keep is None; expected a list of AxisConstraint"),
+    ],
+)
+def test_constraints_that_do_not_fit_are_refused(
+    planner: planning.Planner, keep: Any, error: type[Exception], message: str
+) -> None:
     with pytest.raises(error, match=message):
         planner.plan(planner.start + 0.01, keep=keep)

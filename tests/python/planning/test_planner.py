@@ -130,6 +130,29 @@ def test_a_pose_out_of_reach_is_told_from_one_in_collision_and_from_no_time(plan
     assert not (far.success or within.success or late.success) and within.waypoints.shape == (0, 7)
 
 
+def test_a_start_that_collides_is_said_before_what_the_goal_is(planner: planning.Planner) -> None:
+    """At the zeros a Panda's hand lies in its forearm; where it is there, that is no matter of the goal."""
+    for position, quaternion in (mh.kinematics.forward(planner.model, np.zeros(9), HAND), ((3, 0, 0), (1, 0, 0, 0))):
+        plan = planner.plan(position=position, quaternion=quaternion, start=np.zeros(7))
+        assert plan.status == "start collides" and "'panda_link5' and 'panda_hand' overlap" in plan.message
+
+
+def test_where_the_arm_is_already_the_motion_stands_still(planner: planning.Planner) -> None:
+    plan = planner.plan(planner.start)
+    assert plan.success and plan.curve is None
+    motion = plan.trajectory(acceleration=5.0)
+    q, v, a = motion.sample(np.linspace(0, motion.duration, 5))
+    assert 0 < motion.duration < 0.01 and not v.any() and not a.any()
+    np.testing.assert_array_equal(q, np.tile(planner.start, (5, 1)))
+    with pytest.raises(ValueError, match="no way to follow: the goal collides"):
+        planner.plan(np.zeros(7)).trajectory(acceleration=5.0)
+
+
+def test_limits_are_no_matter_of_what_is_free_but_of_plans(planner: planning.Planner) -> None:
+    beyond = planner.start + 2 * np.pi * np.eye(7)[0]
+    assert planner.is_free(beyond) and planner.plan(beyond).status == "goal outside limits"
+
+
 def test_ctrl_c_ends_a_search() -> None:
     world = scene()
     eighth = (0, 0, np.sin(np.pi / 8), np.cos(np.pi / 8))
@@ -217,6 +240,14 @@ def test_an_empty_cloud_is_none() -> None:
         assert planning.Planner(scene(), HAND, cloud=cloud).is_free(HOME[:7])
 
 
+def test_a_cloud_in_which_nothing_is_seen_is_refused(planner: planning.Planner) -> None:
+    blind = np.full((5, 3), np.nan)
+    with pytest.raises(ValueError, match="cloud has 5 points, and none is finite"):
+        planning.Planner(scene(), HAND, cloud=blind)
+    with pytest.raises(ValueError, match="points has 5 points, and none is finite"):
+        planner.with_cloud(blind)
+
+
 def test_margins_are_kept_once_and_nearest_does_not_know_them(planner: planning.Planner) -> None:
     rows = np.concatenate([HOME[None, :7], random_rows(planner, 200, 11)])
     nearest = [planner.nearest(row) for row in rows]
@@ -281,7 +312,7 @@ def test_bad_scenes_are_refused() -> None:
     with pytest.raises(ValueError, match="or joints alone"):
         planning.Planner(world, HAND, joints=["panda_joint1"])
     assert planning.Planner(world, joints="panda_joint1").joints == ("panda_joint1",)
-    with pytest.raises(TypeError, match="str; expected a World or a Model"):
+    with pytest.raises(TypeError, match="expected Model, or a World"):
         planning.Planner("panda.urdf", HAND)  # type: ignore[arg-type]
     world.add_box("loose", (0.1, 0.1, 0.1), position=(1, 1, 1))
     joint = next(joint.name for joint in world.model.joints if joint.type == "floating")

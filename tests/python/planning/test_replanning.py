@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 pytest.importorskip("ruckig")
 import manyhands as mh
 from manyhands import planning
+from manyhands.planning.online import stop
 from manyhands.planning.replanning import Replan, replan
 
 Array = NDArray[np.float64]
@@ -101,6 +102,29 @@ def test_what_is_too_near_to_plan_for_is_stopped_for(planner: planning.Planner, 
     assert ahead.status == "collision ahead" and not ahead.success
 
 
+def test_a_motion_that_is_free_to_its_end_is_stayed_on(planner: planning.Planner) -> None:
+    """It turns a corner in time, while each way to stop runs on into what stands behind the corner."""
+    turn = np.array(EXAMPLE["START"])
+    corner = planning.quintic(
+        [0, 1, 2], [turn, turn + 0.8 * np.eye(7)[0], turn + 0.8 * np.eye(7)[0] - 0.6 * np.eye(7)[1]]
+    )
+    limits = {"acceleration": 2.0, "jerk": 100.0}
+    now = 0.7
+    rest = stop(*corner.sample(now), velocity=planner.velocity, **limits)
+    last = planner.configuration(rest.sample(rest.duration).q)
+    behind = planner.with_cloud([mh.kinematics.forward(planner.model, last, EXAMPLE["HAND"])[0]], 0.02)
+    assert behind.free_until(rest) < rest.duration
+    found = replan(behind, corner, now, turn, **limits, time_limit=0.05)
+    assert found.status == "old motion" and "free to its end" in found.message and not found.success
+    t = np.linspace(0, found.motion.duration, 500)
+    np.testing.assert_allclose(found.motion.sample(t).q, corner.sample(now + t).q, atol=1e-9)
+    assert found.switch == pytest.approx(found.motion.duration) == pytest.approx(corner.duration - now)
+    assert min(behind.nearest(q).distance for q in found.motion.sample(t[::10]).q) > 0
+    for goal, message in ((np.full(7, np.nan), "goal must be finite"), (np.zeros(3), "goal has shape"), (None, "goal")):
+        with pytest.raises(ValueError, match=message):
+            replan(behind, corner, now, goal, **limits, time_limit=0.05)
+
+
 def test_constraints_are_kept(planner: planning.Planner, slow: planning.Trajectory) -> None:
     keep = planning.upright("panda_hand", (0, 0, -1), 0.2)
     changed = planner.with_cloud(EXAMPLE["points_of_ball"]())
@@ -136,7 +160,7 @@ def test_parts_and_joined_trajectories_are_the_same_motion() -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"time_limit": 0.0}, "time_limit 0"),
+        ({"time_limit": 0.0}, "time_limit is 0"),
         ({"jerk": 0.0}, "jerk"),
         ({"goal": np.full(7, np.nan)}, "goal must be finite"),
         ({"now": np.nan}, "now is nan"),

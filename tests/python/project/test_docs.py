@@ -1,7 +1,9 @@
 """The Python of the documents runs as it stands there, block after block of a page."""
 
+import ast
 import re
 import subprocess
+import textwrap
 from pathlib import Path
 
 import pytest
@@ -9,6 +11,8 @@ import pytest
 ROOT = Path(__file__).parents[3]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 BLOCK = re.compile(r"^```python\n(.*?)^```", re.MULTILINE | re.DOTALL)
+FENCED = re.compile(r"^ *```.*?^ *```$", re.MULTILINE | re.DOTALL)
+INDENTED = re.compile(r"(?<=\n\n)(?:(?:    .*)?\n)*    .*\n")
 LINK = re.compile(r"\]\(([^)#:]+)\)")
 
 
@@ -20,6 +24,23 @@ def test_python_blocks_run(page: Path, tmp_path: Path, monkeypatch: pytest.Monke
     for block in BLOCK.finditer(text):
         line = text[: block.start(1)].count("\n")
         exec(compile("\n" * line + block.group(1), str(page), "exec"), names)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_python_stands_in_fences(page: Path) -> None:
+    """What is only indented would not run above."""
+    prose = FENCED.sub("", page.read_text())
+    for block in INDENTED.findall(prose):
+        assert not is_program(textwrap.dedent(block)), f"{page.name}: put this between ```python and ```\n{block}"
+
+
+def is_program(text: str) -> bool:
+    """Whether it is Python that does something."""
+    try:
+        nodes = list(ast.walk(ast.parse(text)))
+    except SyntaxError:
+        return False
+    return any(isinstance(node, ast.Import | ast.ImportFrom | ast.Assign | ast.Call) for node in nodes)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)

@@ -38,6 +38,21 @@ def test_the_catalogue_lists_what_there_is() -> None:
         mh.robots.load("desktop", gripper="parallel")
 
 
+@pytest.mark.parametrize("name", mh.robots.OF_ENVIRONMENTS)
+def test_the_arms_of_the_environments_load_at_home_too(name: str) -> None:
+    model, robot = mh.robots.load(name), mh.robots.describe(name)
+    assert mh.robots.path(name).stem == name and model.link(robot.tool).name.endswith("grasptarget")
+    q = model.initial_configuration()
+    np.testing.assert_allclose([q[model.joint(joint).iq] for joint in robot.home], list(robot.home.values()))
+    position, quaternion = mh.kinematics.forward(model, q, robot.tool)
+    np.testing.assert_allclose(position, [0.64, 0, 0.2], atol=0.01)  # above the table's middle, pointing down
+    assert abs(quaternion[0]) > 0.99
+    planner = mh.planning.Planner(model, robot.tool)
+    assert planner.is_free(planner.start)
+    with pytest.raises(ValueError, match="no flange"):
+        mh.robots.load(name, gripper="parallel")
+
+
 @pytest.mark.parametrize("name", ENTRIES)
 def test_it_loads_with_nothing_repaired(name: str) -> None:
     model, report = mh.load_urdf(mh.robots.path(name))
@@ -223,7 +238,7 @@ def test_an_arm_is_named_with_its_gripper() -> None:
         assert [link.name for link in mh.robots.load(name).links] == expected
     with pytest.raises(ValueError, match="name one gripper"):
         mh.robots.load("six_axis+parallel", gripper="vacuum")
-    with pytest.raises(ValueError, match="kind is 'hand', expected one of arm, gripper, furniture"):
+    with pytest.raises(ValueError, match="kind is 'hand'; expected 'arm', 'gripper' or 'furniture'"):
         mh.robots.names("hand")
 
 

@@ -70,9 +70,43 @@ def test_what_cannot_be_reached_moves_nothing() -> None:
     assert world.state_hash() == before
 
 
+def test_no_pose_is_refused() -> None:
+    world = table()
+    arm = mh.robots.Arm(world, "arm/gripper/tool")
+    before = world.state_hash()
+    for pose, message in (
+        (None, "position is None"),
+        ((None, DOWN), "position is None"),
+        (([0.5, 0, 0.3], None), "quat"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            arm.go_to(pose)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=r"seconds is 1e-06; 'arm/joint\d' needs 0.\d+ s"):
+        arm.go_to([0.5, 0, 0.3], seconds=1e-6)
+    assert world.state_hash() == before
+
+
+def test_a_hand_that_does_not_arrive_says_what_is_in_its_way() -> None:
+    world = table()
+    world.add_box("block", [0.2, 0.2, 0.1], position=[0.5, 0, 0.1], fixed=True)
+    arm = mh.robots.Arm(world, "arm/gripper/tool")
+    arm.go_to(([0.5, 0, 0.3], DOWN))
+    with pytest.raises(RuntimeError, match=r"tool did not arrive: it is \d+ mm and \d+ degrees off; .*'block'.* touch"):
+        arm.go_to([0.5, 0, 0.1])
+    assert arm.pose[0][2] > 0.15  # it stands where it got to
+
+
+def test_motors_that_are_too_weak_are_told() -> None:
+    world = mh.World(mh.robots.load("six_axis"))
+    world.add_box("load", [0.1] * 3, mass=500, position=world.body_pose("flange")[0] + [0, 0, -0.15])
+    world.weld("flange", "load")
+    with pytest.raises(RuntimeError, match=r"did not arrive: .*; nothing touches it, so its motors are too weak"):
+        mh.robots.Arm(world, "flange").go_to([0.4, 0.2, 0.5])
+
+
 def test_the_hand_is_found_or_named() -> None:
     world = table()
-    assert mh.robots.Arm(world).hand.startswith("arm/")
+    assert mh.robots.Arm(world).hand == "arm/gripper/tool"
     with pytest.raises(KeyError, match="arm/hand"):
         mh.robots.Arm(world, "arm/hand")
     with pytest.raises(ValueError, match="lead to 'cube'"):

@@ -34,6 +34,7 @@ from manyhands.training.policy_file import save_policy
 from manyhands.training.progress import TrainingProgress
 from manyhands.training.recipe import expected, find_recipe
 from manyhands.training.recorder import Recorder, Row
+from manyhands.training.run import TrainingRun
 from manyhands.training.run_folder import RunFolder
 from manyhands.training.settings import TrainSettings, parse_overrides
 
@@ -264,6 +265,28 @@ def test_ctrl_c_twice_says_how_to_go_on(tmp_path: Path) -> None:
     assert process.returncode in (130, -signal.SIGINT), err
     assert "Traceback" not in err
     assert f"manyhands train --resume {folder.path}" in out.replace("\n", " ")
+
+
+@pytest.mark.parametrize(("writer", "module"), [("_save_policy", "policy_file"), ("_draw_curve", "curve")])
+def test_ctrl_c_waits_for_modules_that_are_being_loaded(
+    writer: str, module: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Packages that are written in C++ crash where it strikes as they are made; onnx does."""
+    name = f"manyhands.training.{module}"
+
+    class Striking:
+        """Finds nothing; somebody presses Ctrl-C as it looks."""
+
+        def find_spec(self, wanted: str, *_: object) -> None:
+            if wanted == name:
+                signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.delitem(sys.modules, name, raising=False)
+    monkeypatch.setattr(sys, "meta_path", [Striking(), *sys.meta_path])
+    arguments = {"_save_policy": [None], "_draw_curve": [None, SimpleNamespace(rows=[1]), None]}
+    with pytest.raises(KeyboardInterrupt):
+        getattr(TrainingRun, writer)(None, *arguments[writer])
+    assert name in sys.modules
 
 
 def test_required_success_decides_the_exit_code(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -75,6 +75,27 @@ def test_it_says_why_there_is_no_plan(viewer: Viewer) -> None:
         assert not plan.is_following
 
 
+def test_it_says_what_to_do_where_the_arm_stands_in_itself() -> None:
+    """As a Panda's file has it: all joints at 0."""
+    with Viewer(panda(), port=18476, announce=False) as viewer:
+        _, plan = panels(viewer)
+        plan.show_goal(True, (LEFT, DOWN))
+        plan.plan_and_go()
+        assert "the start collides" in plan.status and "move its joints with the sliders first" in plan.status
+
+
+def test_whatever_goes_wrong_is_said(viewer: Viewer, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: object, **__: object) -> None:
+        raise RuntimeError("lightning")
+
+    _, plan = panels(viewer)
+    plan.show_goal(True, (LEFT, DOWN))
+    for where in ("plan", "__init__"):
+        monkeypatch.setattr(f"manyhands.planning.Planner.{where}", fail)
+        plan.plan_and_go()
+        assert plan.status == "No plan: lightning" and not plan.is_following
+
+
 def test_hands_resets_and_other_hands_end_a_plan(viewer: Viewer) -> None:
     robot, plan = panels(viewer)
     viewer.speed = 0.1

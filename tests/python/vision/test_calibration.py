@@ -30,6 +30,13 @@ def project(camera: mh.Camera, points: np.ndarray) -> np.ndarray:
     return np.stack([camera.fx * x / z + camera.cx, camera.fy * y / z + camera.cy], axis=1)
 
 
+def held(seen: mh.Camera, yaw: float, tilt: float, distance: float = 0.6) -> mh.Camera:
+    """Towards the board's middle, tilted [degrees]."""
+    a, b = np.radians([yaw, tilt])
+    eye = distance * np.array([math.sin(b) * math.cos(a), math.sin(b) * math.sin(a), math.cos(b)])
+    return seen.look_at(eye.tolist(), [0, 0, 0], up=[0, 1, 0])
+
+
 def views(seen: mh.Camera) -> list[mh.Camera]:
     """From all sides, and with all sides up."""
     around = [(0, 0, 0), (20, 25, 40), (75, 35, 110), (130, 30, 190), (200, 35, 260), (260, 25, 20), (320, 38, 300)]
@@ -64,6 +71,29 @@ def test_a_calibration_is_the_cameras() -> None:
         truth = mh.kinematics.matrix(view.position, view.quaternion)
         np.testing.assert_allclose(X[:3, 3], truth[:3, 3], atol=2e-3)
         np.testing.assert_allclose(X[:3, :3], truth[:3, :3], atol=5e-3)
+
+
+CAMERA = mh.Camera.intrinsics(640, 480, 610.0, 590.0, 330.0, 228.0)
+TOO_ALIKE = {
+    "the same from ahead": [held(CAMERA, 0, 0)] * 3,
+    "from ahead, nearer and farther": [held(CAMERA, 0, 0, distance) for distance in (0.5, 0.6, 0.8)],
+    "the same, tilted": [held(CAMERA, 0, 30)] * 4,
+    "hardly tilted": [held(CAMERA, yaw, 2) for yaw in (0, 90, 180, 270)],
+}
+
+
+@pytest.mark.parametrize("name", TOO_ALIKE)
+def test_views_that_leave_the_focal_length_open_are_refused(name: str) -> None:
+    board = Chessboard(columns=8, rows=5, side=0.025)
+    with pytest.raises(ValueError, match=r"leave the focal length open: .* tilt it by 20 to 45 degrees"):
+        calibrate(board, [render(board, view) for view in TOO_ALIKE[name]])
+
+
+@pytest.mark.parametrize("tilt", [10, 30])
+def test_few_views_that_are_tilted_do(tilt: float) -> None:
+    board = Chessboard(columns=8, rows=5, side=0.025)
+    found = calibrate(board, [render(board, held(CAMERA, yaw, tilt)) for yaw in (0, 90, 200)])
+    np.testing.assert_allclose(found.lens.K[[0, 1], [0, 1]], [610, 590], rtol=0.05)
 
 
 def test_boards_and_pictures_without_sense_are_refused() -> None:

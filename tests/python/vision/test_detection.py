@@ -1,5 +1,6 @@
 """Detection by networks that the tests make: what they find is known by hand."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -105,3 +106,13 @@ def test_things_are_boxes_of_numbers() -> None:
     assert vision.things(np.zeros((0, 5), int)) == {}
     with pytest.raises(ValueError, match="segmentation is float64"):
         vision.things(np.zeros((2, 2)))
+
+
+def test_files_that_are_no_networks_are_told(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError, match=r"there is no file '.*nowhere.onnx' with a network"):
+        vision.Detector(tmp_path / "nowhere.onnx")
+    (tmp_path / "text.onnx").write_text("no network")
+    with pytest.raises(ValueError, match=r"text.onnx' is no ONNX model"):
+        vision.Detector(tmp_path / "text.onnx")
+    with pytest.raises(ValueError, match=r"size is \(64, 64\); the network's input is fixed at \(96, 64\)"):
+        vision.Detector(cells(), size=(64, 64))

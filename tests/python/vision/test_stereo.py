@@ -104,7 +104,12 @@ def test_lenses_that_bend_are_made_straight() -> None:
 
 @pytest.mark.parametrize(
     ("arguments", "text"),
-    [({"disparities": 40}, "multiple of 16"), ({"block": 4}, "odd"), ({"disparities": 0}, "16 or more")],
+    [
+        ({"disparities": 40}, "multiple of 16"),
+        ({"block": 4}, "odd"),
+        ({"disparities": 0}, "16 or more"),
+        ({"disparities": 320}, "below the width, 320"),
+    ],
 )
 def test_settings_without_sense_are_refused(arguments: dict[str, int], text: str) -> None:
     with pytest.raises(ValueError, match=text):
@@ -115,6 +120,18 @@ def test_pairs_and_pictures_that_do_not_fit_are_refused() -> None:
     left, right = cameras()
     with pytest.raises(ValueError, match="to the right"):
         StereoRig(right, left)
+    facing = left.look_at([0.04, 1.0, 0.7], [0.04, 0.0, 0.1])
+    rolled = right.look_at([0.04, -1.0, 0.7], [0.04, 0.0, 0.1], up=[0, 0, -1])
+    for other, angle in ((facing, "1[0-9]{2}"), (rolled, "180")):
+        with pytest.raises(ValueError, match=f"turned by {angle} degrees; expected 45"):
+            StereoRig(left, other)
+    seen = Lens.of(right)
+    with pytest.raises(ValueError, match="X is no rigid motion"):
+        Lens(seen.size, seen.K, seen.X @ np.diag([-1.0, 1, 1, 1]))
+    with pytest.raises(ValueError, match="focal lengths above 0"):
+        Lens(seen.size, np.diag([-1.0, 1, 1]), seen.X)
+    with pytest.raises(ValueError, match="distortion has 3 numbers"):
+        Lens(seen.size, seen.K, seen.X, np.zeros(3))
     with pytest.raises(ValueError, match="one size"):
         StereoRig(left, mh.Camera.perspective(100, 100, 1.0))
     with pytest.raises(ValueError, match="mounted on 'hand'"):

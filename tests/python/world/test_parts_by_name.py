@@ -76,6 +76,8 @@ def test_a_move_that_is_refused_changes_nothing() -> None:
         world.move({"panda_joint1": 0.3, floating: 0.1})
     with pytest.raises(ValueError, match="finite"):
         world.move({"panda_joint1": math.nan})
+    with pytest.raises(ValueError, match=r"'panda_joint2' is to go to 9.*, beyond its limits"):
+        world.move({"panda_joint1": 0.3, "panda_joint2": 9.0})
     with pytest.raises(ValueError, match="negative"):
         world.move({"panda_joint1": 0.1}, max_force=-1)
     assert world.snapshot() == before
