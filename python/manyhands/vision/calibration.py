@@ -103,7 +103,10 @@ def calibrate(board: Chessboard, pictures: Sequence[ArrayLike]) -> Calibration:
             "next; tilt it by 20 to 45 degrees, in each picture about another axis"
         )
     places = board.corners.astype(np.float32)[:, None]
-    error, K, distortion, turns, shifts = cv2.calibrateCamera([places] * len(seen), seen, (width, height), None, None)
+    # The third radial term is left at 0: corners that do not reach the picture's edge leave it open.
+    error, K, distortion, turns, shifts = cv2.calibrateCamera(
+        [places] * len(seen), seen, (width, height), None, None, flags=cv2.CALIB_FIX_K3
+    )
     poses = np.array([_pose(cv2.Rodrigues(turn)[0], shift) for turn, shift in zip(turns, shifts, strict=True)])
     return Calibration(Lens.of_opencv((width, height), K, poses[0], distortion.ravel()), poses, float(error))
 
